@@ -2,7 +2,7 @@
 # Runs a command as on a new machine: a bare Debian with only apt and certificates, in a fresh clone
 # of HEAD. With `./slipbench demo`, it shows which packages packages.txt lacks.
 #   tools/setup/bare_debian.sh [-r bookworm|trixie] [-d FOLDER] COMMAND...
-# -r: release; default bookworm, Debian 12. -d: keeps system and clone in FOLDER; default: deletes both.
+# -r: release; default bookworm, Debian 12. -d: keeps system and clone in FOLDER; default: deletes.
 # Needs root and Debian's mmdebstrap; exits with 3 if no such system can be created. The system is a
 # chroot of 150 MB, created in 20 s.
 set -euo pipefail

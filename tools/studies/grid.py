@@ -76,7 +76,8 @@ def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Tr
         [cell][trial] results of `reduce`
 
     Raises:
-        InputError: of a trial, with the cell's name, the trial's number and the command that runs
+        InputError: a trial fails; with the cell's name, the trial's number and the command that
+            runs
             it
         KeyboardInterrupt: after Ctrl-C, once the running trials have ended
     """
@@ -133,7 +134,7 @@ def make_dataset(path: str, cell: Cell, options: Options, what: str = "") -> Non
         what: simulated items in lines of progress: "sequences"; empty: no lines
 
     Raises:
-        InputError: of a trial
+        InputError: a trial fails
         KeyboardInterrupt: after Ctrl-C
     """
     said = 0

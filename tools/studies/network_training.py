@@ -142,7 +142,7 @@ def train_all(name: str, subjects: Sequence[str], options: Options, work: Callab
         the result of each network, in order; it does not depend on options.jobs
 
     Raises:
-        InputError: of a network, or as KeptNetworks
+        InputError: a network fails, or as KeptNetworks
         KeyboardInterrupt: after Ctrl-C; its text states what is saved
     """
     kept = KeptNetworks(options, name) if options.output else None

@@ -1,4 +1,4 @@
-// Opens untrusted datasets, after slipbench-reader has read them in a process of its own
+// Opens untrusted datasets, after slipbench-reader has read them in a separate process
 // (sim/core/process/check_readable.h).
 #pragma once
 

@@ -17,7 +17,7 @@
 namespace slipbench {
 namespace {
 
-// What exists under a name.
+// Content of a path.
 struct Found {
   enum class Kind {
     nothing,

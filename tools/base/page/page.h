@@ -55,7 +55,7 @@ bool begins_as_page(std::string_view text, std::string_view generator);
 // A kind of page with the object that it shows: FILE.html, with FILE.json.
 struct PageKind {
   std::string_view what;                 // in "-o r.txt: WHAT is a page with its figures beside it": "a result"
-  std::string_view generator;            // of the page
+  std::string_view generator;            // generator of the page
   std::string_view page, json;           // names in messages: "page of slipbench eval", "result of slipbench eval"
   std::array<std::string_view, 2> keys;  // possible first keys of the object
 };

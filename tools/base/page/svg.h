@@ -52,7 +52,7 @@ class Svg {
 
   // The drawing as an element for compose_page(). `title`: description for screen readers.
   [[nodiscard]] std::string element(std::string_view title) const;
-  // The drawing as a file of its own with its colours, for light and dark pages.
+  // The drawing as a separate file with its colours, for light and dark pages.
   [[nodiscard]] std::string file(std::string_view title) const;
 
  private:

@@ -188,7 +188,7 @@ std::size_t components_of(const SensorColumn& channel) {
 }
 
 // The values of a component that are finite at least once, those that change the most first.
-// `names`: of the channel's values.
+// `names`: names of the channel's values.
 std::vector<Signal> signals_of(const SensorColumn& channel, std::span<const std::string> names, std::size_t component) {
   const std::size_t width = channel.row_size();
   std::vector<Signal> signals;

@@ -240,8 +240,7 @@ struct TrialRecord {
   std::string libraries = {};
   TrialOutcome outcome;
   std::vector<SensorRecord> sensors;  // empty, as are the bodies, if only the outcome was recorded
-  std::vector<double>
-      body_time;  // [T] s, samples of the fastest sensor that follows no other's pad; imported: of the first sensor
+  std::vector<double> body_time;      // [T] s, samples of the fastest sensor with its own pad; imported: of the first sensor
   std::vector<BodyRecord> bodies;
   std::optional<ControlRecord> control;  // empty: no detector and no controller
 

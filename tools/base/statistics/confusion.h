@@ -42,8 +42,8 @@ double accuracy(const Confusion& confusion);
 // Accuracy of the best constant answer: the share of the most frequent state.
 double constant_accuracy(const Confusion& confusion);
 
-// The two scores below ask of every sample, in contact or not, whether it slips. A sample without
-// contact does not slip, and no_contact is an answer of no slip.
+// The two scores below cover all samples, with and without contact. A sample without contact does
+// not slip, and the answer no_contact counts as no slip.
 
 // Mean of recall_of_slip() and of the share of the samples without slip that are not seen as slip:
 // 1/2 for any constant answer. NaN if one of the two does not occur.

@@ -19,7 +19,7 @@ namespace slipbench {
 // fork(), or a replacement: Python has hooks to run before and after.
 using Fork = std::function<pid_t()>;
 
-// How a child process ended.
+// End of a child process.
 struct ChildEnd {
   enum class Kind {
     result,     // the action returned

@@ -14,7 +14,7 @@
 
 namespace slipbench {
 
-// Like OrderedWorkers, with a child process per work item in place of threads: each starts with a
+// Like OrderedWorkers, with a child process per work item instead of threads: each starts with a
 // copy of this process's current memory and passes nothing to the next. Few results wait at a time.
 class OrderedChildren {
  public:

@@ -126,7 +126,7 @@ std::vector<ParameterSpec> parameters_of(ParameterSpec limit) {
           "free")};
 }
 
-// `field`: of the outcome in a dataset.
+// `field`: name of the outcome in a dataset.
 ExpectationKind number(std::string name, Comparison comparison, Quantity quantity, std::string example, std::string summary,
                        const std::string& field, double (*observed)(const TrialOutcome&)) {
   const bool at_most = comparison == Comparison::at_most;

@@ -38,7 +38,7 @@ struct ExpectationKind {
   Comparison comparison = Comparison::at_most;
   double (*observed)(const TrialOutcome&) = nullptr;  // SI, a flag as 0 or 1; NaN: never happened, or no value
   bool of_box = false;                                // concerns the fate of the box, not the grip
-  const char* absent = "never";                       // text for users where there is no value
+  const char* absent = "never";                       // text for users without a value
 
   // True if a trial keeps the expectation. `limit`: SI, a flag as 0 or 1.
   [[nodiscard]] bool kept(double observed, double limit) const;

@@ -145,9 +145,8 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   std::ranges::stable_sort(order, {}, rank);
   result.worst = {order.front()->trial, observed_in(kind, *order.front())};
   result.worst_text = order.front()->failure.empty() ? value_text(kind, result.worst.value, limit) : "failed to run";
-  // Median: of an even number the mean of the middle two; the worse one for a flag, or if either
-  // has
-  // no value.
+  // Median: for an even number the mean of the middle two; the worse one for a flag, or if either
+  // has no value.
   const CheckedTrial& middle = *order[(order.size() - 1) / 2];
   const double other = observed_in(kind, *order[order.size() / 2]);
   result.median = observed_in(kind, middle);
@@ -211,7 +210,7 @@ SceneFile load_scene(const CheckOptions& options) {
   return file;
 }
 
-// Throws InputError for a reliability that so many trials cannot show.
+// Throws InputError for a reliability that the number of trials cannot show.
 void check_reliabilities(const TrialPlan& plan, const ExpectScene& expect) {
   try {
     for (const Named& expectation : expect.expectations)

@@ -86,8 +86,8 @@ bool expects_anything(const CheckOptions& options, const Catalogues& catalogues)
 SweepOptions sweep_of(const CheckOptions& options);
 
 // Runs the scene's trials and evaluates each expectation. A failed trial keeps none. Throws
-// InputError for an invalid scene, for a reliability that so many trials cannot show, and if the
-// files of a failed check cannot be written; Interrupted once options.interrupt is true.
+// InputError for an invalid scene, for a reliability that the number of trials cannot show, and
+// if the files of a failed check cannot be written; Interrupted once options.interrupt is true.
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
 // Message of a failed expectation: "max_slip: at most 3 mm in 17 of 20 trials, needed in 20; worst:

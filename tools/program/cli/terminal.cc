@@ -42,7 +42,7 @@ std::string remaining_text(const ProgressState& state) {
   return clock_text(state.elapsed * left / static_cast<double>(state.done));
 }
 
-// A finished sweep shows its duration in place of the remaining time.
+// A finished sweep shows its duration instead of the remaining time.
 std::string time_text(const ProgressState& state) {
   return state.done == state.total ? clock_text(state.elapsed) : "ETA " + remaining_text(state);
 }

@@ -164,7 +164,7 @@ std::optional<MeasureError> force_error(const std::vector<Both>& sensors) {
   return values.error();
 }
 
-// `states`: of the pad, or with `by_unit` of each of its units; 0 means no contact.
+// `states`: states of the pad, or with `by_unit` of each of its units; 0 means no contact.
 std::optional<MeasureError> state_error(const std::vector<Both>& sensors, std::vector<std::uint8_t> LabelRecord::*states,
                                         bool by_unit) {
   MeasureValues values;

@@ -23,14 +23,14 @@ namespace slipbench::cost {
 struct Setting {
   std::string series;             // name of its Series: "field"
   std::string label;              // within the series: "1 ms"
-  std::vector<Override> changes;  // applied after the user's own; empty: the scene as it is
+  std::vector<Override> changes;  // applied after the user's own; empty: unchanged scene
 };
 
 // Settings that differ in one parameter and form one curve.
 struct Series {
   std::string name;   // "field"
   std::string title;  // "element field, explicit"
-  // True if the series' finest setting, the last, is its reference in place of the scene's: the
+  // True if the series' finest setting, the last, is its reference instead of the scene's: the
   // settings are other models of the same sensor, which do not converge to the scene's own.
   bool own_reference = false;
 };
@@ -90,7 +90,7 @@ inline constexpr std::size_t least_repeats = 3;
 
 struct Row {
   Setting setting;
-  bool own = false;     // the scene as it is
+  bool own = false;     // the unchanged scene
   double rate = 0.0;    // Hz, output rate of the fastest sensor; 0: none is set
   std::string command;  // runs the setting
   Status status = Status::ok;
@@ -147,7 +147,7 @@ struct Exploration {
   [[nodiscard]] double cost(const Row& row) const { return row.cpu->median / simulated; }
 };
 
-// Throws InputError for a scene that is unreadable or does not run as it is, and for a budget of
+// Throws InputError for a scene that is unreadable or does not run unchanged, and for a budget of
 // less than budget_in_runs trials; Interrupted if interrupted before there is a reference.
 inline constexpr double budget_in_runs = 12.0;
 Exploration explore(const ExploreOptions& options, const Catalogues& catalogues);

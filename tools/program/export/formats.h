@@ -59,7 +59,7 @@ std::string training_csv(const PapillarraySamples& samples, double rate);
 bool begins_as_training_csv(std::string_view text);
 
 // File name that the published training code expects: "translation/demo_3-v_4.0-slip.csv"
-// (README.md). `time`: of the pad's samples.
+// (README.md). `time`: times of the pad's samples.
 std::string training_file_name(std::size_t trial, const CommandedMotion& motion, const BodyRecord& pad,
                                const std::vector<double>& time);
 

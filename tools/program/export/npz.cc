@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::string_view first_member = "about.npy";
 
-// A zip archive in memory. Its members carry the format's earliest time in place of the current
-// one.
+// A zip archive in memory. Its members carry the format's earliest time instead of the
+// current one.
 class ZipArchive {
  public:
   ZipArchive() : archive_(archive_write_new(), &archive_write_free) {

@@ -96,7 +96,7 @@ class SourceTable {
   // A cell that must be one of these whole numbers.
   [[nodiscard]] int one_of(std::size_t cell, std::string_view name, std::span<const int> allowed) const;
   [[nodiscard]] bool flag(std::size_t cell, std::string_view name) const;
-  // Throws InputError if a recording with so many rows of so many bytes is too large.
+  // Throws InputError if a recording of `rows` rows with `row_bytes` bytes each is too large.
   void expect_room(std::size_t rows, std::size_t row_bytes) const;
 
  private:

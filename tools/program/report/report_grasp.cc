@@ -120,7 +120,7 @@ class ParameterRows {
     if (found != protocol_catalogue().end() && !swept.contains("grip.protocol")) protocol_ = &*found;
   }
 
-  // `path`: of the map with the entry's parameters.
+  // `path`: path of the map with the entry's parameters.
   void add(const std::vector<std::string>& path, const Entry& entry) {
     for (const ParameterSpec& spec : entry.parameters) add(path, spec);
   }

@@ -43,7 +43,6 @@ std::size_t stride_for(std::size_t values, std::size_t most) { return values <= 
 
 // True if a channel belongs to the units: its first extent is their number, or it has one value for
 // each. The values of a pad with one unit belong to the sensor as a whole.
-// sensor's as a whole.
 bool per_unit(const SensorColumn& channel, std::size_t units) {
   return units > 1 && !channel.time && (channel.row_size() == units || (!channel.shape.empty() && channel.shape[0] == units));
 }

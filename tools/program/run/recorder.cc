@@ -34,7 +34,7 @@ std::size_t fastest_of(const Scene& scene, std::span<const std::unique_ptr<Senso
 // Number of rows of a channel for `samples` samples of its sensor.
 std::size_t rows_of(const Channel& channel, std::size_t samples) { return samples / channel.every; }
 
-// `ahead` [m]: offset of a follower. `scale`: of the trial's friction.
+// `ahead` [m]: offset of a follower. `scale`: scale of the trial's friction.
 void describe_units(const PadLayout& layout, double ahead, const FrictionScene& friction, double scale, LabelRecord& labels) {
   for (const UnitRange& unit : layout.units) {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();

@@ -30,7 +30,7 @@ inline constexpr std::size_t cropped = 12;
 void turn_image(std::span<const float> image, std::size_t rows, std::size_t columns, std::size_t turn,
                 std::span<float, cropped * cropped> out);
 
-// Returns the trial with `taxels` [T,12,12,12] (sample, turn, row, column) in place of the images
+// Returns the trial with `taxels` [T,12,12,12] (sample, turn, row, column) instead of the images
 // of every myrmex that is large enough, without value names. Throws InputError if there is no such
 // sensor.
 TrialRecord turned_images(TrialRecord record);

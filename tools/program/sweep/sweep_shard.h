@@ -32,7 +32,7 @@ void add_named_files(const Scene& scene, const Catalogues& catalogues, std::set<
 // Files that several trials read and that must not change between trials.
 class HeldFiles {
  public:
-  // A folder stands for its files. Throws InputError for an unreadable file.
+  // A folder means its files. Throws InputError for an unreadable file.
   explicit HeldFiles(const std::set<std::string>& paths);
 
   // SHA-256 as 64 hexadecimal digits, by path.

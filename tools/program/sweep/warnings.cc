@@ -158,7 +158,6 @@ void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
 
 // Checks one of a texture's two waves, whose length is the parameter `name`. Assumes the pad's axes
 // parallel or perpendicular to the surface's, as on a stage.
-// stage stands.
 void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& texture, const std::string& name, Collector& found) {
   constexpr double lost = 0.1;  // share of a wave below which harmonics dominate the reading
   const double wavelength = texture.number(name), angle = texture.number("angle");

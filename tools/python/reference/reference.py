@@ -22,7 +22,7 @@ def is_public(doc: pdoc.doc.Doc) -> bool:
 
 
 def declaration(doc: pdoc.doc.Doc) -> str:
-    """How it is written: `def run(self, ...) -> Trial`; a dataclass with its fields."""
+    """Declaration as in the source: `def run(self, ...) -> Trial`; a dataclass with its fields."""
     if isinstance(doc, pdoc.doc.Function):
         text = "\n".join([*doc.decorators, f"{doc.funcdef} {doc.name}{doc.signature}"])
     elif isinstance(doc, pdoc.doc.Class):

@@ -87,11 +87,11 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
         label_speed: tip speed above which a unit slips by paper and has_slipped, "0.1 mm/s" or m/s;
             empty: 0.1 mm/s
         sensors: names of the sensors to export; empty: all
-        rate: of the rows, "100 Hz" or in Hz; each row has the latest values; empty: each sensor's
+        rate: rate of the rows, "100 Hz" or in Hz; each row has the latest values; empty: sensor's
             own rate
         split: only the trials of train, valid or test; empty: all
         trial: number of the only trial to export; None: all trials
-        licence: of the data, for the dataset card, such as "cc-by-4.0"; empty: not stated
+        licence: licence of the data, for the dataset card, such as "cc-by-4.0"; empty: not stated
         points: add position and force of each unit to lerobot, as the feature
             observation.tactile.<sensor> [units, 6]
         compress: write .csv.gz instead of .csv, and the arrays of robomimic compressed
@@ -119,7 +119,7 @@ def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike =
             papillarray_ros, papillarray_ros2, xela_ros or biotac_ros
         rate: resampling rate, "100 Hz" or in Hz, by linear interpolation without a filter; empty:
             as recorded
-        seed: of the split into training, validation and test; None: 1
+        seed: seed of the split into training, validation and test; None: 1
 
     Returns:
         The object that `--json` prints.

@@ -266,7 +266,7 @@ class StoredTrial:
 
     Attributes:
         trial: number in the sweep
-        seed: of the dataset
+        seed: seed of the dataset
         params: swept values by dotted path, SI
         outcome: the trial's outcome
         sha256: digest of the whole trial; empty in a file of schema 1
@@ -334,9 +334,9 @@ class Dataset(Mapping[int, StoredTrial]):
     """The trials of a dataset, in one or more files, by number. Created by `open()`.
 
     Attributes:
-        version: of the program that wrote it
+        version: version of the program that wrote it
         scene: text of the scene file
-        seed: of the dataset
+        seed: seed of the dataset
         command: command that writes the dataset again
         complete: True if it contains the whole sweep
         failed: trials that failed, each a dict of trial, message, command

@@ -78,7 +78,7 @@ class Estimate:
     Attributes:
         state: state of the whole pad
         latency: s, from the frame until the loop sees the result
-        stuck_fraction: of the touching units, 0 to 1; NaN: not estimated
+        stuck_fraction: stuck fraction of the touching units, 0 to 1; NaN: not estimated
     """
 
     state: State
@@ -92,7 +92,7 @@ class Slip:
 
     Attributes:
         state: a `State`; NO_CONTACT without a detector
-        stuck_fraction: of the touching units, 0 to 1; NaN: not estimated
+        stuck_fraction: stuck fraction of the touching units, 0 to 1; NaN: not estimated
         position: counts, 0 open to 255
         moving: True if the fingers are moving
         stopped: True if they stopped at the force limit
@@ -147,7 +147,7 @@ class SensorSource:
 
     Attributes:
         sensor: its name in the scene
-        seed: of the dataset
+        seed: seed of the dataset
         trial: the trial's number
     """
 

@@ -163,13 +163,13 @@ class Scene:
     `sweep()`, `write()` and `check()` of everything else.
 
     Attributes:
-        path: of the file; "<text>" or "<dict>" in its folder for a scene without a file
+        path: path of the file; "<text>" or "<dict>" in its folder for a scene without a file
         overrides: pairs of dotted path and YAML text, as for `--set`
     """
 
     def __init__(self, path: str, overrides: list[tuple[str, str]], told: dict[str, str] | None = None, text: str | None = None) -> None:
-        """`told`: warnings issued so far, by subject. `text`: of a scene that is not read from the
-        file at `path`."""
+        """`told`: warnings issued so far, by subject. `text`: text of a scene that is not read from
+        the file at `path`."""
         self.path = path
         self.overrides = overrides
         self._text = text
@@ -320,7 +320,7 @@ class Scene:
     def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
         """Iterates over all trials of the scene's sweep, in order: `for trial in scene.sweep()`.
 
-        `draws`: of each cell of the grid; 0: as in the scene. `seed`, `record`: as for `run()`.
+        `draws`: draws per cell of the grid; 0: as in the scene. `seed`, `record`: as for `run()`.
         `jobs`: threads; 0: one per core.
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
@@ -387,7 +387,7 @@ class Scene:
         return any(name in text for name in ("plugin", *own_names) for text in [self.text, *(value for _, value in self.overrides)])
 
     def _apart(self, isolate: bool | None, time: float | None, trials: int) -> tuple[bool, float]:
-        """Returns whether `trials` trials run in processes of their own, as `write()` documents,
+        """Returns whether `trials` trials run in separate processes, as `write()` documents,
         and the time limit of each [s]."""
         if time is not None and not time > 0:
             raise _core.InputError(f"trial_limit={time}; allowed: more than 0 s")
@@ -453,7 +453,8 @@ def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapp
     eval DETECTOR DATASET --json`.
 
     `detector`: a name in a scene, including custom ones, FILE.onnx, or a folder of memories.
-    `parameters`: of the detector, by name. `labels`: rule of the truth: strict, micro, masked,
+    `parameters`: parameters of the detector, by name. `labels`: rule of the truth: strict, micro,
+    masked,
     paper, latched, has_slipped or recorded (the labels of imported recordings); empty: recorded for
     recordings, else the rule of a network's training, or strict. `sensor`: the one that it reads;
     empty: the only one. `split`: "train", "valid" or "test" of the dataset's masks; empty: all

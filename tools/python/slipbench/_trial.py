@@ -255,7 +255,7 @@ class Trial:
 
     Attributes:
         trial: number in the sweep
-        seed: of the dataset
+        seed: seed of the dataset
         params: swept values by dotted path, SI
         outcome: the trial's outcome, with the keys of a dataset's attribute `outcome`
         sensors: output of each sensor, by name; empty if only outcomes were recorded

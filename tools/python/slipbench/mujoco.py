@@ -236,7 +236,7 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
         with three more columns for axes other than -Z. Or a class as for `slipbench.sensor()`: each
         `read()` of the returned pad is then a sample, which the class computes from the true
         contact; pads found by name return the contact.
-    name: of the pad; default: that of the site.
+    name: name of the pad; default: that of the site.
     friction: coefficient, or {"static": ..., "kinetic": ...}; material: a named one. Not both.
     solver: "explicit", or "implicit", which sets integrator, iterations and cone and adds tendons.
     effects: as in a scene's list of a sensor's effects.

@@ -159,7 +159,7 @@ def run_grasps(draws: int, options: Options) -> Grasps:
     """Simulates grasps of SCENE.
 
     Args:
-        draws: of each of its nine cells; 0: as in the scene
+        draws: draws in each of its nine cells; 0: as in the scene
         options: seed, jobs, progress output
 
     Returns:

@@ -32,7 +32,7 @@ class Row:
         network: the network
         synthetic: grasps in its representation
         real: likewise; None without --real
-        numbers: of its validations: "synthetic", and those in TRAINED_ON
+        numbers: numbers of its validations: "synthetic", and those in TRAINED_ON
     """
 
     network: StabilityNetwork

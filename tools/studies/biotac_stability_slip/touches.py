@@ -75,7 +75,7 @@ def run_touches(scene: str, draws: int, options: Options) -> list[Touch]:
 
     Args:
         scene: SCENE or RANDOM_SITE_SCENE
-        draws: of each of its cells with each of DEVICES
+        draws: draws in each of its cells with each of DEVICES
         options: seed, jobs, progress output
 
     Returns:
@@ -104,7 +104,7 @@ class Window:
         site: True: the level of each electrode is kept, which shows the contact's position; False:
             its mean over the window is subtracted
         image: name of the image of IMAGES that represents a row; empty: the electrodes
-        figures: one row of figures in place of the rows: "by_electrode" (24 standard deviations,
+        figures: one row of figures instead of the rows: "by_electrode" (24 standard deviations,
             counts, and 24 slopes of the linear fit through the rows, counts per row), "sorted" (the
             standard deviations, ascending) or empty
     """

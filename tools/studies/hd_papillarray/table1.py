@@ -129,7 +129,7 @@ class Ablation:
             the draws of each model, split by sequence and, with `by_frame`, by frame
 
         Raises:
-            InputError: of a trial, or if the data are unsuitable for training
+            InputError: if a trial fails, or if the data are unsuitable for training
             KeyboardInterrupt: after Ctrl-C
         """
         self._options.say(name)
@@ -241,7 +241,7 @@ def variants_table(title: str, variants: dict[str, OfModels]) -> Table:
     """Balanced accuracy and accuracy of each model under each variant.
 
     Args:
-        title: of the table
+        title: title of the table
         variants: draws by sequence
     """
     measures = {"balanced": "balanced_accuracy", "accuracy": "accuracy"}
@@ -317,7 +317,7 @@ def study(options: Options) -> Result:
         that need new data
 
     Raises:
-        InputError: of a trial, or if the data are unsuitable for training
+        InputError: if a trial fails, or if the data are unsuitable for training
         KeyboardInterrupt: after Ctrl-C
     """
     with tempfile.TemporaryDirectory() as folder:

@@ -118,7 +118,7 @@ def run_row(name: str, dataset: str, model: str, options: Options) -> dict[str, 
         size of the file; step_s
 
     Raises:
-        InputError: of the training
+        InputError: the training fails
     """
     row = ROWS[name]
     trained = train_detector(name, row.recipe, dataset, model, options, row.labels)

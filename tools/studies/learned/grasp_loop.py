@@ -134,7 +134,7 @@ def train_network(recipe: str, dataset: str, folder: str, options: Options) -> f
         balanced accuracy, slip or not, on the test trials
 
     Raises:
-        InputError: of the training
+        InputError: the training fails
     """
     from slipbench.learning import find_recipe
     from slipbench_studies.network_training import train_detector
@@ -160,7 +160,7 @@ def train_all(names: Sequence[str], folder: str, options: Options) -> dict[str, 
         for each network the balanced accuracy on the test trials
 
     Raises:
-        InputError: of a grasp or a training
+        InputError: a grasp or a training fails
         KeyboardInterrupt: after Ctrl-C
         ModuleNotFoundError: if a row needs PyTorch, which is missing
     """
@@ -222,7 +222,7 @@ def table_of(condition: str, rows: dict[str, Loop], figures: dict[str, dict[str,
     Args:
         condition: a key of CONDITIONS
         rows: by name
-        figures: of each row, by name
+        figures: figures of each row, by name
     """
     table = Table(condition, ["", "dropped", "95 %", "slip, median mm", "greatest force / least", "last force / least"])
     for name, row in rows.items():

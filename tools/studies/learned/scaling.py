@@ -179,7 +179,7 @@ def train_and_score(task: Task, options: Options) -> Json:
         as figures_of(), with "trials"
 
     Raises:
-        InputError: of a trial, the training or the benchmark
+        InputError: a trial, the training or the benchmark fails
         KeyboardInterrupt: after Ctrl-C
     """
     options = replace(options, jobs=1)  # other tasks run at the same time
@@ -215,7 +215,7 @@ def add_subject(result: Result, subject: str, tasks: list[Task], found: list[Jso
     Args:
         result: target
         subject: a key of SUBJECTS
-        tasks: of all sensors
+        tasks: tasks of all sensors
         found: results of train_and_score() for each
     """
     counts = Table(f"{subject}: by the number of trials", ["trials", *HEAD])

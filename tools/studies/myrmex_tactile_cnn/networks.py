@@ -312,7 +312,7 @@ def accuracy(counts: NDArray[np.int64]) -> float:
     return mean_sd(recalls[~np.isnan(recalls)])[0]
 
 
-STABLE = ("late", "earlier", "holds")  # stable windows: of the last half second before the onset, all of them; of those drawn: earlier, of trials that hold
+STABLE = ("late", "earlier", "holds")  # stable windows: all of the last half second before the onset; drawn ones: earlier, of trials that hold
 
 
 @dataclass(frozen=True)
@@ -376,13 +376,13 @@ def run_trials(options: Options, size: Size) -> list[Windows]:
 
     Args:
         size: size of the study
-        size: of the study
+        size: size of the study
 
     Returns:
         one element per trial
 
     Raises:
-        InputError: of a trial, and if a class has no window
+        InputError: if a trial fails, or if a class has no window
     """
     seed = options.draws_seed
     trials = run_grid([Cell("trials", SCENE, draws=size.draws)], options, lambda _, trial: windows_of(trial, size.turned, seed))[0]

@@ -42,7 +42,7 @@ class Variant:
         overrides: overrides of the scenes
         averaged: True: the reference is averaged like si
         apart: number of recordings per image kept: takes this many times as many recordings, and
-            keeps every so many-th image
+            keeps one of this many images
     """
 
     overrides: dict[str, str] = field(default_factory=dict)

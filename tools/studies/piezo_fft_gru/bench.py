@@ -169,7 +169,7 @@ def run_recordings(levels: Iterable[float], count: int, inputs: Sequence[Input],
         the recordings
 
     Raises:
-        InputError: of a trial
+        InputError: a trial fails
     """
     overrides = {"sweep.motion.vibration": f"[{', '.join(f'{level:g}' for level in levels)}]"}
     if not others_too:

@@ -164,7 +164,8 @@ def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs
         the recordings
 
     Raises:
-        InputError: of a trial or of the dataset, or if too few recordings have slip for the folds
+        InputError: if a trial fails, the dataset is invalid, or too few recordings have slip for
+            the folds
     """
     if options.data:
         recordings = read_recordings(options.data, inputs)

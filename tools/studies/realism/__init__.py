@@ -91,7 +91,7 @@ def figures_of(name: str, options: Options) -> tuple[list[RealFigure], list[str]
         figures of real devices beside ours; the set-up, a line each
 
     Raises:
-        InputError: of the study
+        InputError: the study fails
     """
     if name in OWN:
         return OWN[name].figures(options), [OWN[name].setup]

@@ -99,7 +99,7 @@ def figures(options: Options) -> list[RealFigure]:
         the figures
 
     Raises:
-        InputError: of a trial
+        InputError: a trial fails
     """
     [trials] = run_grid([Cell("board.yaml", SCENE)], options, lambda _, trial: waves_of_trial(trial))
     mean = {name: float(np.mean([getattr(one, name) for one in trials])) for name in ("level_sd", "harmonics", "slow", "frequency")}

@@ -125,7 +125,7 @@ def device_summaries(options: Options) -> Floats:
         [DEVICES, 7]
 
     Raises:
-        InputError: of a trial
+        InputError: a trial fails
     """
     summaries = list[Floats]()
     for device in range(DEVICES):
@@ -147,7 +147,7 @@ def vibration_amplitude(options: Options) -> float:
         amplitude in the fundamental
 
     Raises:
-        InputError: of the trial
+        InputError: the trial fails
     """
     travel, start = 10e-3, 0.4  # mm, s
     changes = {"sensors.pad.electronics": FILTER, "friction": "{static: 20, kinetic: 20}", "time_step": "0.05 ms", "duration": "0.53 s",
@@ -188,7 +188,7 @@ def step_half(options: Options) -> float:
         ms after the middle of the press, which takes 20 us
 
     Raises:
-        InputError: of a trial
+        InputError: a trial fails
     """
     speed, depth = 10e3, 0.2  # mm/s, mm
     cells, touches = list[Cell](), list[float]()
@@ -217,7 +217,7 @@ def figures(options: Options) -> list[RealFigure]:
         the figures; ours are medians over DEVICES simulated devices
 
     Raises:
-        InputError: of a trial
+        InputError: a trial fails
     """
     ours = np.median(device_summaries(options), axis=0)
     real = [REAL_SHEAR_TO_NORMAL, REAL_NORMAL_TO_SHEAR, REAL_SHEAR_TO_SHEAR, REAL_RESIDUAL, REAL_MATRIX_RESIDUAL, REAL_NORMAL_SCATTER,

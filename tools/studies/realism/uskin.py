@@ -144,7 +144,7 @@ def figures(options: Options) -> list[RealFigure]:
         the figures
 
     Raises:
-        InputError: of a trial
+        InputError: a trial fails
     """
     options = replace(options, seed=SCENE_SEED if options.seed is None else options.seed)
     [trials] = run_grid([Cell("creep.yaml", SCENE)], options, lambda _, trial: recording_of(trial))

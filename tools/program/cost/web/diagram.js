@@ -398,7 +398,7 @@ function controls() {
           'which error', [['worst', 'worst'], ['median', 'median']], choice.statistic, statistic => choice.view({statistic})));
 }
 
-// Details of one row, beside the diagram.
+// Details of one row, next to the diagram.
 function detail() {
   const host = el('aside.row-detail');
   const draw = () => {

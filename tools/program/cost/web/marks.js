@@ -150,8 +150,8 @@ class Choice extends EventTarget {
     return error === 0 ? 'none' : error === null ? sb.missing : sb.measured(measure, error);
   }
 
-  // The cheapest row of the front whose worst error is at most this one's; null if that is this row
-  // or there is none.
+  // The cheapest row of the front whose worst error is at most this one's; null if that is this
+  // row, or without such a row.
   cheapestAsExact(row) {
     const worst = other => {
       const error = this.error(other, this.measure, 'worst');

@@ -1,14 +1,14 @@
 // Charts over time: curves, and rows of states. All follow one Timeline.
 const el = sb.element, mark = sb.mark, text = sb.text;
 
-const left = 44, right = 6;  // px beside every plot; equal, so that all time axes align
+const left = 44, right = 6;  // px, margins of every plot; equal, so that all time axes align
 const times = 20;            // px below a plot, for the names of instants
 const px = value => +value.toFixed(1);
 
 // Common behaviour of charts over time: they are drawn at their width for the window of the
 // timeline, hovering moves its cursor, dragging zooms, a double click shows everything, and they
 // are saved as shown, with their heading. A chart implements contents() and savedRows(). `height`
-// [px]: of its plot; `foot` [px]: below the plot.
+// [px]: height of its plot; `foot` [px]: space below the plot.
 sb.TimeChart = class {
   constructor(parent, timeline, title, label, height, foot) {
     Object.assign(this, {timeline, title, label, height, foot});

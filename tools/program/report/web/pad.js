@@ -153,7 +153,8 @@ sb.Pad = class {
       const slip = this.point(this.slips[i], 'labels/slip_velocity', this.slipLength, i);
       if (!this.labels) return;
       unit.load.textContent = apart || !this.roomy ? '' : sb.fixed(force, 2) + ' N';
-      // Each label is above its unit, beside an arrow that points up there. Arrows are too short to
+      // Each label is above its unit, next to an arrow that points up there. Arrows are too short
+      // to
       // reach a neighbour's label.
       const upward = [pull, slip].find(([up]) => up > 0.5 * this.radius);
       const side = upward ? (upward[1] >= 0 ? -1 : 1) : 0;

@@ -17,7 +17,7 @@ function withStyles(node) {
   return copy;
 }
 
-// An SVG as a file of its own, with the page's background. A detached SVG is added to the page
+// An SVG as a separate file, with the page's background. A detached SVG is added to the page
 // temporarily for its styles.
 function fileOf(svg, title) {
   const loose = !svg.isConnected;

@@ -32,7 +32,7 @@ struct AlarmCounts {
   double credit =
       0.0;  // sum over them of half_delay/(half_delay + delay); 0 if the alarm comes before the first slip frame or never
 
-  // `period` [s]: of the frames. NaN without hold.
+  // `period` [s]: period of the frames. NaN without hold.
   [[nodiscard]] double alarms_per_minute(double period) const;
   // Score for public recordings: credit per slip, times min(1, alarm_limit/alarms), minus the share
   // of hold called slip. NaN without slip or hold.

@@ -31,7 +31,7 @@ std::string group_of(const Example& example, std::size_t experiment, Split split
   return {};
 }
 
-// Key by which trials are divided separately: their classes, and whether there is contact.
+// Key by which trials are divided separately: their classes, and contact.
 using Kinds = std::set<int>;
 
 void add_kinds(Kinds& kinds, const Example& example) {

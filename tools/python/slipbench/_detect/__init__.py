@@ -31,7 +31,7 @@ def detect(
             memories
         recordings: path of a dataset's first file, or several of them
         output: FILE.csv, FILE.parquet, FILE.json or FILE.html; empty: no file
-        parameters: of the detector, by name
+        parameters: parameters of the detector, by name
         sensor: the sensor that it reads; empty: the only one
 
     Returns:

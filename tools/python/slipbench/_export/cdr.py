@@ -44,8 +44,9 @@ class Messages:
         self._end += rows.shape[1] * array.itemsize
 
     def structures(self, values: NDArray[Any]) -> None:
-        """Adds structures with a numpy type of native alignment, which is CDR's where they begin at
-        a multiple of it: [count, n]."""
+        """Adds structures [count, n] with a numpy type of native alignment. It equals CDR's
+        alignment
+        if they begin at a multiple of it."""
         self._end += -self._end % values.dtype.alignment
         rows = values.reshape(self.count, -1).view(np.uint8)
         self._parts.append((self._end, rows))

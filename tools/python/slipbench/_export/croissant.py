@@ -33,7 +33,8 @@ File = tuple[str, str]  # name in the export, and path of the content
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table. `type`: of its values, such as "sc:Float"; `repeated`: True for several
+    """A column of a table. `type`: type of its values, such as "sc:Float"; `repeated`: True for
+    several
     values per row."""
 
     name: str
@@ -100,7 +101,8 @@ def parquet_columns(path: str) -> list[Column]:
 
 
 def _field_of(table: Table, number: int, column: Column, source: dict[str, Any]) -> dict[str, Any]:
-    """`number`: of the column; replaces its name in the identifier if the name has other characters
+    """`number`: number of the column; replaces its name in the identifier if the name has other
+    characters
     than identifiers allow."""
     name = column.name if re.fullmatch(r"[\w.-]+", column.name) else f"column-{number}"
     about: dict[str, Any] = {"@type": "cr:Field", "@id": f"{table.name}/{name}", "name": column.name, "dataType": column.type, "source": source}
@@ -128,12 +130,12 @@ def croissant_text(*, name: str, description: str, version: str, licence: str, c
     """croissant.json of an export.
 
     Args:
-        name: of the data set
+        name: name of the data set
         description: one sentence
         version: MAJOR.MINOR.PATCH
-        licence: of the data; empty: not stated
+        licence: licence of the data; empty: not stated
         citation: citation of the data
-        keywords: of the data
+        keywords: keywords of the data
         files: all files of the export
         tables: tables described column by column
 

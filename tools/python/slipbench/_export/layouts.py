@@ -25,7 +25,7 @@ class Column:
             columns
         unit: empty for a pure number or a code
         meaning: one sentence, with the meaning of codes
-        type: of its values in Croissant
+        type: type of its values in Croissant
     """
 
     name: str

@@ -184,9 +184,9 @@ def write_mcap(file: IO[bytes], topics: list[Topic], profile: str, library: str,
     Args:
         file: opened for binary writing, empty
         topics: in the order of their channels, numbered from 1
-        profile: of the file's header, such as "ros2"
-        library: of the file's header
-        encoding: of the schemas and of the messages, such as "ros2msg" and "cdr"
+        profile: profile in the file's header, such as "ros2"
+        library: library in the file's header
+        encoding: encoding of the schemas and of the messages, such as "ros2msg" and "cdr"
         about: the file's metadata, under the name "slipbench"
     """
     numbers: dict[tuple[str, str], int] = {}

@@ -35,7 +35,7 @@ class Request:
             PapillArray's logs, the rule of a pillar's slip
         label_speed: m/s, tip speed from which a pillar slips by that rule; None: not used
         points: True: LeRobot gets position and force of each unit as one feature
-        licence: of the data, for its card, such as "cc-by-4.0"; empty: not stated
+        licence: licence of the data, for its card, such as "cc-by-4.0"; empty: not stated
         json: True: print one JSON object on stdout and no progress on stderr
         install: command that installs the formats' requirements
         files: paths of files that the program has written and that only need the card; empty: none

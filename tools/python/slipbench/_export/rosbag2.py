@@ -177,8 +177,8 @@ def _slipping(labels: dict[str, Series], rule: str | None) -> NDArray[np.bool_]:
 
 
 def _slip_states(labels: dict[str, Series], rule: str | None, count: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The driver's code of each pillar [T, 9], from the truth, and whether the centre pillar is
-    loaded [T]."""
+    """Returns the driver's code of each pillar [T, 9], from the truth, and [T] True if the centre
+    pillar is loaded."""
     if "unit_state" not in labels:
         return np.full((count, PILLARS), UNKNOWN), np.zeros(count, bool)
     touching = labels["unit_state"].values != UNIT_DETACHED
@@ -206,7 +206,7 @@ def _is_of_the_driver(channels: list[Series]) -> bool:
 
 
 def _sensor_state(number: int, sensor: str, channels: list[Series], labels: list[Series], group: Arrays | None, rule: str | None) -> Topic:
-    """A PapillArray's topic in the driver's format; `number`: of the sensor at its hub."""
+    """A PapillArray's topic in the driver's format; `number`: number of the sensor at its hub."""
     values = {one.name: one for one in channels}
     force, displacement = (values[name].values for name in ("force", "displacement"))
     topic, count = f"/hub_0/sensor_{number}", len(force)

@@ -44,7 +44,7 @@ def list_files(sources: list[str], pattern: str = "") -> list[File]:
 
     Args:
         sources: files and folders
-        pattern: of the names of files and bags in folders, such as "*_bio.csv"; empty: all
+        pattern: pattern of the names of files and bags in folders, such as "*_bio.csv"; empty: all
 
     Returns:
         The files, with their names in the dataset.

@@ -329,7 +329,7 @@ def fit(network: nn.Module, train: Sequences, validate: Sequences, training: Tra
         validate: likewise, for validation
         training: parameters of the training
         classes: number of classes
-        seed: of the draws of clips; the caller initialises the weights
+        seed: seed of the draws of clips; the caller initialises the weights
         checkpoint: None: nothing is saved
         before_step: may raise, which ends the training with the state saved at the last validation
         report: called after every validation

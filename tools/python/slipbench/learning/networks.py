@@ -491,8 +491,8 @@ class BiotacSlip(nn.Module):
 
 
 class BiotacGrasp(nn.Module):
-    """biotac_grasp: how each electrode and the pressure change, the same filters across them for
-    each time span, through two GRUs. No paper's.
+    """biotac_grasp: changes of each electrode and of the pressure, the same filters across them for
+    each time span, and two GRUs. Not published.
 
     | layer | output |
     |---|---|
