@@ -198,8 +198,8 @@ struct TrialOutcome {
   double false_alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first alarm before slip
   double detection_time = std::numeric_limits<double>::quiet_NaN();    // s, first alarm after slip began
   double detection_delay =
-      std::numeric_limits<double>::quiet_NaN();  // s, from the begin of slip to detection_time; Detection::seen only
-  double judged_slip_time = std::numeric_limits<double>::quiet_NaN();  // s, begin of slip
+      std::numeric_limits<double>::quiet_NaN();  // s, from the start of slip to detection_time; Detection::seen only
+  double judged_slip_time = std::numeric_limits<double>::quiet_NaN();  // s, start of slip
   std::optional<Detection> detection = {};                             // empty: the scene has no detector
 
   std::optional<GraspOutcome> grasp;  // empty: not a grasp

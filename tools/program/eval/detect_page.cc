@@ -54,7 +54,7 @@ std::string trial_name(const Json& trial, bool several) {
          fmt::format("trial {}", trial.at("trial").get<std::size_t>()) + (object.empty() ? "" : ", " + object);
 }
 
-// Begin of the first alarm [s], in the time of the drawings; empty if there is none.
+// Start of the first alarm [s], in the time of the drawings; empty if there is none.
 std::optional<double> first_alarm(const Json& trial) {
   if (trial.at("alarms").empty()) return std::nullopt;
   const double origin = page::time_origin(trial.at("samples").at("time_s").get<std::vector<double>>());

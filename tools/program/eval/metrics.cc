@@ -161,7 +161,7 @@ std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vect
   return states;
 }
 
-// Begin of the lift of a grasp [s]. For a guided arm, from its controller's commands, to a sample
+// Start of the lift of a grasp [s]. For a guided arm, from its controller's commands, to a sample
 // of the sensor.
 double lift_start(const Scene& scene, const TrialRecord& record) {
   const Parameters& motion = scene.motion.parameters;

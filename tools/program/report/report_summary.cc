@@ -40,7 +40,7 @@ double time_between(double from, double to) {
   return std::abs(to - from) <= rounding ? 0.0 : to - from;
 }
 
-// Begin of gross slip: the last slip event in the step that ends at the first gross sample, else
+// Start of gross slip: the last slip event in the step that ends at the first gross sample, else
 // that sample's time.
 double gross_start(const SensorRecord& sensor) {
   const LabelRecord& labels = sensor.labels;

@@ -26,7 +26,7 @@ struct Sequence {
   std::string sha256;      // the trial's digest (trial_identity)
   std::string part;        // in the dataset's own split: "train", "valid", "test", or "none"; empty: no masks
   CommandedMotion motion;  // all 0 in a grasp, whose pad has no commanded motion
-  double onset = std::numeric_limits<double>::quiet_NaN();  // s, true begin of slip by the rule of the labels; NaN: no slip
+  double onset = std::numeric_limits<double>::quiet_NaN();  // s, true start of slip by the rule of the labels; NaN: no slip
   std::vector<double> time;                                 // [T] s
   std::vector<Displacements> displacements;                 // [T]
   std::vector<PadState> label;                              // [T] by the rule of the labels; no_contact without contact

@@ -200,7 +200,7 @@ def grasp_figures(trial: Trial, start: float) -> GraspFigures:
 
     Args:
         trial: a full record
-        start: s, begin of the lift
+        start: s, start of the lift
     """
     outcome = trial.outcome
     if outcome["dropped"] or not outcome["lifted"]:

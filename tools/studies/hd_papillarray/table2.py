@@ -215,7 +215,7 @@ def displacement_table(title: str, cells: Sequence[GraspCell], results: Sequence
     """Drops, slip and rotation.
 
     Args:
-        title: begin of the title
+        title: start of the title
         cells: cells of one protocol and box
         results: trials of each cell
 
@@ -250,7 +250,7 @@ def force_table(title: str, cells: Sequence[GraspCell], results: Sequence[Grasps
     """Grip forces.
 
     Args:
-        title: begin of the title
+        title: start of the title
         cells: cells of one protocol and box
         results: trials of each cell
 
@@ -315,7 +315,7 @@ def _described(name: str, kind: str) -> dict[str, Any]:
 
 
 def lift_start() -> float:
-    """Begin of the lift of SCENE [s]: default of the motion's parameter `settle`."""
+    """Start of the lift of SCENE [s]: default of the motion's parameter `settle`."""
     return float(parse_quantity(next(one["default"] for one in _described("lift", "motion")["parameters"] if one["name"] == "settle")))
 
 

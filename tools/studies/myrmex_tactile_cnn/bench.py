@@ -166,7 +166,7 @@ def decrease_onset(time: ArrayLike, values: ArrayLike, rule: OnsetRule, rest: fl
         time: [T] s
         values: [T] the sum
         rule: average and threshold
-        rest: s, begin of the interval for the mean; it ends at `moves`
+        rest: s, start of the interval for the mean; it ends at `moves`
         moves: s, earliest possible onset
         end: s
         least: minimum fall of the sum, in its unit
@@ -185,7 +185,7 @@ def decrease_onset(time: ArrayLike, values: ArrayLike, rule: OnsetRule, rest: fl
 
 
 def last_run(time: Floats, holds: NDArray[np.bool_]) -> float:
-    """Begin of the last interval in which the condition holds.
+    """Start of the last interval in which the condition holds.
 
     Args:
         time: [T] s
@@ -215,7 +215,7 @@ def slipping_share(force: NDArray[Any], unit_state: NDArray[np.uint8]) -> Floats
 
 
 class SlipSpan(NamedTuple):
-    """Fall of an object out of the grip: begin, NaN if it is held, and end of contact [s]."""
+    """Fall of an object out of the grip: start, NaN if it is held, and end of contact [s]."""
 
     onset: float
     end: float
@@ -230,7 +230,7 @@ def true_slip(left: Pad, right: Pad, begin: float = APART) -> SlipSpan:
     Args:
         left: one array
         right: the other array, with the same times
-        begin: s, begin of the search
+        begin: s, start of the search
 
     Returns:
         the onset, and the last sample with contact of both pads; 0 s if there is none

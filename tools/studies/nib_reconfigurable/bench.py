@@ -135,7 +135,7 @@ def signature_of(trace: Trace, start: float, wavy: bool) -> Signature | None:
 
     Args:
         trace: trace of the trial
-        start: s, begin of the detector's counting
+        start: s, start of the detector's counting
         wavy: True if the plate has waves
 
     Returns:

@@ -120,7 +120,7 @@ def recording_of(trial: Trial, start: float, every: int = 1) -> Recording:
 
     Args:
         trial: recorded with record="contact"
-        start: s, begin of the motion
+        start: s, start of the motion
         every: keeps every `every`-th image
 
     Returns:

@@ -98,7 +98,7 @@ def tilt_of(pose: ArrayLike) -> NDArray[np.float64]:
 
 
 class Turn(NamedTuple):
-    """Outcome of a trial: a key of ENDS, and tilt [rad] and grip force [N] at the begin of the
+    """Outcome of a trial: a key of ENDS, and tilt [rad] and grip force [N] at the start of the
     release, NaN without a release."""
 
     end: str
@@ -118,7 +118,7 @@ def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_
         target: m, rise of TargetPoint
 
     Returns:
-        the outcome, and tilt and force at the begin of the release
+        the outcome, and tilt and force at the start of the release
 
     Raises:
         ValueError: the arrays have no rows, or different numbers of rows

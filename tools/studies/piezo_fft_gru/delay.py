@@ -21,7 +21,7 @@ NAME = "piezo-fft-gru/delay"
 
 
 def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
-    """Time from `onset` to the begin of the alarm that is active at the onset, else of the next
+    """Time from `onset` to the start of the alarm that is active at the onset, else of the next
     alarm.
 
     It is negative for an active alarm. The paper's mean of 8.5 ms is computed this way: its delays
