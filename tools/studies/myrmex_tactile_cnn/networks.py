@@ -375,7 +375,7 @@ def run_trials(options: Options, size: Size) -> list[Windows]:
     """The windows of SCENE's trials.
 
     Args:
-        size: size of the study
+        options: seed, jobs
         size: size of the study
 
     Returns:
