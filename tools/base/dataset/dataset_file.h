@@ -14,8 +14,8 @@
 
 namespace slipbench {
 
-// Writes one HDF5 file. All functions throw InputError "cannot write PATH: reason of the system";
-// the file is then removed, and only the destructor may be called.
+// Writes one HDF5 file. All functions throw InputError "cannot write PATH: reason of the
+// system"; the file is then removed, and only the destructor may be called.
 class DatasetFile {
  public:
   // Creates the file. `index`: its number in the dataset.

@@ -212,12 +212,12 @@ struct TrialOutcome {
 
 // The JSON object of a demo's attribute `outcome`:
 // - always: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
-//   max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s;
-// - with a detector: judged_slip_time_s, detection (a detection_word());
+//   max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s
+// - with a detector: judged_slip_time_s, detection (a detection_word())
 // - of a grasp, null without one: dropped, lifted, drop_time_s, lift_height_m, slip_translation_m,
-//   slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s;
-// - with a guided arm: tilt_rad, least_tilt_rad, standing;
-// - with `hold` in the scene: held, hold_from_s, moved_m;
+//   slip_rotation_rad, max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s
+// - with a guided arm: tilt_rad, least_tilt_rad, standing
+// - with `hold` in the scene: held, hold_from_s, moved_m
 // - if values were beyond a sensor's range: saturated_samples, an object {sensor: samples}.
 std::string outcome_json(const TrialOutcome& outcome);
 // Inverse of outcome_json(). Datasets of versions without detectors lack the detector's keys.

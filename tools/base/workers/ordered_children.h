@@ -18,8 +18,8 @@ namespace slipbench {
 // copy of this process's current memory and passes nothing to the next. Few results wait at a time.
 class OrderedChildren {
  public:
-  // Runs work(0) to work(count - 1), up to `jobs` at a time. `limit`: time limit of each [s];
-  // `fork`: see ChildProcesses. Once `interrupt`, which may be null, is true, no further work
+  // Runs work(0) to work(count - 1), up to `jobs` at a time. `limit`: time limit of each
+  // [s]; `fork`: see ChildProcesses. Once `interrupt`, which may be null, is true, no further work
   // starts and next() does not wait.
   OrderedChildren(std::size_t count, std::size_t jobs, std::function<std::string(std::size_t)> work,
                   const std::atomic<bool>* interrupt, double limit = std::numeric_limits<double>::infinity(), Fork fork = {});

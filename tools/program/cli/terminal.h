@@ -94,8 +94,8 @@ std::string short_count(double value);
 // A duration as text: "8 s", "2:05", "1:02:05".
 std::string clock_text(double seconds);
 
-// "[#####-----]  50 % 100/200  3.1k x real time  24 trials/s  ETA 4 s", at most `width` columns;
-// the bar shrinks first.
+// "[#####-----]  50 % 100/200  3.1k x real time  24 trials/s  ETA 4 s", at most `width`
+// columns; the bar shrinks first.
 std::string progress_bar_text(const ProgressState& state, std::size_t width);
 
 // "100/200 trials (50 %), 3.1k x real time, 24 trials/s, ETA 4 s"

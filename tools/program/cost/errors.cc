@@ -293,8 +293,8 @@ bool holds_at(const TrialRecord& record, std::size_t holding, double time) {
   return true;
 }
 
-// First and last index of the longest interval of `rows` in which the reference holds the body;
-// equal if there is none.
+// First and last index of the longest interval of `rows` in which the reference holds the
+// body; equal if there is none.
 std::pair<std::size_t, std::size_t> longest_hold(const TrialRecord& reference, const Rows& rows, const HeldPair& pair) {
   std::pair<std::size_t, std::size_t> longest{0, 0};
   const auto length = [&](const auto& stretch) {

@@ -181,8 +181,8 @@ void print_json(const std::vector<Check>& checks, bool good) {
   fmt::print("{}\n", Json{{"ok", good}, {"checks", std::move(list)}}.dump(2));
 }
 
-// Text after `separator` in the first line of a file that begins with `key`, without quotes;
-// "unknown" if there is no such line.
+// Text after `separator` in the first line of a file that begins with `key`, without
+// quotes; "unknown" if there is no such line.
 std::string value_in_file(const char* path, std::string_view key, char separator) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {

@@ -69,8 +69,8 @@ struct Truth {
 };
 
 // Truth of one sensor of a trial. `scene`: recorded_scene(); null: the trial is imported and all of
-// it counts. `from` [s]: a recording that is not a grasp is judged by the first slip from then on;
-// before it, alarms count until something slips. Throws InputError as label_states(), and for a
+// it counts. `from` [s]: a recording that is not a grasp is judged by the first slip from then
+// on; before it, alarms count until something slips. Throws InputError as label_states(), and for a
 // guided grasp without a controller, whose commands date the lift.
 Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule,
                double from = -std::numeric_limits<double>::infinity());

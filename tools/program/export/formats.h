@@ -15,8 +15,8 @@ struct ActionSpace {
   std::vector<double> offset;
 };
 
-// One row per instant. Instants are 1/rate apart, from the first at which every signal has a value;
-// each value is the latest at or before its instant, without a filter.
+// One row per instant. Instants are 1/rate apart, from the first at which every signal has a
+// value; each value is the latest at or before its instant, without a filter.
 struct Episode {
   struct Column {
     std::string name;                  // "pad_force"
@@ -31,8 +31,8 @@ struct Episode {
   std::vector<float> rewards;        // [T]
 };
 
-// Action space of the trials of one dataset. For a grasp, the registers written last, 0 to 255;
-// else the velocities of the bodies that carry sensors, scaled by the largest component, of
+// Action space of the trials of one dataset. For a grasp, the registers written last, 0 to
+// 255; else the velocities of the bodies that carry sensors, scaled by the largest component, of
 // translation and of rotation, in the trials. Throws InputError if no body carries a sensor.
 ActionSpace action_space(const DatasetReader& reader, const std::vector<std::size_t>& trials);
 

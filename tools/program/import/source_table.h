@@ -29,8 +29,8 @@ struct ImportFormat {
   const char* name;      // on the command line: "bts3v2"
   const char* summary;   // for the help
   const char* split_by;  // as SplitRule::by: "object" (TrialRecord::material, shared by recordings) or "trial"
-  // Passes the recordings of a file to `add`. Throws InputError "FILE:LINE: what was found;
-  // allowed: ...".
+  // Passes the recordings of a file to `add`. Throws InputError "FILE:LINE: what was
+  // found; allowed: ...".
   void (*read)(const SourceFile& file, const AddRecording& add);
 };
 

@@ -144,8 +144,8 @@ class DelayedDetector {
 class ControlLoop {
  public:
   // `detector` reads the sensor of `pad`; empty: the estimate is no contact. `box`: the grasp's,
-  // which must outlive the loop; null: the scene is not a grasp. `controller`, for grasps only;
-  // null: the gripper is neither read nor written, and the fingers keep their initial position.
+  // which must outlive the loop; null: the scene is not a grasp. `controller`, for grasps
+  // only; null: the gripper is neither read nor written, and the fingers keep their initial position.
   // `answers`: the closing commands of the controller that count as answers.
   explicit ControlLoop(std::optional<DelayedDetector> detector = {}, std::size_t pad = 0,
                        std::unique_ptr<Controller> controller = nullptr, HeldBox* box = nullptr,
@@ -278,8 +278,8 @@ class Recorder {
 };
 
 // Checks that a trial's values are finite as doubles and as a dataset's floats. Each function
-// throws InputError that names the value and its time. A margin must be finite in contact;
-// directions and centres of slip may be undefined at any time.
+// throws InputError that names the value and its time. A margin must be finite in
+// contact; directions and centres of slip may be undefined at any time.
 
 // Checks every column of a full record and reports the earliest row that is not finite.
 void check_finite(const TrialRecord& record);
