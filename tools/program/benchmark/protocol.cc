@@ -106,7 +106,7 @@ Protocol slip_3() {
   const std::vector<SensorSets> sensors{
       {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", {4.1, 2.4}, {4.1, 2.35}, {"pad", "fast"}},
       {"piezo_skin", {"pad"}, {"skin"}, "", {none, 2.6}, {none, 2.55}, {"skin"}},
-      {"nib_pad", {"pad"}, {"skin"}, "pull", {8.9, 6.4}, {8.9, 6.9}, {"nibs"}},
+      {"nib_pad", {"pad"}, {"skin"}, "pull", {8.9, 6.75}, {8.9, 6.9}, {"nibs"}},
       {"myrmex", {"left"}, {"skin"}, "apart", {none, none}, {none, 6.4}, {"foam"}},
       {"biotac_sp", {"pad"}, {"skin"}, "", {3.9, 2.45}, {3.9, 2.4}, {"finger"}},
       {"magnetic_skin", {"pad"}, {"skin"}, "", {none, 2.55}, {none, 2.65}, {"magnets"}},
