@@ -19,7 +19,7 @@ namespace biotac_sp {
 Entry about() {
   const std::string recordings = "111 public recordings (yayaneath/BioTacSP-DoS)";
   constexpr Range some_length = positive_up_to(0.1);
-  constexpr Range some_rate{1.0, 10e3};  // the device's own converter makes 4.4 k readings a second
+  constexpr Range some_rate{1.0, 10e3};  // the device's own converter makes 4,400 readings a second
   return {
       .name = "biotac_sp",
       .summary = "BioTac SP fingertip: 24 electrodes under fluid and a curved skin, static pressure, vibration.",
@@ -161,15 +161,15 @@ namespace {
 constexpr std::size_t slots_a_cycle = 2;                   // and as many readings of pac
 constexpr double pdc_step = 0.0365e3, pac_step = 0.37;     // Pa a count: SP manual, section 5
 constexpr double lowest_pac = 10.0, highest_pac = 1040.0;  // Hz: the same
-constexpr double pac_middle = 2048.0;                      // counts, of no vibration
+constexpr double pac_middle = 2048.0;                      // counts, without vibration
 
-// Figures of a finger that are no parameters.
+// Constants of a finger that a scene cannot change.
 struct Device {
   std::span<const Eigen::Vector3d> places;  // of the electrodes, m, in the device's own axes
   std::span<const double> rest;             // counts
-  std::span<const double> relative_noise;   // of each electrode against the mean of all
-  double noise;                             // sd of a reading of the mean electrode, counts
-  std::size_t slots;                        // of a round: the electrodes, then pdc, and those that are not modelled
+  std::span<const double> relative_noise;   // of each electrode, relative to the mean of all
+  double noise;                             // standard deviation of a reading of the mean electrode, counts
+  std::size_t slots;                        // in a round: the electrodes, then pdc, then the slots that are not modelled
 };
 
 constexpr std::size_t slots_sp = 28;  // TAC, TDC and one more
@@ -187,7 +187,7 @@ const Device& nineteen() {
 }
 
 std::size_t cycles_a_sample(const Parameters& parameters, const std::string& sensor_name) {
-  constexpr double rounding = 1e-9;  // of a quotient of decimal numbers
+  constexpr double rounding = 1e-9;  // relative, of a quotient of decimal numbers
   const double rate = parameters.number("rate"), ratio = parameters.number("cycle_rate") / rate, whole = std::round(ratio);
   if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
     throw SceneValueError("sensors." + sensor_name + ".cycle_rate",
@@ -198,7 +198,8 @@ std::size_t cycles_a_sample(const Parameters& parameters, const std::string& sen
   return static_cast<std::size_t>(whole);
 }
 
-// Mean time from the reading of the slots `first` to before `end` of a round of `slots` to the end of a sample of so many cycles [s].
+// Mean age [s] of the readings in slots [first, end) at the end of a sample. A round has `slots`
+// slots.
 double mean_age(std::size_t first, std::size_t end, std::size_t slots, std::size_t cycles_a_sample, double cycle_rate) {
   const std::size_t cycles = slots / slots_a_cycle;
   double sum = 0.0;
@@ -236,7 +237,8 @@ Skin skin_of(const Parameters& parameters, const Device& device, const std::stri
                    sensor, device.places);
 }
 
-// Electrodes at their own sensitivity, then their own logarithm of the impedance at rest: 1 and 0 but for `gain` and `offset`.
+// The electrodes' sensitivities, then the logarithms of their impedances at rest: 1 and 0 unless
+// `gain` and `offset` change them.
 SignalModel spread_model(double rate, std::size_t electrodes) {
   SignalModel model;
   model.rate = rate;
@@ -249,7 +251,7 @@ SignalModel spread_model(double rate, std::size_t electrodes) {
   return model;
 }
 
-// Of the electrodes, in counts; `rate`: of their rounds.
+// Disturbances of the electrodes, in counts. `rate`: rounds a second [Hz].
 SignalModel electrode_model(double rate, const Device& device) {
   SignalModel model;
   model.rate = rate;
@@ -262,7 +264,7 @@ SignalModel electrode_model(double rate, const Device& device) {
   return model;
 }
 
-// Of pac, in counts.
+// Disturbances of pac, in counts.
 SignalModel vibration_model(double rate) {
   SignalModel model;
   model.rate = rate;
@@ -272,7 +274,7 @@ SignalModel vibration_model(double rate) {
   return model;
 }
 
-// The parts among `all` that are, or are not, one of `named`.
+// The parts in `all` that are (`are` true) or are not in `named`.
 std::vector<Named> parts(const std::vector<Named>& all, std::initializer_list<std::string_view> named, bool are) {
   std::vector<Named> kept;
   for (const Named& part : all) {
@@ -340,7 +342,8 @@ class BioTac final : public Sensor {
     hear(pressure, truth.time, pac + slots_a_cycle * cycle);
     const auto slot = static_cast<std::size_t>(memory_[next_slot]);
     if (device_scan_ ? slot == 0 : last) draw_disturbances(truth.time);
-    // The device has run before the trial: what it holds of earlier rounds is of the contact that the trial begins in.
+    // The device ran before the trial: readings from earlier rounds are taken from the trial's
+    // first contact.
     if (first_of_all || (!device_scan_ && last)) {
       read(0, slots, truth, pressure);
     } else if (device_scan_) {
@@ -353,7 +356,8 @@ class BioTac final : public Sensor {
       if (beyond_) ++saturated_;
       beyond_ = false;
     }
-    // What a slow sample has heard so far is many values: those of this cycle, and all with the last, whatever memory was loaded since.
+    // A slow sample has many values of pac: report those of this cycle, and all of them in the last
+    // cycle, because memory may have been loaded in between.
     report(0, pac);
     report(pac + slots_a_cycle * (last ? 0 : cycle), pac + slots_a_cycle * (cycle + 1));
     frame_.time = truth.time;
@@ -375,11 +379,12 @@ class BioTac final : public Sensor {
   }
 
  private:
-  static constexpr std::size_t cycles = slots / slots_a_cycle;  // of a round: the electrodes, then pdc, then what is not modelled
-  static constexpr std::size_t pdc = electrodes;                // its slot, and its place among the values
-  static constexpr std::size_t pac = electrodes + 1;            // first of its places among the values
+  static constexpr std::size_t cycles = slots / slots_a_cycle;  // per round
+  static constexpr std::size_t pdc = electrodes;                // its slot, and its index among the values
+  static constexpr std::size_t pac = electrodes + 1;            // index of its first value
 
-  // Of memory_, after the band-pass's: counters, the position read last, what disturbs the electrodes in this round, the values held.
+  // Layout of memory_ behind the band-pass: counters, last position, disturbances of the electrodes
+  // in this round, held values.
   enum Place : std::size_t {
     next_cycle = BandPass::memory_size,
     next_slot,
@@ -395,7 +400,7 @@ class BioTac final : public Sensor {
   [[nodiscard]] std::span<double> disturbances() { return std::span(memory_).subspan(begin_of_disturbances, electrodes); }
   [[nodiscard]] std::span<double> values() { return std::span(memory_).subspan(begin_of_values); }
 
-  // What the skin drives away [m3]. Keeps which elements touch.
+  // Fluid volume displaced by the dented skin [m3]. Stores the touching elements in touching_.
   [[nodiscard]] double displaced_volume(const ContactFrame& truth) {
     double volume = 0.0;
     touching_.clear();
@@ -408,14 +413,14 @@ class BioTac final : public Sensor {
     return volume;
   }
 
-  // What the converter makes of a signal: whole counts, and one of its end codes beyond its range.
+  // Returns the converter's counts for a signal, rounded and clipped to its range.
   double converted(double signal) {
     const double counts = std::round(signal), held = std::clamp(counts, 0.0, last_code);
     beyond_ |= held != counts;
     return held;
   }
 
-  // The slots from `first` to before `end`.
+  // Reads the slots [first, end).
   void read(std::size_t first, std::size_t end, const ContactFrame& truth, double pressure) {
     for (std::size_t slot = first; slot < end; ++slot) {
       if (slot < electrodes) values()[slot] = electrode(slot, truth);
@@ -428,7 +433,8 @@ class BioTac final : public Sensor {
     return converted(counts_of(impedance) + disturbances()[e]);
   }
 
-  // The readings of pac in a cycle that ends with this pressure, which has gone straight there; from place `first` of the values on.
+  // Reads pac in a cycle that ends with `pressure`, linear in time from the cycle before. Writes
+  // the values from index `first` on.
   void hear(double pressure, double time, std::size_t first) {
     const double before = memory_[begun] != 0.0 ? memory_[pressure_before] : pressure;
     for (std::size_t k = 0; k < slots_a_cycle; ++k) {
@@ -441,19 +447,19 @@ class BioTac final : public Sensor {
     memory_[pressure_before] = pressure;
   }
 
-  // Of a whole round at once: each electrode is read once in it.
+  // Draws for a whole round at once, because each electrode is read once per round.
   void draw_disturbances(double time) {
     std::array<float, electrodes> drawn{};
     electrode_electronics_.apply(drawn, time);
     std::ranges::copy(drawn, disturbances().begin());
   }
 
-  // The values from `first` to before `end` as the frame has them.
+  // Copies the values [first, end) into the frame.
   void report(std::size_t first, std::size_t end) {
     for (std::size_t v = first; v < end; ++v) reported_[v] = static_cast<float>(values()[v]);
   }
 
-  // What the bench says of where it is, once a sample, and whether that has changed.
+  // Reads the bench's position, once a sample, and records if it has changed.
   void read_position(const ContactFrame& truth) {
     const double x = truth.stage_position.x(), y = truth.stage_position.y();
     const bool moved = memory_[known] != 0.0 && math::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;
@@ -482,7 +488,7 @@ class BioTac final : public Sensor {
   std::array<double, electrodes> scale_{}, rest_{};  // 1/m, kOhm
   std::vector<float> reported_;
   SensorFrame frame_;
-  bool beyond_ = false;  // something that this sample read lies beyond the converter's range
+  bool beyond_ = false;  // a reading of this sample lies beyond the converter's range
   std::uint64_t saturated_ = 0;
 };
 

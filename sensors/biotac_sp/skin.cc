@@ -13,14 +13,16 @@ namespace {
 
 constexpr double mm = 1e-3;
 
-// Eigen's own exponential calls the C library's for what its vectors leave over.
+// Eigen's exponential calls the C library for the remainder of its vectors, so results would depend
+// on the platform.
 Eigen::ArrayXXd exponential(const Eigen::ArrayXXd& x) {
   return x.unaryExpr([](double value) { return math::exp(value); });
 }
 
 }  // namespace
 
-// Positions of the maker's drawing, as published with the BioTac SP recordings of yayaneath/BioTacSP-DoS and in bsadr/biotac.
+// Positions from the maker's drawing, as published with the BioTac SP recordings of
+// yayaneath/BioTacSP-DoS and in bsadr/biotac.
 const std::array<Eigen::Vector3d, electrodes>& electrode_places() {
   static const std::array<Eigen::Vector3d, electrodes> places{{
       {9.8154 * mm, -2.7677 * mm, 3.9845 * mm},   {8.1012 * mm, -5.2081 * mm, 3.0659 * mm},
@@ -39,7 +41,8 @@ const std::array<Eigen::Vector3d, electrodes>& electrode_places() {
   return places;
 }
 
-// Published with TAMS-Group/tams_biotac and in several drivers, as x along the finger to its tip, y across, z outwards below 0.
+// Published with TAMS-Group/tams_biotac and in several drivers, as x along the finger to its tip, y
+// across, z outwards below 0.
 const std::array<Eigen::Vector3d, electrodes_19>& electrode_places_19() {
   static const std::array<Eigen::Vector3d, electrodes_19> places = [] {
     constexpr double middle = -7.0;
@@ -56,8 +59,9 @@ const std::array<Eigen::Vector3d, electrodes_19>& electrode_places_19() {
   return places;
 }
 
-// Of the recordings in yayaneath/BioTacSP-DoS: 97th percentile over 111 recordings of the highest mean over 0.2 s. All of them are in
-// contact, so the true readings at rest may be a few counts higher.
+// From the recordings in yayaneath/BioTacSP-DoS: 97th percentile over 111 recordings of the highest
+// mean over 0.2 s. All of them are in contact, so the true readings at rest may be a few counts
+// higher.
 const std::array<double, electrodes>& rest_readings() {
   static constexpr std::array<double, electrodes> readings{3590, 3712, 3648, 3690, 3555, 3647, 3725, 3582,
                                                            3583, 3578, 3636, 3725, 3693, 3566, 3531, 3683,
@@ -65,7 +69,7 @@ const std::array<double, electrodes>& rest_readings() {
   return readings;
 }
 
-// Of the same: the 44 recordings of a touch have 4.1 counts in the median.
+// From the same recordings: the median over the 44 recordings of a touch is 4.1 counts.
 const std::array<double, electrodes>& relative_noise() {
   static constexpr std::array<double, electrodes> counts{3.6, 4.6, 3.5, 4.2, 4.0, 4.0, 3.7, 4.7, 3.8, 4.3, 4.0, 4.9,
                                                          3.9, 4.1, 4.2, 4.4, 4.0, 4.5, 3.6, 3.4, 3.5, 4.7, 4.1, 4.4};
@@ -148,7 +152,8 @@ Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) 
       distance(i, e) = (elements[static_cast<std::size_t>(i)].tip - skin.above[static_cast<std::size_t>(e)]).norm();
     }
   }
-  // Of what an electrode would feel of an element right over it. Below, its sum over the skin is the rounding of exp, and scaled no kernel.
+  // Share of the response to an element right above the electrode. Below it the sum over the skin
+  // is rounding error of exp, which scaling would not turn into a kernel.
   constexpr double nothing = 1e-12;
   const auto scaled = [&](const Eigen::ArrayXXd& felt, double share, const char* parameter, double reach) {
     const Eigen::ArrayXXd weighted = felt.colwise() * area;
@@ -167,8 +172,9 @@ Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) 
   depth_ = (near + far).colwise() - kernel.swell / area.sum() * area;
   if (kernel.stretch == 0.0) return;
 
-  // dG/dr along the skin's tangent at the element, away from the electrode. Over an electrode a dent of the far kernel goes as fast whichever
-  // way it is dragged: no direction, no term.
+  // dG/dr along the skin's tangent at the element, away from the electrode. Right above an
+  // electrode the far kernel falls equally fast in every direction, so the gradient has no
+  // direction and the term is left out.
   const Eigen::ArrayXXd slope = -(near * distance / (kernel.near * kernel.near) + far / kernel.far);
   drag_.setZero(3 * n, columns);
   for (Eigen::Index e = 0; e < columns; ++e) {

@@ -1,4 +1,5 @@
-// Errors that stay as they are drawn: of a device, gain and coupling; of a recording, offset and drift.
+// Errors that are drawn once and then constant: gain and coupling per device, offset and drift per
+// recording.
 #include <cmath>
 #include <span>
 #include <vector>
@@ -15,7 +16,7 @@ class CouplingStage final : public ElectronicsStage {
     for (const Coupling& coupling : model.couplings) {
       const double limit = parameters.number("scale") * coupling.limit;
       if (limit == 0.0) {
-        stream.uniform();  // so that the draws of the other pairs do not depend on this limit
+        stream.uniform();  // keeps the draws of the other pairs independent of this limit
         continue;
       }
       terms_.push_back({coupling.to, coupling.from, static_cast<float>(stream.uniform(-limit, limit)), 0.0F});
@@ -23,7 +24,7 @@ class CouplingStage final : public ElectronicsStage {
   }
 
   void apply(std::span<float> values, double /*time*/) override {
-    // All sums are taken from the undisturbed sample before any is added.
+    // All terms use the undisturbed sample, so they are computed before any is added.
     for (Term& term : terms_) term.added = term.coefficient * values[term.from];
     for (const Term& term : terms_) values[term.to] += term.added;
   }
@@ -44,7 +45,8 @@ class Gain final : public ElectronicsStage {
     for (std::size_t v = 0; v < gain_.size(); ++v) {
       const double sd = parameters.number("scale") * model.gain_sd[v];
       const double log_variance = math::log1p(sd * sd);
-      // A value without gain error still takes its draw, so that the draws of the others do not depend on it.
+      // A value without gain error also takes a draw, so that the others' draws do not depend on
+      // it.
       gain_[v] = static_cast<float>(math::exp(std::sqrt(log_variance) * stream.normal() - 0.5 * log_variance));
     }
   }
@@ -57,7 +59,7 @@ class Gain final : public ElectronicsStage {
   std::vector<float> gain_;  // [V]
 };
 
-// scale*sd*z of each value, z standard normal and one a source.
+// Returns scale*sd*z of each value, with one standard normal z per source.
 std::vector<double> drawn_by_source(const Parameters& parameters, const std::vector<double>& sd, const SignalModel& model,
                                     RandomStream stream) {
   std::vector<double> draw(model.sources), drawn;

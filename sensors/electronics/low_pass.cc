@@ -11,11 +11,11 @@
 namespace slipbench {
 namespace {
 
-// The step of two equal poles over the time h, while x goes straight from x_0 to x_1:
+// Exact step of two equal poles over the time h, for x linear from x_0 to x_1:
 //   y' = w (x - y), z' = w (y - z), a = w h, E = exp(-a), d = (x_1 - x_0)/a
 //   A = y_0 - x_0 + d,  B = z_0 - x_0 + 2 d
 //   y_1 = x_1 - d + A E,  z_1 = x_1 - 2 d + (A a + B) E
-// which is exact: behind a long ramp z lags by 2/w.
+// On a long ramp z lags by 2/w.
 struct Step {
   double per_slope;  // 1/a
   double keeps;      // E
@@ -45,10 +45,11 @@ class LowPass final : public ElectronicsStage {
     if (begun == 0.0) {
       for (std::size_t state = 0; state < 3; ++state) std::ranges::copy(values, part(state));
       begun = 1.0;
-    } else if (time == then) {  // without time between them, two calls have one answer
+    } else if (time == then) {  // two calls at the same time return the same values
       std::transform(part(2), part(2) + count_, values.begin(), [](double z) { return static_cast<float>(z); });
     } else {
-      // From the times of the calls, not from a stored step: a chain that takes over a memory continues bit-identically.
+      // Uses the times of the calls instead of a fixed step, so that a chain restored from memory
+      // continues bit-identically.
       const double a = frequency_ * (time - then), keeps = math::exp(-a);
       advance(count_, {1.0 / a, keeps, std::isinf(a) ? 0.0 : a * keeps}, part(0), part(1), part(2), values.data());
     }
@@ -59,13 +60,14 @@ class LowPass final : public ElectronicsStage {
   [[nodiscard]] bool works_between_samples() const override { return true; }
 
  private:
-  // Each of n equal poles at f has 3 dB/n where (1 + (corner/f)^2)^n = 2; here n = 2.
+  // n equal poles at f are 3 dB down in total at the corner if (1 + (corner/f)^2)^n = 2; here n =
+  // 2.
   static double pole_frequency(double corner) { return 2.0 * std::numbers::pi * corner / std::sqrt(std::numbers::sqrt2 - 1.0); }
 
   double* part(std::size_t state) { return memory_.data() + state * count_; }
 
   std::size_t count_;
-  std::vector<double> memory_;  // [3,V] the input and both poles at the last call, then its time and whether there was one
+  std::vector<double> memory_;  // [3,V] input and both poles at the last call, then its time and whether there was a call
   double frequency_;            // w, rad/s
 };
 

@@ -9,10 +9,12 @@
 namespace slipbench {
 namespace {
 
-// White noise through two equal poles at w: the stationary process with autocorrelation exp(-w|tau|)*(1 + w|tau|). With the state
-// (x, u = x'/w), both of variance 1 and uncorrelated at any one instant, a step of a = w*h is
-//   [x; u] <- F [x; u] + G [z1; z2],   F = exp(-a) [1+a, a; -a, 1-a],   G G^T = I - F F^T (Cholesky),
-// which is exact: the statistics at the samples depend on neither the rate nor the sample's number. With w = inf it is white.
+// White noise through two equal poles at w: the stationary process with autocorrelation
+// exp(-w|tau|)*(1 + w|tau|). With the state (x, u = x'/w), both of variance 1 and uncorrelated at
+// any one instant, a step of a = w*h is
+//   [x; u] <- F [x; u] + G [z1; z2],   F = exp(-a) [1+a, a; -a, 1-a],   G G^T = I - F F^T (Cholesky).
+// The step is exact: the statistics at the samples depend neither on the rate nor on the sample's
+// number. With w = inf the noise is white.
 class Noise final : public ElectronicsStage {
  public:
   Noise(const Parameters& parameters, const SignalModel& model, RandomStream stream)
@@ -21,7 +23,7 @@ class Noise final : public ElectronicsStage {
 
     const double w_h = 2.0 * std::numbers::pi * parameters.number("corner") / model.rate;
     const double decay = math::exp(-w_h);
-    const double a = std::isinf(w_h) ? 0.0 : w_h;  // nothing is left of the state: not 0 times infinity
+    const double a = std::isinf(w_h) ? 0.0 : w_h;  // the state decays fully; avoids 0 times infinity
     xx_ = decay * (1.0 + a);
     xu_ = decay * a;
     uu_ = decay * (1.0 - a);
@@ -58,7 +60,7 @@ class Noise final : public ElectronicsStage {
 
   double xx_, xu_, uu_;              // F
   double gx_, gux_, gu_;             // G, lower triangle
-  std::vector<double> memory_;       // x and u of each source, then how many pairs the stream has drawn
+  std::vector<double> memory_;       // x and u of each source, then the number of pairs drawn from the stream
   std::vector<double> draws_;        // of one call
   std::vector<std::size_t> source_;  // [V]
   std::vector<double> sd_;           // [V] in the value's unit
@@ -77,7 +79,7 @@ PartKind noise_part() {
                        "and exact at every rate; sd: of the value's noise",
                 .source = "spectrum of unloaded PapillArray pillars in public gripper recordings (Contactile_Data_Viz)",
                 .parameters = {scale_parameter(),
-                               // Far below 0.1 Hz the covariance of a step would be lost to rounding.
+                               // Far below 0.1 Hz rounding would swamp the covariance of a step.
                                number_spec("corner", Quantity::frequency, "16 Hz", {.min = 0.1, .infinite = true},
                                            "Frequency of the two equal poles; inf: white noise.",
                                            "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings")}},

@@ -1,4 +1,4 @@
-// What sensors share that are one pad behind a chain of electronics.
+// Base of sensors that consist of one pad and a chain of electronics.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ class PadSensor : public Sensor {
   SensorFrame frame_;
 };
 
-// What makes a sensor that takes its parameters and its electronics as they are. All trials of a dataset have one device, but for a sensor whose
-// parameter `device` says `redrawn`.
+// Makes a sensor from its parameters and electronics. All trials of a dataset share one device
+// unless the sensor's parameter `device` is `redrawn`.
 template <class Made>
 std::unique_ptr<Sensor> created(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
                                 std::uint64_t trial, const std::string& sensor_name) {

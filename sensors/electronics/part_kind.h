@@ -1,4 +1,5 @@
-// The catalogue's view of a part of the electronics. One function a part: those drawn once are defined in drawn_once.cc, the others in files of their own.
+// Catalogue entries of the electronics' parts, one function per part. drawn_once.cc defines those
+// drawn once; the others have files of their own.
 #pragma once
 
 #include <memory>
@@ -11,20 +12,20 @@
 
 namespace slipbench {
 
-// What a part's random numbers belong to.
+// Scope of a part's random numbers.
 enum class DrawnPer { trial, device, never };
 
 struct PartKind {
   Entry entry;
   DrawnPer drawn_per;
-  // `stream` is the part's own.
+  // `stream` is used by this part alone.
   std::unique_ptr<ElectronicsStage> (*make)(const Parameters& parameters, const SignalModel& model, RandomStream stream);
-  // Throws SceneValueError for parameters that do not go together or with the sensor; null: all that are in their ranges do. `path`: of the part
-  // in the scene.
+  // Throws SceneValueError for parameters that conflict with each other or with the sensor. Null:
+  // all values in range are valid. `path`: of the part in the scene.
   void (*check)(const Parameters& parameters, const SignalModel& model, const std::string& path) = nullptr;
 };
 
-// What makes a stage out of the parameters and the model, and out of the stream where it draws.
+// Makes a stage from the parameters and the model, and from the stream if the stage draws.
 template <class Stage>
 std::unique_ptr<ElectronicsStage> made(const Parameters& parameters, const SignalModel& model, RandomStream stream) {
   if constexpr (std::is_constructible_v<Stage, const Parameters&, const SignalModel&, RandomStream>) {
@@ -43,7 +44,7 @@ PartKind skewed_noise_part();
 PartKind quantisation_part();
 PartKind valid_range_part();
 
-// The parameter that every part with a random disturbance has: a factor on the device's own figure.
+// The parameter that every random part has: a factor on the device's own figure.
 ParameterSpec scale_parameter();
 
 }  // namespace slipbench

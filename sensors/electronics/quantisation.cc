@@ -11,10 +11,11 @@
 namespace slipbench {
 namespace {
 
-// What a number below 2^51 is added to so that its fraction is rounded off, to the nearest even: std::nearbyint without a call.
+// Adding and subtracting this constant rounds a number below 2^51 to the nearest even integer, like
+// std::nearbyint but without a call.
 constexpr double to_whole = 0x1.8p52;
 
-// Returns whether a value was beyond the codes 0 to `last_code`.
+// Returns true if a value was beyond the codes 0 to `last_code`.
 SLIPBENCH_DISPATCHED bool convert(std::size_t count, const double* lowest, const double* step, double last_code, float* values) {
   std::uint64_t beyond = 0;
   SLIPBENCH_VECTORISE
@@ -27,7 +28,7 @@ SLIPBENCH_DISPATCHED bool convert(std::size_t count, const double* lowest, const
   return beyond != 0;
 }
 
-// The same of values in codes: from 0 on, by steps of 1.
+// Does the same for values in codes: from 0, in steps of 1.
 SLIPBENCH_DISPATCHED bool round_codes(std::size_t count, double last_code, float* values) {
   std::uint64_t beyond = 0;
   SLIPBENCH_VECTORISE

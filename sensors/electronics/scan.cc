@@ -42,7 +42,7 @@ class Scan final : public ElectronicsStage {
 
  private:
   std::vector<double> age_;     // [V] in samples
-  std::vector<double> memory_;  // [V] the sample before, then whether there was one
+  std::vector<double> memory_;  // [V] the previous sample, then whether there was one
 };
 
 void check_duration(const Parameters& parameters, const SignalModel& model, const std::string& path) {

@@ -34,7 +34,8 @@ class SkewedNoise final : public ElectronicsStage {
     memory_[0] += static_cast<double>(pairs);
     stream_.seek(static_cast<std::uint64_t>(memory_[0]));
     for (double& n : draws_) {
-      // One uniform number says both whether there is a tail or a spike, and of which size: where it is below the share it is even below it.
+      // One uniform number decides whether there is a tail or a spike and how deep it is: below the
+      // share it is again uniformly distributed.
       const double tail = stream_.uniform(), spike = stream_.uniform();
       if (tail < tail_share_) n += tail_ * math::log1p(-tail / tail_share_);
       if (spike < spike_share_) n -= spike_min_ + (spike_max_ - spike_min_) * spike / spike_share_;
@@ -49,8 +50,8 @@ class SkewedNoise final : public ElectronicsStage {
   double tail_share_, tail_, spike_share_, spike_min_, spike_max_;
   std::vector<std::size_t> source_;  // [V]
   std::vector<double> sd_;           // [V] in the value's unit
-  std::vector<double> draws_;        // a source, of the last sample
-  std::array<double, 1> memory_{};   // how many pairs the stream has drawn
+  std::vector<double> draws_;        // of each source, for the last sample
+  std::array<double, 1> memory_{};   // number of pairs drawn from the stream
   RandomStream stream_;
 };
 
@@ -64,7 +65,7 @@ void check_spike(const Parameters& parameters, const SignalModel& /*model*/, con
 }  // namespace
 
 PartKind skewed_noise_part() {
-  // Deeper than a converter of 12 bit is wide, whose noise is a few counts: 4095/3.1 is 1321.
+  // Covers the whole range of a 12-bit converter with a noise of a few counts: 4095/3.1 is 1321.
   constexpr Range depth{0.0, 1000.0};
   const std::string fitted =
       "fitted to the readings of 44 BioTac SP recordings of a touch (yayaneath/BioTacSP-DoS), against 3.1 counts";

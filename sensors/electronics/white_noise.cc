@@ -13,9 +13,10 @@ namespace slipbench {
 namespace {
 
 constexpr std::size_t bits = 12, levels = std::size_t{1} << bits;
-constexpr std::size_t levels_a_draw = quad;  // of the upper 48 bits of a draw
+constexpr std::size_t levels_a_draw = quad;  // from the upper 48 bits of a draw
 
-// The middles of `levels` stretches of the normal distribution that are as likely as one another, scaled to a mean square of 1 (from 0.9995).
+// Midpoints of `levels` equally likely intervals of the normal distribution, scaled to a mean
+// square of 1 (from 0.9995).
 const std::array<double, levels>& quantiles() {
   static const std::array<double, levels> table = [] {
     std::array<double, levels> values{};
@@ -39,13 +40,13 @@ const std::array<double, levels>& quantiles() {
   return table;
 }
 
-// The quantiles that a draw picks.
+// Returns the four quantiles that a draw selects.
 SLIPBENCH_INLINE Quad picked_by(std::uint64_t draw, const double* table) {
   const auto level = [draw](std::size_t k) { return draw >> (64 - bits * (levels_a_draw - k)) & (levels - 1); };
   return Quad{table[level(0)], table[level(1)], table[level(2)], table[level(3)]};
 }
 
-// Adds to `count` values what `draws` pick for them.
+// Adds the quantiles selected by `draws`, times `sd`, to `count` values.
 SLIPBENCH_DISPATCHED void add_picked(std::size_t count, const double* table, const std::uint64_t* draws, const double* sd,
                                      float* values) {
   std::size_t v = 0;
@@ -89,9 +90,9 @@ class WhiteNoise final : public ElectronicsStage {
   std::vector<std::size_t> source_;  // [V]
   std::vector<double> sd_;           // [V] in the value's unit
   const double* table_;
-  std::vector<std::uint64_t> draws_;  // of the sample at hand, in pairs
+  std::vector<std::uint64_t> draws_;  // for the current sample, in pairs
   bool each_its_own_;                 // value v follows source v
-  std::array<double, 1> samples_{};   // drawn so far
+  std::array<double, 1> samples_{};   // samples drawn so far
   RandomStream stream_;
 };
 

@@ -1,16 +1,16 @@
-// A sensor of one's own: nine pillars of three heights that read the force on their tips, with noise. Plain C as well: copy it to
-// nine_pillars.c, and gcc takes it.
+// Example of a custom sensor: nine pillars of three heights that read the force on their tips, with
+// noise. It is also valid C: copy it to nine_pillars.c and compile it with gcc.
 #include <stdlib.h>
 
 #include "sensors/plugin_abi.h"
 
-// In the order in which slipbench_make_sensor gets them.
+// In the order in which slipbench_make_sensor receives them.
 enum { rate, pitch, edge_drop, corner_drop, k_normal, k_tangential, noise };
 const struct slipbench_parameter slipbench_sensor_parameters[] = {
     SLIPBENCH_A_NUMBER("rate", 1000.0, "Hz"),         // samples a second
     SLIPBENCH_A_NUMBER("pitch", 0.007, "m"),          // from one pillar to the next
-    SLIPBENCH_A_NUMBER("edge_drop", 0.0002, "m"),     // how much shorter than the middle one the four at the edges are
-    SLIPBENCH_A_NUMBER("corner_drop", 0.00045, "m"),  // and those at the corners
+    SLIPBENCH_A_NUMBER("edge_drop", 0.0002, "m"),     // how much shorter the four at the edges are than the middle one
+    SLIPBENCH_A_NUMBER("corner_drop", 0.00045, "m"),  // the same for those at the corners
     SLIPBENCH_A_NUMBER("k_normal", 7100.0, "N/m"),    // stiffness of a pillar
     SLIPBENCH_A_NUMBER("k_tangential", 3900.0, "N/m"),
     SLIPBENCH_A_NUMBER("noise", 0.0, "N"),  // largest error of a reading

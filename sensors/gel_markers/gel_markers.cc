@@ -1,5 +1,6 @@
-// A gel pad with markers on its skin and a camera behind it. Against sensors/plugin_abi.h alone, as a library of one's own:
-// slipbench_bundled_sensor builds it into the program, and `c++ -std=c++17 -shared -fPIC` makes a library of it.
+// A gel pad with markers on its skin and a camera behind it. It uses sensors/plugin_abi.h alone,
+// like a custom library: slipbench_bundled_sensor builds it into the program, and `c++ -std=c++17
+// -shared -fPIC` makes a library of it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +11,7 @@
 #include <vector>
 
 #include "sensors/plugin_abi.h"
-#ifdef SLIPBENCH_BUNDLED_TYPE  // in the program: the same bits on every processor
+#ifdef SLIPBENCH_BUNDLED_TYPE  // in the program: bit-identical on every processor
 #include "sim/core/math.h"
 namespace math = slipbench::math;
 #else
@@ -100,14 +101,15 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-// A point of the skin: at rest, and how much of the displacement of four elements it takes.
+// A point of the skin: its position without load, and its bilinear weights for four elements.
 struct Point {
   Vector rest;
   std::array<std::size_t, 4> elements;
   std::array<double, 4> shares;
 };
 
-// SplitMix64's mix (Steele, Lea, Flood, OOPSLA 2014). A random number is the mix of what it is for, so none shifts another one.
+// SplitMix64's mix (Steele, Lea, Flood, OOPSLA 2014). Each random number is a mix of its purpose,
+// so that none depends on how many others are drawn.
 std::uint64_t mixed(std::uint64_t x) {
   x += UINT64_C(0x9e3779b97f4a7c15);
   x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -122,7 +124,7 @@ class Gel {
     for (const char* letter = asked.name; *letter != '\0'; ++letter) key_ = mixed(key_ ^ static_cast<unsigned char>(*letter));
   }
 
-  // Why there is no such pad; "": there is.
+  // Returns why the parameters are invalid; "" if they are valid.
   std::string fault() const {
     for (const Key key : {columns, rows, marker_columns, marker_rows, map}) {
       if (is_[key] != std::floor(is_[key]))
@@ -176,8 +178,9 @@ class Gel {
   }
 
  private:
-  // The displacement of the skin at each element, in P, as a frame shows it. Depth is how far an elastic skin has sunk where its loaded surface is, so
-  // what the surface's slope adds to the shear along n is in it already.
+  // Displacement of the skin at each element, in P, as a frame shows it. An elastic skin's depth is
+  // already measured where its loaded surface is, so it includes the share of the shear along n
+  // that comes from the surface's slope.
   void move_skin(const slipbench_contact& contact) {
     const double back = frames_ == 0 ? 0.0 : 0.5 * is_[exposure] * is_[rate];
     for (std::size_t e = 0; e < elements_.size(); ++e) {
@@ -192,7 +195,7 @@ class Gel {
     }
   }
 
-  // Whether the camera sees marker i, which is then shown where it was seen.
+  // True if the camera sees marker i; then updates where the marker is shown.
   bool look(std::size_t i) {
     const Vector place = place_of(markers_[i]);
     auto [x, y] = pixel_of(place);
@@ -223,10 +226,10 @@ class Gel {
     return {0.5 * is_[width] + scale * place[0], 0.5 * is_[height] - scale * place[1]};
   }
 
-  double across() const { return (is_[columns] - 1.0) * is_[pitch]; }  // m, from the first element to the last
+  double across() const { return (is_[columns] - 1.0) * is_[pitch]; }  // m, between the first and the last element
   double along() const { return (is_[rows] - 1.0) * is_[pitch]; }
 
-  // Points about the middle, in rows from +Y to -Y, each from -X to +X.
+  // Points centred on the pad, in rows from +Y to -Y, each from -X to +X.
   std::vector<Point> grid(double wide, double high, double right, double down) const {
     std::vector<Point> points;
     for (double i = 0.0; i < wide * high; ++i) {
@@ -244,17 +247,18 @@ class Gel {
     return points;
   }
 
-  // Number `which` of this frame, in [0, 1); from it and the next one a normal one (Box, Muller).
+  // Random number `which` of this frame, in [0, 1). This number and the next one give a normal one
+  // (Box, Muller).
   double uniform(std::size_t which) const { return static_cast<double>(mixed(mixed(key_ + frames_) + which) >> 11) * 0x1p-53; }
   double gaussian(std::size_t which) const {
     return std::sqrt(-2.0 * math::log1p(-uniform(which))) * math::cos(6.283185307179586 * uniform(which + 1));
   }
 
   std::uint64_t key_, frames_ = 0;
-  std::vector<double> is_;  // the parameters, by Key
+  std::vector<double> is_;  // the parameters, indexed by Key
   std::vector<slipbench_element> elements_;
-  std::vector<Vector> skin_, last_;  // displacement of each element, as this frame shows it and when the last one ended
-  std::vector<Vector> shown_;        // where each marker was seen last
+  std::vector<Vector> skin_, last_;  // displacement of each element: as this frame shows it, and at the end of the last frame
+  std::vector<Vector> shown_;        // last seen position of each marker
   std::vector<Point> markers_, map_;
   std::array<std::size_t, 6> shapes_;
   std::array<slipbench_channel, 4> channels_;

@@ -1,5 +1,6 @@
-// A magnetic skin: magnets in an elastomer move with its surface, and magnetometers of three axes behind it read their field. Written as a sensor
-// of one's own, against one header: g++ -shared -fPIC makes a library of it, and the program is built with it as `type: magnetic_skin`.
+// A magnetic skin: magnets in an elastomer move with its surface, and three-axis magnetometers
+// behind it read their field. It is written as a custom sensor against one header: g++ -shared
+// -fPIC makes a library of it, and the program is built with it as `type: magnetic_skin`.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +9,7 @@
 #include <vector>
 
 #include "sensors/plugin_abi.h"
-#ifdef SLIPBENCH_BUNDLED_TYPE  // in the program: the same bits on every processor
+#ifdef SLIPBENCH_BUNDLED_TYPE  // in the program: bit-identical on every processor
 #include "sim/core/math.h"
 namespace math = slipbench::math;
 #else
@@ -117,16 +118,16 @@ struct Magnet {
 };
 
 struct Skin {
-  std::array<double, placement + 1> is;  // the parameters that are numbers; 0 of `chips`
+  std::array<double, placement + 1> is;  // the numeric parameters; 0 for `chips`
   std::vector<slipbench_element> elements;
-  std::vector<Magnet> magnets, moved;  // a cell each
+  std::vector<Magnet> magnets, moved;  // one per cell
   std::vector<Vector> magnetometers;
   std::vector<std::size_t> shape;  // of every channel
   std::vector<slipbench_channel> channels;
-  std::vector<double> offset, rest;  // counts of an axis: of the chip, and without load, not rounded
+  std::vector<double> offset, rest;  // counts per axis: of the chip; and without load, not rounded
   Vector sensitivity;                // uT
-  double share;                      // of the surface's displacement at a magnet's depth
-  bool forces;                       // a magnetometer behind each magnet: it knows which one it reads
+  double share;                      // of the surface's displacement, at a magnet's depth
+  bool forces;                       // one magnetometer behind each magnet, so that it reads a known magnet
   std::uint64_t random;
 };
 
@@ -144,7 +145,8 @@ double normal(std::uint64_t& state) {
   return radius * math::cos(2.0 * pi * uniform(state));
 }
 
-// uT, of all dipoles at one place: s (3 r (z.r)/r^5 - z/r^3), r from the dipole to there.
+// Returns the field [uT] of all dipoles at one point: s (3 r (z.r)/r^5 - z/r^3), r from the dipole
+// to the point.
 Vector field_at(const Vector& place, const std::vector<Magnet>& magnets) {
   Vector field{};
   for (const auto& [at, strength] : magnets) {
@@ -158,8 +160,10 @@ Vector field_at(const Vector& place, const std::vector<Magnet>& magnets) {
   return field;
 }
 
-// N, of a lone dipole straight below the magnetometer that now reads `field`: where it must be, times what its cell's springs make of that. With t
-// the tangent of the angle of r to Z, B_t/B_z = 3 t/(2 - t^2) and B = s sqrt(1 + 3 cos^2)/r^3.
+// Returns the force [N] on a cell, from the `field` [uT] of a lone dipole straight below the
+// magnetometer when unloaded: locates the dipole and multiplies its displacement by the cell's
+// stiffness. With t the tangent of the angle of r to Z, B_t/B_z = 3 t/(2 - t^2) and B = s sqrt(1 +
+// 3 cos^2)/r^3.
 Vector force_of(const Skin& skin, const Vector& field, const Magnet& magnet, double height) {
   const double sign = magnet.strength < 0.0 ? -1.0 : 1.0, z = sign * field[2], across = math::hypot(field[0], field[1]);
   const double tangent = 4.0 * across / (3.0 * z + std::sqrt(9.0 * z * z + 8.0 * across * across));
@@ -199,7 +203,8 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
   }
 }
 
-// The places in the pad's frame: cells in rows from +Y to -Y, each from -X to +X; the surface at 0, the magnetometers above.
+// Places the parts in the pad's frame: cells in rows from +Y to -Y, each from -X to +X; the surface
+// at z = 0, the magnetometers above.
 void place(Skin& skin) {
   const auto& is = skin.is;
   const double edge = is[pitch], radius = 0.5 * is[magnet_diameter], pole = is[pole_pitch];
@@ -218,14 +223,14 @@ void place(Skin& skin) {
   if (!skin.forces) skin.magnetometers = {{0, 0, back}, {-end, 0, back}, {end, 0, back}, {0, end, back}, {0, -end, back}};
 }
 
-// FNV-1a of the sensor's name, from `state`.
+// FNV-1a hash of the sensor's name, starting from `state`.
 std::uint64_t keyed(std::uint64_t state, const char* name) {
   for (const char* letter = name; *letter != '\0'; ++letter)
     state = (state ^ static_cast<unsigned char>(*letter)) * UINT64_C(0x100000001b3);
   return state;
 }
 
-// Moves the magnets off the middle of their cells, by a random stream of its own.
+// Moves the magnets off the middle of their cells, with a separate random stream.
 void misplace(Skin& skin, std::uint64_t random) {
   for (Magnet& magnet : skin.magnets) {
     for (const std::size_t axis : {0, 1}) magnet.at[axis] += skin.is[placement] * normal(random);

@@ -59,15 +59,16 @@ SignalModel signal_model(double rate, std::size_t taxels, double noise) {
   return model;
 }
 
-// `force`: of the taxels [N], three of each; `play_1`, `play_2`: their plays. Of most groups no taxel is pressed, and they are all at rest.
+// `force`: of the taxels [N], three components each; `play_1`, `play_2`: their plays. Most groups
+// of four have no pressed taxel and get the unloaded reading.
 SLIPBENCH_DISPATCHED void read_cells(const FoamCell& cell_read, std::size_t taxels, const double* force, double* play_1,
                                      double* play_2, float* values) {
-  const FoamCell cell = cell_read;  // a copy: what is written is none of it
+  const FoamCell cell = cell_read;  // a copy, so that the compiler knows that no store changes it
   const Quad none{};
   const QuadFloat rest = __builtin_convertvector(cell.reading(none), QuadFloat);
   std::size_t taxel = 0;
   for (; taxel + quad <= taxels; taxel += quad) {
-    // The third, the sixth, the ninth and the twelfth of twelve numbers, each in the lane that it has in its four.
+    // Every third of twelve numbers (the normal forces), each kept in its lane of its vector.
     const Quad a = vector_at<Quad>(force + 3 * taxel), b = vector_at<Quad>(force + 3 * taxel + 4),
                c = vector_at<Quad>(force + 3 * taxel + 8);
     const Quad mixed = __builtin_shufflevector(__builtin_shufflevector(c, b, 0, 5, 2, 3), a, 0, 1, 6, 3);
@@ -89,13 +90,16 @@ SLIPBENCH_DISPATCHED void read_cells(const FoamCell& cell_read, std::size_t taxe
   }
 }
 
-// Creep of the foam: what a cell feels grows under a steady load by a share of it for every tenfold time, by Boltzmann's superposition
+// Creep of the foam: under a steady load the felt force grows by a fixed share per decade of time,
+// by Boltzmann's superposition
 //   f_c = f + creep sum_k y_k,  dy_k/dt = (f - y_k)/tau_k,  tau_k = 10 ms, 100 ms ... 1000 s
-// Each y_k is moved exactly for a force that stands over a sample. Under a step the sum grows by exp(-t/tau_last) - exp(-10 t/tau_first) from t to
-// 10 t, which is 1 well within the range of tau.
+// Each y_k is advanced exactly for a force that is constant over a sample. Under a step the sum
+// grows by exp(-t/tau_last) - exp(-10 t/tau_first) from t to 10 t, which is 1 well within the range
+// of tau.
 constexpr std::array<double, 6> creep_times{1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3};  // s
 
-// As read_cells(). `share`: what a sample leaves of f - y_k; `slow`: y_k of each taxel [N].
+// Like read_cells(), with creep. `share`: factor on f - y_k per sample; `slow`: y_k of each taxel
+// [N].
 void read_creeping_cells(const FoamCell& cell, double creep, const std::array<double, creep_times.size()>& share,
                          std::size_t taxels, const double* force, double* play_1, double* play_2, double* slow, float* values) {
   for (std::size_t taxel = 0; taxel < taxels; ++taxel, slow += creep_times.size()) {
@@ -153,11 +157,11 @@ class Myrmex final : public PadSensor {
     return memories;
   }
 
-  // Images with a taxel that reads no more than 0, its loaded end. At the other end is its rest, where the converter cuts off half of the noise in
-  // every image: that is not counted.
+  // Images with a taxel at 0 or below, the loaded end of the range. The unloaded end is not
+  // counted: there the converter clips half of the noise in every image.
   [[nodiscard]] std::uint64_t saturated() const override { return saturated_; }
 
-  // The paper labels by a third sensor on the object, of which this one knows nothing: it can tell contact alone.
+  // The paper labels slip by a separate sensor on the object; this sensor can only tell contact.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override {
     return truth.state == PadState::no_contact ? PadState::no_contact : PadState::non_slip;
   }
@@ -166,8 +170,8 @@ class Myrmex final : public PadSensor {
   FoamCell cell_;
   Electronics electronics_;
   std::uint64_t saturated_ = 0;
-  double creep_;                                          // a decade
-  std::array<double, creep_times.size()> creep_share_{};  // what a sample leaves of f - y_k
+  double creep_;                                          // per decade of time
+  std::array<double, creep_times.size()> creep_share_{};  // factor on f - y_k per sample
   std::vector<double> plays_;                             // p_1 of all taxels, then p_2 [N]
   std::vector<double> slow_;                              // y_k of each taxel [N]; empty: no creep
   std::vector<float> values_;

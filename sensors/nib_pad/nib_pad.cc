@@ -15,20 +15,20 @@ namespace {
 
 constexpr Range some_length = positive_up_to(0.1);
 
-// Counts at 13 bit. None is published for this device.
+// Counts at 13 bit. Nothing is published for this device.
 constexpr double si_noise = 1.5, cluster_noise = 1.2;
 constexpr double offset = 20.0;
 constexpr double drift = 0.02;  // counts/s
 constexpr double gain = 0.05;   // of one electrode
 
-// Where a taxel is from the middle one: -1, 0 or 1 to the east and to the north.
+// Position of a taxel relative to the middle one: -1, 0 or 1 to the east and to the north.
 struct Place {
   int east, north;
 };
 Place place_of(std::size_t taxel) { return {static_cast<int>(taxel % 3) - 1, 1 - static_cast<int>(taxel / 3)}; }
 
-// Whether the electrode on `side` of a taxel is on the side to which a counter-clockwise turn (`turn` = 1; clockwise: -1) about the pad's
-// middle drags it: the turn's velocity there is (-north, east).
+// True if a turn about the pad's middle (`turn` = 1: counter-clockwise, -1: clockwise) drags a
+// taxel towards its electrode on `side`. The turn's velocity there is (-north, east).
 bool is_ahead(std::size_t taxel, Side side, int turn) {
   const Place place = place_of(taxel);
   switch (side) {
@@ -123,7 +123,8 @@ Entry about() {
 SensorView view() {
   std::vector<std::vector<std::size_t>> nibs_of(taxels);
   for (std::size_t nib = 0; nib < nibs; ++nib) nibs_of[taxel_of(nib)].push_back(nib);
-  // Differences: north less south electrodes, one sense of rotation less the other (the paper, section II).
+  // Differences: north minus south electrodes, one sense of rotation minus the other (the paper,
+  // section II).
   return {.unit = "nib",
           .units = "nibs",
           .letter = "N",
@@ -155,7 +156,7 @@ SignalModel signal_model(double rate, double count) {
     model.noise_sd.push_back(count * (v < si_size ? si_noise : cluster_noise));
     model.offset_sd.push_back(count * offset);
     model.drift_sd.push_back(count * drift);
-    // A cluster is the sum of 9 or 12 of the same electrodes, whose gains are drawn apart from one another.
+    // A cluster is the sum of 9 or 12 such electrodes, whose gains are drawn independently.
     model.gain_sd.push_back(v < fl_first ? gain : gain / std::sqrt(v < fr_first ? 9.0 : 12.0));
   }
   return model;
@@ -211,7 +212,8 @@ NibCapacitor make_capacitor(const Parameters& parameters, const std::string& sen
                           format_quantity(mask_gap, Quantity::length) + " leaves no room below a gap of " +
                               format_quantity(gap, Quantity::length) + "; allowed: less than that");
   }
-  // Tilted until its rim rests on the mask, the fabric is r/R (g0 - gf) lower over an electrode at r: it must not come to lie on it.
+  // When its rim touches the mask, the tilted fabric is r/R (g0 - gf) lower over an electrode at r.
+  // It must not touch the electrode there.
   const double place = parameters.number("electrode_place"), radius = parameters.number("fabric_radius");
   if (const double farthest = radius * gap / (gap - mask_gap); place >= farthest) {
     throw SceneValueError("sensors." + sensor_name + ".electrode_place",
@@ -240,7 +242,7 @@ std::vector<Channel> make_channels(double rate, bool multiplexed) {
   channels[0].every = taxels;
   if (!multiplexed) return channels;
   const double scan = 1.0 / (rate * static_cast<double>(sample_scans));  // s, from one reading to the next
-  // Means over the readings of an image, which ends with the frame's time, and over the two of a cluster.
+  // Mean ages: of the readings of an image, which ends at the frame's time, and of a cluster's two.
   channels[0].age = 0.5 * static_cast<double>(taxels - 1) / rate + 0.5 * static_cast<double>(sides - 1) * scan;
   channels[1].age = (static_cast<double>(sample_scans - 1) - 0.5) * scan;
   channels[2].age = (static_cast<double>(sample_scans - 3) - 0.5) * scan;
@@ -265,7 +267,7 @@ class NibPad final : public PadSensor {
       electrodes_[v] = electrodes_of(v);
       gain_[v] = per_count() * parameters.number(v < si_size ? "gain" : "cluster_gain");
     }
-    // Until its first reading a value is that of a pad that nothing touches.
+    // Before its first reading a value is that of an untouched pad.
     for (double& value : values()) value = std::round(rest_);
     frame_.values = reported_;
   }
@@ -308,8 +310,8 @@ class NibPad final : public PadSensor {
   }
 
  private:
-  // What is carried from one reading to the next, all in memory_: the counters, what this sample has read, what its frame shows, and of
-  // each value of si the last `average_` readings.
+  // memory_ carries from one reading to the next: the counters, the signals read in this sample,
+  // the values its frame shows, and the last `average_` readings of each value of si.
   enum Counter : std::size_t { next_scan, next_taxel, images, counters };
   [[nodiscard]] std::span<double> signals() { return std::span(memory_).subspan(counters, value_count); }
   [[nodiscard]] std::span<double> values() { return std::span(memory_).subspan(counters + value_count, value_count); }
@@ -318,22 +320,22 @@ class NibPad final : public PadSensor {
   }
   [[nodiscard]] std::size_t taxel() const { return static_cast<std::size_t>(memory_[next_taxel]); }
 
-  // Counts of this converter to one of 13 bit.
+  // Counts of this converter per count of a 13-bit one.
   [[nodiscard]] double per_count() const { return (top_ + 1.0) / 8192.0; }
 
-  // Of value v, in counts above rest, as far as it comes from the nibs.
+  // Stores the nibs' share of value v, in counts above the reading without load.
   void read(const ContactFrame& truth, std::size_t v) {
     double change = 0.0;
     for (const Electrode& electrode : electrodes_[v]) {
       const auto nib = static_cast<Eigen::Index>(electrode.nib);
       const double force = truth.force(2, nib), qx = truth.displacement(0, nib), qy = truth.displacement(1, nib);
-      // Most nibs are at rest, where the change is 0.
+      // Most nibs are unloaded and change nothing.
       if (force != 0.0 || qx != 0.0 || qy != 0.0) change += capacitor_.change(force, qx, qy, electrode.side);
     }
     signals()[v] = gain_[v] * change;
   }
 
-  // What the converter makes of a signal: whole counts between 0 and full scale, which it reports for all that is beyond.
+  // Returns the converter's counts for a signal, rounded and clipped to 0 to full scale.
   double converted(float signal) {
     const double counts = std::round(rest_ + signal);
     const double held = std::clamp(counts, 0.0, top_);
@@ -341,7 +343,7 @@ class NibPad final : public PadSensor {
     return held;
   }
 
-  // All readings of a sample are done: its electronics, its counts, the mean of si.
+  // Ends a sample: applies the electronics, converts to counts, averages si.
   void complete(double time) {
     std::array<float, value_count> disturbed{};
     std::ranges::transform(signals(), disturbed.begin(), [](double signal) { return static_cast<float>(signal); });
@@ -370,14 +372,14 @@ class NibPad final : public PadSensor {
   std::size_t average_;
   double label_distance_;
   double top_;   // counts, full scale
-  double rest_;  // counts, of a pad that nothing touches
+  double rest_;  // counts, of an untouched pad
   NibCapacitor capacitor_;
   Electronics electronics_;
   std::vector<double> memory_;
   std::array<std::vector<Electrode>, value_count> electrodes_;
   std::array<double, value_count> gain_{};  // counts/pF
   std::array<float, value_count> reported_{};
-  bool beyond_ = false;  // a value of this sample lies beyond the converter's range
+  bool beyond_ = false;  // a value of this sample is beyond the converter's range
   std::uint64_t saturated_ = 0;
 };
 

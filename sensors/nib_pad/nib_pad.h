@@ -1,4 +1,5 @@
-// The capacitive nib pad: 6x6 silicone nibs over electrodes that a multiplexer clusters anew at each reading.
+// The capacitive nib pad: 6x6 silicone nibs over electrodes that a multiplexer groups anew for each
+// reading.
 #pragma once
 
 #include <algorithm>
@@ -12,23 +13,29 @@
 
 namespace slipbench {
 
-// A nib pad with channels "si" {9,4}, "fl" {2} and "fr" {2}, raw counts of its converter. Pad frame P: +X east, +Y north, +Z into
-// the sensor, origin at the tip of a nib of nominal height in the pad's middle. Units are nibs, 6 row + column, rows from north
-// to south, columns from west to east; taxels of si likewise, 3 row + column, their electrodes W, N, E, S. fl: the clusters N and
-// S; fr: + and -. With `scan: multiplexed` a sample is eight readings (Sensor::scans): fl N, fl S, fr +, fr -, then W, N, E, S of
-// one taxel, the next taxel in the next sample; si is complete in the last of every nine samples. What a sample reads is in its
-// frame once its last reading is done. Without electronics it still rounds to counts: that is what the device does, parameter
-// `bits`. create() throws SceneValueError for a gap of the mask that is none, InputError for unknown or repeated electronics.
+// A nib pad with channels "si" {9,4}, "fl" {2} and "fr" {2}, raw counts of its converter. Pad frame
+// P: +X east, +Y north, +Z into the sensor, origin at the tip of a nib of nominal height in the
+// pad's middle. Units are nibs, 6 row + column, rows from north to south, columns from west to
+// east. Taxels of si are numbered likewise, 3 row + column, with electrodes W, N, E, S. fl:
+// clusters N and S; fr: + and -.
+//
+// With `scan: multiplexed` a sample is eight readings (Sensor::scans): fl N, fl S, fr +, fr -, then
+// W, N, E, S of one taxel; the next sample reads the next taxel, so si is complete in the last of
+// every nine samples. A frame shows its sample's readings once the last one is done. Values are
+// rounded to counts even without electronics, because the device does so (parameter `bits`).
+//
+// create() throws SceneValueError for an invalid mask_gap, InputError for unknown or repeated
+// electronics.
 SensorKind nib_pad_sensor();
 
 }  // namespace slipbench
 
 namespace slipbench::nib_pad {
 
-// Which electrode of which nib a reading connects, and what the nib does to its capacitance.
+// Which electrodes a reading connects, and how a nib changes their capacitance.
 
 inline constexpr double pitch = 3.8e-3;  // m, from nib to nib
-inline constexpr std::size_t rows = 6;   // of nibs, and as many columns
+inline constexpr std::size_t rows = 6;   // of nibs, and number of columns
 inline constexpr std::size_t nibs = rows * rows;
 inline constexpr std::size_t taxels = 9;  // of 2x2 nibs
 inline constexpr std::size_t sides = 4;   // electrodes of a taxel
@@ -39,7 +46,7 @@ inline constexpr std::size_t fl_first = si_size;
 inline constexpr std::size_t fr_first = fl_first + 2;
 inline constexpr std::size_t value_count = fr_first + 2;
 
-// The side of a nib on which an electrode lies, in the order of the device: -x, +y, +x, -y of the pad frame.
+// Side of a nib on which an electrode lies, in the device's order: -x, +y, +x, -y of the pad frame.
 enum class Side : std::size_t { west, north, east, south };
 
 struct Electrode {
@@ -50,19 +57,23 @@ struct Electrode {
 // Nib 6 row + column, taxel 3 row + column: rows from north to south, columns from west to east.
 std::size_t taxel_of(std::size_t nib);
 
-// The electrodes that value v of a sample connects. Of si, v = 4 taxel + side, those on one side of a taxel's four nibs. Of fl, those on
-// the north side of all taxels, then those on the south side. Of fr, the tangential ones of the eight outer taxels, one of an edge, two of
-// a corner: first those towards which nibs lean that are dragged counter-clockwise about +z, then the opposite ones.
+// Returns the electrodes that value v of a sample connects. si: v = 4 taxel + side, the electrodes
+// on one side of a taxel's four nibs. fl: the electrodes on the north side of all taxels, then
+// those on the south side. fr: the tangential electrodes of the eight outer taxels, one on an edge,
+// two on a corner; first those towards which nibs lean when dragged counter-clockwise about +z,
+// then the opposite ones.
 std::vector<Electrode> electrodes_of(std::size_t v);
 
 // The electrode of a nib against the grounded fabric above it:
 //   C   = C0 g0/(g0 - u - r a),   a = (t_e - t_w, t_n - t_s of the side) the fabric's tilt towards the electrode
 //   u   = min(f_n/k_post, g0 - gf)          the post alone compresses the gap
 //   t   = q/L, no longer than (g0 - u - gf)/R
-// f_n: normal force [N]; q: tip's deflection [m] in the pad's plane; L: from the hinge in the gap to the tip; R: radius of the fabric that
-// tilts with the nib; gf: gap that is left where the fabric rests on the mask. There it is in contact: its rim ends the tilt, and once it
-// lies flat nothing compresses any more, whatever the nib above it does. So the gap never falls to zero, and no capacitance is cut off.
-// Plate capacitor without fringes; rest: C0 at f_n = 0, q = 0.
+// f_n: normal force [N]; q: deflection of the tip [m] in the pad's plane; L: distance from the
+// hinge in the gap to the tip; R: radius of the fabric that tilts with the nib; gf: gap left where
+// the fabric lies on the mask. The mask limits both motions: the fabric's rim ends the tilt, and
+// fabric lying flat ends the compression, whatever the nib above does. The gap therefore never
+// reaches zero, and capacitance is never clipped. Plate capacitor without fringes. `rest`: C0, at
+// f_n = 0, q = 0.
 struct NibCapacitor {
   double rest;           // pF, C0
   double gap;            // m, g0
@@ -70,15 +81,15 @@ struct NibCapacitor {
   double post;           // N/m, k_post
   double lever;          // m, L
   double fabric_radius;  // m, R
-  double place;          // m, r, of the electrode's middle from the nib's axis
-  bool linear;           // instead of 1/gap its tangent at rest, C0 (1 + (u + r a)/g0)
+  double place;          // m, r, from the nib's axis to the electrode's middle
+  bool linear;           // uses the tangent of 1/gap at zero load, C0 (1 + (u + r a)/g0)
 
-  // C - C0 [pF] of the electrode on `side`.
+  // Returns C - C0 [pF] of the electrode on `side`.
   [[nodiscard]] double change(double force, double qx, double qy, Side side) const {
     const double room = gap - mask_gap;
     const double u = std::min(force / post, room);
     const double along = side == Side::east ? qx : side == Side::west ? -qx : side == Side::north ? qy : -qy;
-    const double landed = (room - u) / fabric_radius * lever;  // m, deflection at which the rim rests on the mask
+    const double landed = (room - u) / fabric_radius * lever;  // m, deflection at which the rim touches the mask
     const double length2 = qx * qx + qy * qy;
     const double share = length2 > landed * landed ? landed / std::sqrt(length2) : 1.0;
     const double closed = u + place * share * along / lever;
@@ -86,19 +97,20 @@ struct NibCapacitor {
   }
 };
 
-// What the catalogue says of the nib pad.
+// The nib pad's catalogue entry and view.
 
 Entry about();
 SensorView view();
 
-// How large the disturbances of a nib pad's electronics are.
+// Disturbances of a nib pad's electronics.
 
-// Of the values si {9,4}, fl {2}, fr {2}, in counts at 13 bit times `count` above the reading at rest, `rate` [Hz] samples a
-// second. Every value is a reading of its own and so a source of its own.
+// Returns those of the values si {9,4}, fl {2}, fr {2}, in counts at 13 bit times `count`, relative
+// to the reading without load. `rate`: samples a second [Hz]. Every value is a separate reading and
+// so has a source of its own.
 SignalModel signal_model(double rate, double count);
 
-// The parts that its electronics have, with these figures. Rounding to counts is not one of them: it is what the device does,
-// parameter `bits`.
+// The parts of its electronics, with these figures. Rounding to counts is not among them: the
+// device always rounds (parameter `bits`).
 std::vector<Entry> electronics_parts();
 
 }  // namespace slipbench::nib_pad

@@ -1,5 +1,6 @@
-// The SensorKind of one bundled sensor: built into the library of each (slipbench_bundled_sensor in cmake/SlipbenchLibrary.cmake), which says its name
-// and renames what its source exports, so that several fit into one program.
+// SensorKind of one bundled sensor. This file is compiled into the library of each one
+// (slipbench_bundled_sensor in cmake/SlipbenchLibrary.cmake), which defines its name and renames
+// its exported symbols, so that several sensors fit into one program.
 #include "sensors/own/own_sensor.h"
 #include "sim/core/sensor_kind.h"
 

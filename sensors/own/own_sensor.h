@@ -1,4 +1,4 @@
-// A sensor that somebody else has made, a library or a Python class: what it says of itself and of each sample, checked.
+// A custom sensor, from a shared library or a Python class. Its layout and each sample are checked.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,13 @@
 
 namespace slipbench {
 
-// What such a sensor says once.
+// Layout of a custom sensor, as the library or class declares it.
 struct OwnLayout {
   static constexpr std::size_t most_elements = 4096, most_channels = 64, most_dimensions = 8, most_values = 1'000'000;
 
   double rate = 0.0;  // Hz
   std::vector<Element> elements;
-  std::vector<std::size_t> units;  // of each element: 0 of the first one, then the same or one more
+  std::vector<std::size_t> units;  // of each element: 0 for the first one, then equal or +1
   std::vector<Channel> channels;   // names, units and shapes
 };
 
@@ -31,20 +31,21 @@ class OwnSensor : public Sensor {
   [[nodiscard]] const PadLayout& layout() const final { return layout_; }
   [[nodiscard]] double rate() const final { return rate_; }
   [[nodiscard]] const std::vector<Channel>& channels() const final { return channels_; }
-  // Throws SceneValueError where read() does, and for a value that is not finite.
+  // Throws SceneValueError if read() does, and for a value that is not finite.
   const SensorFrame& measure(const ContactFrame& truth) final;
-  // A sensor of one's own has no paper: the truth by the rule `strict`.
+  // A custom sensor has no paper: returns the truth by the rule `strict`.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const final { return truth.state; }
 
  protected:
-  // `where`: the scene's key that is to blame, "sensors.pad.library"; `whose`: who, "'mine.so'".
+  // `where`: key of the scene for errors, "sensors.pad.library"; `whose`: the sensor's source for
+  // errors, "'mine.so'".
   OwnSensor(std::string where, std::string whose) : where_(std::move(where)), whose_(std::move(whose)) {}
 
-  // To be called once, before the first measure(). Throws SceneValueError for a layout that cannot be simulated and channels that no dataset can
-  // hold: see README.md for what is allowed.
+  // Must be called once, before the first measure(). Throws SceneValueError for a layout that
+  // cannot be simulated and for channels that a dataset cannot store (limits: README.md).
   void set(OwnLayout said);
 
-  // Writes a sample, all channels in their order. `values` are NaN.
+  // Writes one sample, all channels in order. `values` are NaN on entry.
   virtual void read(const ContactFrame& truth, std::span<float> values) = 0;
 
   [[noreturn]] void refuse(const std::string& what) const;
@@ -58,19 +59,20 @@ class OwnSensor : public Sensor {
   SensorFrame frame_;
 };
 
-// A source written for sensors/plugin_abi.h alone that the program is built with, and what it exports.
+// A sensor written against sensors/plugin_abi.h alone and built into the program, with its exported
+// symbols.
 struct BundledSensor {
-  const char* type;  // the scene's name for it
+  const char* type;  // name in a scene
   const slipbench_parameter* parameters;
   const slipbench_about* about;
   void (*make)(const slipbench_source* source, slipbench_readout* readout);
 };
 
-// The declared parameters as the scene's parser takes them, each with its note.
+// The declared parameters, with their notes, as specifications for the scene's parser.
 std::vector<ParameterSpec> specs_of(const BundledSensor& bundled);
 
-// The sensor `name` of a scene, as SensorKind::create has it. What it throws and says is checked as of a library; SceneValueError is then
-// at sensors.`name`.type.
+// Makes the sensor `name` of a scene, like SensorKind::create. Its errors and values are checked as
+// those of a library; SceneValueError is raised at sensors.`name`.type.
 std::unique_ptr<Sensor> make_bundled(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed,
                                      std::uint64_t trial, const std::string& name);
 

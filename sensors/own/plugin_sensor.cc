@@ -10,7 +10,8 @@
 namespace slipbench {
 namespace {
 
-// What the library's pointers lead to. Of more than is allowed so much that set() refuses it.
+// Copies the layout that the library points to. Counts beyond a limit are cut to one above it, so
+// that set() refuses them.
 OwnLayout layout_of(const slipbench_readout& readout) {
   OwnLayout said{.rate = readout.rate, .elements = {}, .units = {}, .channels = {}};
   for (std::size_t i = 0; i < std::min(readout.element_count, OwnLayout::most_elements + 1); ++i) {
@@ -29,7 +30,8 @@ OwnLayout layout_of(const slipbench_readout& readout) {
   return said;
 }
 
-// As the source declares them, with the values of `parameters`, which must outlive what is returned.
+// The parameters that the source declares, with the values from `parameters`, which must outlive
+// the result.
 std::vector<slipbench_parameter> values_of(const BundledSensor& bundled, const Parameters& parameters) {
   std::vector<slipbench_parameter> values;
   for (const slipbench_parameter* row = bundled.parameters; *row->name != '\0'; ++row) {
@@ -85,7 +87,8 @@ class PluginSensor final : public OwnSensor {
   using Made = PluginObject<slipbench_readout>;
 
   void read(const ContactFrame& frame, std::span<float> values) override {
-    // A copy for a library, which may cast `const` away: the labels are read of the same arrays.
+    // A library gets a copy because it may cast `const` away, and the labels are computed from the
+    // same arrays.
     const ContactFrame& truth = trusted_ ? frame : (copy_ = frame);
     const slipbench_contact contact{.time = truth.time,
                                     .force = truth.force.data(),
@@ -98,7 +101,7 @@ class PluginSensor final : public OwnSensor {
   }
 
   Made made_;
-  bool trusted_;  // a part of the program
+  bool trusted_;  // built into the program
   ContactFrame copy_;
 };
 

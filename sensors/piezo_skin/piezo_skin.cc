@@ -16,15 +16,16 @@ namespace slipbench {
 namespace piezo {
 namespace {
 
-// The 20 x 10 mm patch has room for a contact of this radius.
+// Largest radius of a contact that fits on the 20 x 10 mm patch.
 constexpr double patch_half_width = 5e-3;  // m
 constexpr double converter_counts = 65536.0;
-// Noise of the converter and of its input. Only the ratio to the loudness of slip is measured (README.md, section Noise).
+// Noise of the converter and of its input. Only its ratio to the signal of slip is measured
+// (README.md, section Noise).
 constexpr double noise = 35e-3;  // N rms
 
-// Samples of the sensor between two of the bench's position sensor.
+// Samples of the sensor per sample of the bench's position sensor.
 std::size_t label_stride(const Parameters& parameters, const std::string& sensor_name) {
-  constexpr double rounding = 1e-9;  // of a quotient of decimal numbers
+  constexpr double rounding = 1e-9;  // relative, of a quotient of decimal numbers
   const double ratio = parameters.number("rate") / parameters.number("label_rate");
   const double whole = std::round(ratio);
   if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
@@ -36,8 +37,8 @@ std::size_t label_stride(const Parameters& parameters, const std::string& sensor
   return static_cast<std::size_t>(whole);
 }
 
-// Points of equal area on the disc of the contact (Vogel's spiral): r_i^2 = radius^2 (i + 1/2)/n. A tip of curvature 1/R leaves the gap r^2/2R,
-// which is taken from its mean, radius^2/4R.
+// Points of equal area on the contact's disc (Vogel's spiral): r_i^2 = radius^2 (i + 1/2)/n. A tip
+// of curvature 1/R leaves the gap r^2/2R; its mean, radius^2/4R, is subtracted.
 PadLayout make_layout(const Parameters& parameters) {
   const auto count = static_cast<std::size_t>(parameters.integer("elements"));
   const double radius = parameters.number("radius"), curvature = 1.0 / parameters.number("tip_radius");
@@ -110,12 +111,12 @@ class PiezoSkin final : public PadSensor {
   }
 
  private:
-  // Of memory_, after the amplifier's.
+  // Layout of memory_ behind the amplifier's state.
   enum Place : std::size_t { until = BandPass::memory_size, known, moving, stage_x, stage_y, places };
 
   double& until_position() { return memory_[until]; }
 
-  // What the position sensor of the bench reads, and whether that has changed since it was read last.
+  // Reads the bench's position sensor and records if its reading has changed.
   void read_position(const ContactFrame& truth) {
     const double x = truth.stage_position.x(), y = truth.stage_position.y();
     const bool moved = memory_[known] != 0.0 && math::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;

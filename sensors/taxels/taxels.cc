@@ -14,10 +14,11 @@ namespace {
 
 constexpr std::size_t axes = 3;
 constexpr std::size_t most_points = 4096;  // as many as a grid of 64 x 64
-constexpr std::int64_t grid_size = 4;      // rows and columns unless the scene says otherwise
-constexpr double grid_pitch = 4e-3;        // m, likewise
+constexpr std::int64_t grid_size = 4;      // rows and columns by default
+constexpr double grid_pitch = 4e-3;        // m, by default
 
-// What a channel reads of a taxel. Its values are called T0_ (of a matrix S0_) and `symbol`, and X, Y, Z where there are several.
+// Quantity that a channel reads from a taxel. Its values are named T0_ (S0_ with a matrix) and
+// `symbol`, then X, Y, Z if there are several.
 struct Reading {
   const char *name, *unit;
   char symbol;
@@ -32,9 +33,9 @@ using Rows = std::vector<std::vector<double>>;
 // The columns of `places`.
 enum Column : std::size_t { x, y, z, nx, ny, nz, k_normal, k_tangential };
 
-// What a scene says of one sensor.
+// A scene's description of one sensor.
 struct Description {
-  // `sensor_path`: of the sensor in the scene. Throws SceneValueError there for what does not go together.
+  // `sensor_path`: of the sensor in the scene. Throws SceneValueError there for conflicting values.
   Description(const Parameters& parameters, std::string sensor_path)
       : p(parameters),
         path(std::move(sensor_path)),
@@ -58,7 +59,7 @@ struct Description {
     throw SceneValueError(path + "." + key, what);
   }
 
-  // Rows from +Y to -Y, each from -X to +X, or as the scene lists them; nothing is left out.
+  // Fills `places`, complete: rows from +Y to -Y, each from -X to +X, or as the scene lists them.
   void take_places() {
     const auto rows = static_cast<std::size_t>(p.integer("rows")), columns = static_cast<std::size_t>(p.integer("columns"));
     const double right = 0.5 * static_cast<double>(columns - 1), top = 0.5 * static_cast<double>(rows - 1), none = std::nan("");
@@ -115,7 +116,7 @@ struct Description {
                           : "goes back after the input " + format_number((*back)[0]) + "; allowed: inputs that grow");
   }
 
-  // A unit a taxel, its friction points on a square lattice over its face.
+  // One unit per taxel, its friction points on a square lattice over its face.
   [[nodiscard]] PadLayout layout() const {
     PadLayout layout;
     layout.unit_height = p.number("height");
@@ -156,7 +157,8 @@ struct Description {
     return made;
   }
 
-  // The disturbances are shares of what a value can span: force +-max_force, displacement what that does to the taxel's springs.
+  // Disturbances are shares of a value's range: force +-max_force, displacement what max_force does
+  // to the taxel's springs.
   [[nodiscard]] SignalModel signal_model() const {
     SignalModel model;
     model.rate = p.number("rate");
@@ -169,7 +171,7 @@ struct Description {
         double full = p.number("max_force");
         if (what.symbol == 'D') full /= places[taxel][axis == 2 ? k_normal : k_tangential];
         if (what.symbol == 'P') full /= p.number("width") * p.number("width");
-        ConverterRange range{-full, full};  // from 0 on it would cut off the noise at rest
+        ConverterRange range{-full, full};  // a range from 0 would clip the noise without load
         if (what.symbol == 'C') {
           range = {p.vector("range")[0], p.vector("range")[1]};
           full = std::max(std::abs(range.lowest), std::abs(range.highest));
@@ -187,7 +189,7 @@ struct Description {
     return model;
   }
 
-  // How long before the end of a scan number `i` of `count` is read, as a share of the scan.
+  // Time from the reading of value `i` of `count` to the end of the scan, as a share of the scan.
   [[nodiscard]] double scan_share(std::size_t i, std::size_t count) const {
     const std::string& order = p.choice("scan_order");
     const auto rows = static_cast<std::size_t>(p.integer("rows")), columns = static_cast<std::size_t>(p.integer("columns"));
@@ -226,7 +228,7 @@ class Taxels final : public PadSensor {
   [[nodiscard]] std::vector<std::span<double>> memory() override { return electronics_.memory(); }
   [[nodiscard]] std::uint64_t saturated() const override { return electronics_.saturated(); }
 
-  // Nobody has published a rule for it: the truth by the rule `strict`.
+  // There is no published rule for it: returns the truth by the rule `strict`.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override { return truth.state; }
 
  private:
@@ -249,7 +251,7 @@ class Taxels final : public PadSensor {
     signal_.setZero(matrix_.rows() == 0 ? own_.cols() : matrix_.rows());
   }
 
-  // Writes the channel's values at `at`; returns where the next one's begin.
+  // Writes the channel's values at `at`; returns the end of what it wrote.
   float* read_channel(const Reading& read, const ContactFrame& truth, float* at) {
     const auto put = [&](const auto& values) {
       Eigen::Map<Eigen::ArrayXXf>(at, values.rows(), values.cols()) = values.template cast<float>();
@@ -288,14 +290,14 @@ class Taxels final : public PadSensor {
   }
 
   double area_;  // m2
-  Rows curve_;   // points of input and output; empty: none
+  Rows curve_;   // points of input and output; empty: no curve
   Electronics electronics_;
   std::vector<float> values_;
   std::vector<const Reading*> reads_;
-  bool turned_ = false;                 // whether a channel reads forces in the taxels' own frames
-  std::vector<Eigen::Matrix3d> turns_;  // from P into each
-  Eigen::Array3Xd own_;                 // N, force in them
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix_;  // of the signals, without rows: none
+  bool turned_ = false;                 // a channel reads forces in the taxels' own frames
+  std::vector<Eigen::Matrix3d> turns_;  // from P into each taxel's own frame
+  Eigen::Array3Xd own_;                 // N, force in the taxels' own frames
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix_;  // of the signals; no rows: no matrix
   Eigen::ArrayXd signal_;
 };
 

@@ -1,4 +1,4 @@
-// A flat grid of taxels of one's own: each reads its force along three axes and how far it has moved.
+// A flat grid of custom taxels: each reads its force along three axes and its displacement.
 #pragma once
 
 #include "sim/core/sensor_kind.h"
