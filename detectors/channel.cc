@@ -29,7 +29,7 @@ std::size_t scalar_channel(const FrameSource& source, std::string_view name, con
 namespace {
 
 std::size_t whole_frames(double length, const FrameSource& source, const std::string& detector) {
-  constexpr double most = 1e6;  // frames kept for each unit: beyond any use
+  constexpr double most = 1e6;  // frames kept for each unit, far more than needed
   const double frames = length * source.rate;
   const double whole = std::round(frames);
   if (whole < 1.0 || whole > most || std::abs(frames - whole) > source.rate_rounding * whole) {

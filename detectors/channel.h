@@ -1,4 +1,4 @@
-// Where a detector finds the values it works on.
+// Locates the values that a detector reads in a frame.
 #pragma once
 
 #include <cmath>
@@ -21,15 +21,17 @@ struct ChannelPlace {
   std::size_t units = 0;  // extent of the channel's first axis
 };
 
-// The channel `name` of `source`, which must hold `axes`, 2 or 3, values for each of its units: extents {N, axes}. `detector` names who asks.
-// Throws SceneValueError at detector.sensor where the sensor has no such channel.
+// Returns the place of the channel `name` of `source`, which must hold `axes` (2 or 3) values per
+// unit: extents {N, axes}. `detector`: name of the detector, for errors. Throws SceneValueError at
+// detector.sensor if the sensor has no such channel.
 ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector, std::size_t axes = 3);
 
-// Index into SensorFrame::values of the channel `name`, which must hold one value: extents {1}. `detector` names who asks. Throws
-// SceneValueError at detector.sensor where the sensor has no such channel.
+// Returns the index into SensorFrame::values of the channel `name`, which must hold one value:
+// extents {1}. `detector`: name of the detector, for errors. Throws SceneValueError at
+// detector.sensor if the sensor has no such channel.
 std::size_t scalar_channel(const FrameSource& source, std::string_view name, const std::string& detector);
 
-// The three values (x, y, z of the pad frame) of `unit` in `frame`.
+// Returns the three values (x, y, z of the pad frame) of `unit` in `frame`.
 inline std::span<const float, 3> vector_at(const SensorFrame& frame, const ChannelPlace& place, std::size_t unit) {
   return frame.values.subspan(place.first + 3 * unit).first<3>();
 }
@@ -45,28 +47,28 @@ inline UnitForce force_at(const SensorFrame& frame, const ChannelPlace& force, s
   return {f[2], math::hypot(double{f[0]}, double{f[1]})};
 }
 
-// From what is told of each unit to what is told of the pad.
+// Estimates for the pad from the states of its units.
 
-// Units of a pad, as a detector sees them.
+// Numbers of units, as a detector sees them.
 struct UnitCounts {
   std::size_t touching = 0;
-  std::size_t slipping = 0;  // of those that touch
+  std::size_t slipping = 0;  // among the touching ones
 
   [[nodiscard]] PadState state() const { return pad_state(touching, slipping); }
 
-  // Share of the touching units that stick; NaN where none touches.
+  // Share of the touching units that stick; NaN without a touching unit.
   [[nodiscard]] double stuck_fraction() const {
     if (touching == 0) return std::numeric_limits<double>::quiet_NaN();
     return static_cast<double>(touching - slipping) / static_cast<double>(touching);
   }
 };
 
-// The estimate that follows from the counts in the frame at `time`, there at once.
+// The estimate that the counts give for the frame at `time` [s], without latency.
 inline SlipEstimate estimate_of(const UnitCounts& counts, double time) {
   return {.time = time, .latency = 0.0, .state = counts.state(), .stuck_fraction = counts.stuck_fraction()};
 }
 
-// Declarations of the parameters that say what counts, "touch" [N] and "least_friction".
+// Declarations of the thresholds "touch" [N] and "least_friction".
 inline ParameterSpec touch_spec() {
   return number_spec("touch", Quantity::force, "0.05 N", positive, "Normal force from which on a unit counts as touching.",
                      "the force resolution of the PapillArray: less is noise, whose ratio means nothing");
@@ -79,17 +81,18 @@ inline ParameterSpec least_friction_spec() {
       "assumed: below the friction of every material of the catalogue but the soaped one");
 }
 
-// Rates of change, from frames that lie one window apart.
+// Rates of change over a window of frames.
 
-// Takes `size` values a frame. A longer window tells smaller rates from noise and tells them later: a rate that ends at once falls off in a
-// straight line over one window.
+// Takes `size` values per frame. A longer window resolves smaller rates but responds later: when a
+// rate drops to zero, its estimate falls linearly over one window.
 class Window {
  public:
-  // `length` [s], of a whole number of the source's frames; SceneValueError at detector.window otherwise, with `detector` as who asks.
+  // `length` [s] must be a whole number of the source's frames; otherwise throws SceneValueError at
+  // detector.window. `detector`: name of the detector, for errors.
   Window(double length, std::size_t size, const FrameSource& source, const std::string& detector);
 
-  // (values now - values one window ago) / length, [size]; all 0 until one window has passed. `values` must hold `size`. Valid until the next
-  // call.
+  // Returns (values now - values one window ago) / length, [size]; all 0 until one window has
+  // passed. `values` must hold `size` numbers. Valid until the next call.
   std::span<const double> rates(std::span<const double> values);
 
  private:
@@ -100,7 +103,7 @@ class Window {
   std::size_t seen_ = 0;
 };
 
-// The declaration of such a length, "window".
+// Declaration of the parameter "window".
 ParameterSpec window_spec();
 
 }  // namespace slipbench

@@ -11,7 +11,7 @@
 namespace slipbench {
 namespace {
 
-// A class in contact, and the stuck fraction that goes with it.
+// A class in contact and its stuck fraction.
 struct ContactClass {
   PadState state;
   double stuck_fraction;
@@ -22,7 +22,7 @@ class Flipped final : public Detector {
  public:
   Flipped(std::unique_ptr<Detector> detector, double probability, const FrameSource& source)
       : detector_(std::move(detector)), probability_(probability), stream_(source.seed, source.trial, "detector.flip") {
-    told_.time = std::numeric_limits<double>::quiet_NaN();  // none yet
+    told_.time = std::numeric_limits<double>::quiet_NaN();  // no estimate yet
   }
 
   const SlipEstimate& update(const SensorFrame& frame) override {
@@ -41,7 +41,7 @@ class Flipped final : public Detector {
   void finish() override { detector_->finish(); }
 
  private:
-  // By the class that stands `further` places after the told one, in a circle.
+  // Replaces the class by the one `further` places after it, cyclically.
   void replace(std::size_t further) {
     std::size_t place = 0;
     while (classes[place].state != told_.state) ++place;

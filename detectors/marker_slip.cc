@@ -1,4 +1,4 @@
-// Slip from how unequally the markers of a gel move under the object: two published rules.
+// Slip from how unequally a gel's markers move under the object: two published rules.
 #include <map>
 
 #include <Eigen/Core>
@@ -11,9 +11,9 @@ namespace slipbench {
 namespace {
 
 using Markers = Eigen::Ref<const Eigen::Array2Xd>;  // x and y of each
-// Rules: the class, from places [px] and motions [m] of the markers that touch, at least one.
+// Rules: the class from the positions [px] and motions [m] of the touching markers, at least one.
 
-// The turn is small; it takes in how many metres a pixel is.
+// Small-angle rotation; `turn` includes the conversion from pixels to metres.
 SlipEstimate by_deviation(const Markers& places, const Markers& moves, const Parameters& parameters) {
   const Eigen::Array2Xd p = places.colwise() - places.rowwise().mean(), u = moves.colwise() - moves.rowwise().mean();
   const double spread = p.square().sum(), limit = parameters.number("deviation");
@@ -31,7 +31,8 @@ SlipEstimate by_entropy(const Markers& /*places*/, const Markers& moves, const P
   return {.state = entropy < parameters.number("entropy") ? PadState::non_slip : PadState::incipient};
 }
 
-// Sees the markers that are pressed in. Each one's motion counts from the frame in which it began to touch.
+// Uses the markers that are pressed in. A marker's motion is measured from the frame in which it
+// began to touch.
 template <SlipEstimate rule(const Markers& places, const Markers& moves, const Parameters& parameters)>
 class MarkerDetector final : public Detector {
  public:
@@ -68,7 +69,7 @@ class MarkerDetector final : public Detector {
   ChannelPlace displacement_, pixel_;
   std::vector<bool> touches_;
   Eigen::Array2Xd began_;           // m, of all markers
-  Eigen::Array2Xd places_, moves_;  // of those that touch
+  Eigen::Array2Xd places_, moves_;  // of the touching ones
   SlipEstimate estimate_;
 };
 

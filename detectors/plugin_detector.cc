@@ -14,7 +14,7 @@
 namespace slipbench {
 namespace {
 
-constexpr double max_stride = 1e9;  // samples from one update to the next
+constexpr double max_stride = 1e9;  // samples per update
 
 std::size_t index_of(const FrameSource& source) {
   const auto found = std::ranges::find(source.sensors, source.sensor, &SensorSource::name);
@@ -49,7 +49,7 @@ class PluginDetector final : public Detector, private SampleListener {
   void finish() override { made_.finish(); }
 
  private:
-  // Its own sensor's samples come with update().
+  // Samples of its own sensor arrive in update().
   void hear(std::size_t sensor, const SensorFrame& sample) override {
     if (sensor != own_) samples_.add(sensor, sample);
   }

@@ -43,12 +43,12 @@ class ShearRate final : public Detector {
 
  private:
   struct Unit {
-    double peak = 0.0;   // N/s, largest shear rate on the way to its cone since its loading began
-    double ratio = 0.0;  // f_t/f_n at which it was found to slip
+    double peak = 0.0;   // N/s, largest rate of shear towards the cone since loading began
+    double ratio = 0.0;  // f_t/f_n when slip was found
     bool slips = false;
   };
 
-  // `nearer`: f_t/f_n has grown over the window. Not so of a shear that the closing grip brings with it.
+  // `nearer`: f_t/f_n has grown over the window. It has not if the shear comes with a closing grip.
   void follow(Unit& unit, const UnitForce& force, double rate, bool nearer) const {
     if (nearer) unit.peak = std::max(unit.peak, rate);
     if (unit.peak >= loading_ && rate >= following_ * unit.peak) {

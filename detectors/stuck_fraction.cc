@@ -25,7 +25,8 @@ class StuckFraction final : public Detector {
 
   const SlipEstimate& update(const SensorFrame& frame) override {
     const double fastest = measure(frame);
-    // While something moves, what it leaves behind slides; at rest, whatever is loaded like those that slid.
+    // While something moves, units much slower than the fastest one count as slipping: the object
+    // left them behind. At rest, units loaded like those that slipped last do.
     const bool moves = fastest >= moving_;
     UnitCounts counts;
     UnitForce sliding{0.0, 0.0};  // sum
@@ -44,7 +45,7 @@ class StuckFraction final : public Detector {
   }
 
  private:
-  // Reads forces and tips; the speed of the fastest tip that touches, 0 where none does.
+  // Reads forces and tips. Returns the speed of the fastest touching tip [m/s], 0 without contact.
   double measure(const SensorFrame& frame) {
     for (std::size_t i = 0; i < forces_.size(); ++i) {
       forces_[i] = force_at(frame, force_, i);
@@ -67,7 +68,7 @@ class StuckFraction final : public Detector {
   std::vector<double> tips_;                                   // [units][x, y] m
   std::vector<UnitForce> forces_;                              // [units] N
   std::vector<double> speeds_;                                 // [units] m/s
-  double friction_ = std::numeric_limits<double>::infinity();  // of the units that slid last; until then nothing slides at rest
+  double friction_ = std::numeric_limits<double>::infinity();  // of the units that slid last; infinite: none has slid
   SlipEstimate estimate_;
 };
 

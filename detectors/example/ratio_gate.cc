@@ -1,17 +1,18 @@
-// A detector of one's own: the pad slips as a whole once the ratio of its tangential to its normal force is over a threshold, and begins to
-// slip at a share of that. Plain C as well: copy it to ratio_gate.c, and gcc takes it.
+// Example of a custom detector: the whole pad slips once the ratio of its tangential to its normal
+// force exceeds a threshold, and begins to slip at a share of that threshold. It is also valid C:
+// copy it to ratio_gate.c and compile it with gcc.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "detectors/plugin_abi.h"
 
-// In the order in which slipbench_make_detector gets them.
+// In the order in which slipbench_make_detector receives them.
 enum { threshold, warning, touch, rate };
 const struct slipbench_parameter slipbench_detector_parameters[] = {
-    SLIPBENCH_A_NUMBER("threshold", 0.45, ""),  // tangential over normal force from which all of the pad slips
-    SLIPBENCH_A_NUMBER("warning", 0.8, ""),     // share of the threshold from which it begins to
-    SLIPBENCH_A_NUMBER("touch", 0.05, "N"),     // normal force from which the pad touches
+    SLIPBENCH_A_NUMBER("threshold", 0.45, ""),  // tangential over normal force at which the whole pad slips
+    SLIPBENCH_A_NUMBER("warning", 0.8, ""),     // share of the threshold at which the pad begins to slip
+    SLIPBENCH_A_NUMBER("touch", 0.05, "N"),     // normal force at which the pad touches
     SLIPBENCH_A_NUMBER("rate", 100.0, "Hz"),    // of the estimates
     SLIPBENCH_NO_MORE,
 };
@@ -19,8 +20,8 @@ const struct slipbench_parameter slipbench_detector_parameters[] = {
 const struct slipbench_abi slipbench_detector_abi = SLIPBENCH_DETECTOR_BUILD;
 
 struct ratio_gate {
-  size_t sensor;        // index among the scene's
-  size_t first, units;  // where a sample holds the forces {units, 3}
+  size_t sensor;        // index among the scene's sensors
+  size_t first, units;  // place of the forces {units, 3} in a sample
   double threshold, warning, touch;
 };
 

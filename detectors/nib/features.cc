@@ -19,9 +19,9 @@ std::size_t checked_size(std::size_t size) {
   return size;
 }
 
-constexpr double slow_band = 6.0, fast_band = 8.0;  // Hz, ends of the paper's two bands
+constexpr double slow_band = 6.0, fast_band = 8.0;  // Hz, upper ends of the paper's two bands
 
-// Where the channel `name` of these extents begins in a frame.
+// Returns where the channel `name` of these extents begins in a frame.
 std::size_t place_of(const FrameSource& source, const std::string& name, const std::vector<std::size_t>& shape,
                      const std::string& detector, std::size_t& every) {
   std::size_t first = 0;
@@ -37,7 +37,7 @@ std::size_t place_of(const FrameSource& source, const std::string& name, const s
                                     detector, name, source.type, quote(source.sensor)));
 }
 
-// `length` [s] in frames.
+// Converts the parameter `name` [s] to frames.
 std::size_t frames_of(const Parameters& parameters, const char* name, std::size_t least, const FrameSource& source) {
   const double length = parameters.number(name), frames = std::round(length * source.rate);
   if (std::abs(frames - length * source.rate) > source.rate_rounding * frames || frames < static_cast<double>(least)) {
@@ -209,7 +209,8 @@ WindowSpectrum::WindowSpectrum(std::size_t size, double rate)
 
 std::span<const double> WindowSpectrum::magnitudes(std::span<const double> samples) {
   if (samples.size() != size()) throw std::invalid_argument("a stretch of another length than the window");
-  // Least squares about the middle, where mean and slope are apart: sum (n - m)^2 = N (N^2 - 1)/12.
+  // Least squares about the middle, where mean and slope are independent: sum (n - m)^2 = N (N^2 -
+  // 1)/12.
   const auto n = static_cast<double>(size());
   const double middle = 0.5 * (n - 1.0);
   double mean = 0.0, slope = 0.0;
@@ -241,7 +242,7 @@ bool SlidingSpectrum::push(double sample) {
 }
 
 double SlidingSpectrum::band_mean(double low, double high) const {
-  // A bound that is a bin's own frequency must find it, whatever its rounding.
+  // A bound equal to a bin's frequency must include that bin despite rounding.
   constexpr double rounding = 1e-9;
   const auto first = static_cast<std::size_t>(std::ceil(low / spectrum_.bin_width() - rounding));
   const auto last = static_cast<std::size_t>(std::floor(high / spectrum_.bin_width() + rounding));

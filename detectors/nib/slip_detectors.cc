@@ -42,7 +42,7 @@ class LinearSlip final : public Detector {
   FlagCounter counter_;
   FeatureReader reader_;
   double start_;  // s
-  bool forces_;   // F_S/F_N is one of newtons, else of counts
+  bool forces_;   // F_S/F_N is a ratio of newtons; false: of counts
   SlipEstimate estimate_;
 };
 
@@ -54,7 +54,7 @@ bool FlagCounter::update(double time, double magnitude, double ratio) {
     last_flag_ = time;
   }
   if (count_ > 0 && time - last_flag_ > settings_.patience) --count_;
-  // A counter that never was above 0 has seen nothing: the limit is a positive number.
+  // A limit of at least 1 requires at least one flag.
   detected_ = detected_ || count_ >= std::max(1.0, settings_.most - settings_.weight * ratio);
   return detected_;
 }

@@ -11,9 +11,9 @@
 namespace slipbench {
 namespace {
 
-// A length [s] in samples of `source`.
+// Converts a length [s] to samples of `source`.
 std::size_t whole_samples(double length, const std::string& key, const FrameSource& source) {
-  constexpr double most = 1e6;  // samples a transform: beyond any use
+  constexpr double most = 1e6;  // samples per transform, far more than needed
   const double samples = length * source.rate;
   const double whole = std::round(samples);
   if (whole < 1.0 || whole > most || std::abs(samples - whole) > source.rate_rounding * whole) {

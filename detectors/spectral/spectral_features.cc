@@ -54,12 +54,12 @@ std::span<double> RealFft::input() { return {plan_->in, plan_->size}; }
 
 std::span<const std::complex<double>> RealFft::transform() {
   fftw_execute(plan_->plan);
-  // FFTW's complex number is two doubles, as that of the standard library.
+  // FFTW's complex number is two doubles, like the standard library's.
   return {reinterpret_cast<const std::complex<double>*>(plan_->out), plan_->size / 2 + 1};
 }
 
 BinRange bins_within(double rate, std::size_t window, double low, double high) {
-  constexpr double rounding = 1e-9;  // of a decimal length times a decimal rate
+  constexpr double rounding = 1e-9;  // relative, of a decimal length times a decimal rate
   const double width = rate / static_cast<double>(window);
   const double last = std::floor(std::min(0.5 * static_cast<double>(window), high / width * (1.0 + rounding)));
   const double first = std::ceil(std::max(0.0, low / width * (1.0 - rounding)));
