@@ -14,7 +14,8 @@ namespace {
 
 constexpr double units_per_metre = 8000.0;  // 1/8 mm
 
-// The code at which each level starts, from the table of the published hardware: not exact steps of 0.05 * 128 = 6.4.
+// The code at which each level starts, from the table of the published hardware; steps are not
+// exactly 0.05 * 128 = 6.4.
 constexpr std::array<std::uint8_t, level_count> level_starts{0,  4,  8,  16, 24, 32,  36,  40,  48,  56, 64,
                                                              68, 72, 80, 88, 96, 100, 104, 112, 120, 128};
 
@@ -22,7 +23,7 @@ constexpr std::array<std::uint8_t, level_count> level_starts{0,  4,  8,  16, 24,
   throw InputError("displacement of pillar " + std::to_string(value / 3) + " along " + "xyz"[value % 3] + ": " + what);
 }
 
-// Floor of the square root, bit by bit, as the RTL computes it. `value` <= 2^14.
+// Returns the floor of the square root, bit by bit, as the RTL computes it. `value` <= 2^14.
 std::uint32_t integer_sqrt(std::uint32_t value) {
   std::uint32_t root = 0;
   for (std::uint32_t bit = 128; bit != 0; bit /= 2) {
@@ -31,8 +32,8 @@ std::uint32_t integer_sqrt(std::uint32_t value) {
   return root;
 }
 
-// The nearest of the 21 levels to sqrt(t2 / d2), the upper one halfway: level l is reached from ratio (2 l - 1) / 40 on. Exact for
-// integers up to 2^32, and 0 for d2 = 0.
+// Returns the level nearest to sqrt(t2 / d2), the upper one halfway: level l begins at the ratio (2
+// l - 1) / 40. Exact for integers up to 2^32; 0 for d2 = 0.
 template <class Number>
 std::uint8_t nearest_level(Number t2, Number d2) {
   std::uint8_t level = 0;

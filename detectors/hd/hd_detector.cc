@@ -66,7 +66,7 @@ SavedModel load_memories(const std::string& path) {
   }
 }
 
-// Replaces `value` by what `said` stands for, unless that is to leave it as saved.
+// Replaces `value` by the one that `said` names; a word outside the table ("as saved") keeps it.
 template <class Words, class Value>
 void take(const Words& words, const std::string& said, Value& value) {
   value = value_of(words, said).value_or(value);

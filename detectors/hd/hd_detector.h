@@ -1,4 +1,5 @@
-// The hyperdimensional classifier as a detector, on any engine: frames of a PapillArray at the sensor's own rate in, states of the pad out.
+// The hyperdimensional classifier as a detector, on any engine. It takes frames of a PapillArray at
+// the sensor's rate and returns states of the pad.
 #pragma once
 
 #include <functional>
@@ -12,31 +13,34 @@
 
 namespace slipbench::hd {
 
-// What one classified frame comes to.
+// Result for one classified frame.
 struct Classified {
   PadState state = PadState::no_contact;
-  double latency = 0.0;  // s, that the engine took for it
+  double latency = 0.0;  // s, that the engine took for the frame
 };
-// Classifies the displacements [9][3] in m of one frame, in C order. Called once a classified frame, in order of time.
+// Classifies the displacements [9][3] in m of one frame, in C order. Called once per classified
+// frame, in order of time.
 using Classify = std::function<Classified(std::span<const float> displacement)>;
 
-// memories, rate, quantiser, compat, ties.
+// Parameters: memories, rate, quantiser, compat, ties.
 std::vector<ParameterSpec> detector_parameters();
 
-// The classifier that these parameters name: its folder, with what they say differently. Throws SceneValueError where load() or
-// shipped_memories() refuse it.
+// Returns the classifier named by the parameters: its folder, with the settings that they override.
+// Throws SceneValueError if load() or shipped_memories() fails.
 SavedModel detector_model(const Parameters& parameters);
 
-// Frames of the source from one that is classified to the next: its rate over `rate` [Hz]. Throws SceneValueError where that is no
-// whole number.
+// Returns the number of source frames per classified frame: the source's rate over `rate` [Hz].
+// Throws SceneValueError if that is not a whole number.
 std::size_t stride_of(double rate, const FrameSource& source);
 
-// Takes every k-th frame, the first one included, with k = stride_of(rate, source); the frames between leave the estimate as it is.
-// (The paper downsamples 1000 Hz recordings to 100 Hz and does not say how; its hardware reads the sensor at 100 Hz, which is this.)
-// The state is no_contact until the engine has seen its window. From then on it is the nearest of three classes, also while nothing
-// touches: the classifier has no class for that, and sees nine displacements of zero. `alarm` says how many frames in a row have to be
-// slip until that is said: non_slip before, and the last class of slip as long as an alarm outlasts it.
-// Throws SceneValueError where stride_of() does and where the source is no PapillArray.
+// Classifies every k-th frame, starting with the first, with k = stride_of(rate, source); frames
+// between them do not change the estimate. (The paper downsamples 1000 Hz recordings to 100 Hz
+// without saying how; its hardware reads the sensor at 100 Hz, as here.) The state is no_contact
+// until the engine has seen its window, then the nearest of three classes. That holds without
+// contact, too: the classifier has no class for it and sees nine displacements of zero. `alarm`
+// sets how many consecutive frames must be slip before the detector reports it: non_slip until
+// then, and the last class of slip while an alarm outlasts the frames of slip. Throws
+// SceneValueError where stride_of() does, and if the source is not a PapillArray.
 std::unique_ptr<Detector> make_detector(Classify classify, double rate, const network::Alarm& alarm, const FrameSource& source);
 
 }  // namespace slipbench::hd

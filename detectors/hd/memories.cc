@@ -11,7 +11,7 @@
 namespace slipbench::hd {
 namespace {
 
-// Value of a hexadecimal digit, or -1.
+// Returns the value of a hexadecimal digit, or -1.
 int digit_value(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -24,7 +24,7 @@ std::size_t class_of(PadState state) {
   return static_cast<std::size_t>(state) - 1;
 }
 
-// A random vector with floor(D/2) ones.
+// Returns a random vector with floor(D/2) ones.
 Hypervector balanced(std::size_t dimension, RandomStream random) {
   Hypervector vector(dimension);
   const std::vector<std::size_t> order = shuffled(dimension, random);
@@ -32,7 +32,7 @@ Hypervector balanced(std::size_t dimension, RandomStream random) {
   return vector;
 }
 
-// `rows` vectors on a straight way between two orthogonal ends.
+// Returns `rows` vectors that change evenly between two orthogonal ends.
 std::vector<Hypervector> continuum(std::size_t dimension, std::size_t rows, std::uint64_t seed, const std::string& stream) {
   std::vector<Hypervector> vectors{balanced(dimension, RandomStream(seed, 0, stream))};
   const std::vector<std::size_t> order = shuffled(dimension, RandomStream(seed, 1, stream));

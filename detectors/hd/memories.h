@@ -13,7 +13,7 @@
 
 namespace slipbench::hd {
 
-// D bits, packed: bit i is bit i % 64 of word i / 64; the bits of the last word beyond D are 0.
+// D bits, packed: bit i is bit i % 64 of word i / 64; bits beyond D in the last word are 0.
 class Hypervector {
  public:
   Hypervector() = default;
@@ -36,21 +36,25 @@ class Hypervector {
   std::vector<std::uint64_t> words_;
 };
 
-// Binding, the product of bipolar vectors: XNOR. Its own inverse. Both of one dimension.
+// Binding, the product of bipolar vectors: XNOR. It is its own inverse. Both vectors must have one
+// dimension.
 Hypervector bind(const Hypervector& a, const Hypervector& b);
 
-// Permutation rho: bit i of the result is bit i + 1 of `a`, and the last is bit 0: a rotation to the right as hex is written.
+// Permutation rho: bit i of the result is bit i + 1 of `a`, and the last bit is bit 0: a rotation
+// to the right in hexadecimal notation.
 Hypervector rotate(const Hypervector& a);
 
-// Bits that differ. Both of one dimension.
+// Number of different bits. Both vectors must have one dimension.
 std::size_t hamming(const Hypervector& a, const Hypervector& b);
 
-// Hexadecimal, ceil(D / 4) digits, the most significant first: the first digit holds bits D-1, D-2, ... This is what $readmemh reads.
+// Returns ceil(D / 4) hexadecimal digits, the most significant first: the first digit holds bits
+// D-1, D-2, ... $readmemh reads this format.
 std::string to_hex(const Hypervector& a);
-// The reverse. Throws InputError: what is wrong with the text (length, a character, a bit beyond D), without file and line.
+// Parses the digits of to_hex(). Throws InputError for a wrong length, a wrong character or a bit
+// beyond D; the message has no file and line.
 Hypervector from_hex(std::string_view text, std::size_t dimension);
 
-// The four memories of a classifier: three made by chance, one by training.
+// The four memories of a classifier: three random ones and a trained one.
 struct Memories {
   std::vector<Hypervector> item;         // IM: pillars 0 to 8, then the graphs of corners, edges and centre
   std::vector<Hypervector> level;        // CIM: of the feature, 0 to 20
@@ -60,15 +64,18 @@ struct Memories {
   bool operator==(const Memories&) const = default;
 };
 
-// IM, CIM and CM as the paper has them (section III.B.1), from random streams of their own keyed by `seed`:
+// Generates IM, CIM and CM as in the paper (section III.B.1), from separate random streams keyed by
+// `seed`:
 // - IM: random vectors with floor(D/2) ones each,
-// - CIM, CM: two orthogonal ends and a straight way between them. Row 0 is random with floor(D/2) ones; row l differs from it in the
-//   first floor(l floor(D/2) / (rows - 1)) bits of an order drawn once. For D = 1000: 25 bits a level, and contexts at 0, 166, 333 and 500
-//   bits (the published ones lie at 0, 166, 332 and 498).
-// Throws InputError when the model's dimension or window are out of range.
+// - CIM, CM: vectors between two orthogonal ends. Row 0 is random with floor(D/2) ones; row l
+//   differs from it in the first floor(l floor(D/2) / (rows - 1)) bits of an order drawn once. For
+//   D = 1000: 25 bits per level, and contexts at 0, 166, 333 and 500 bits (the published ones are
+//   at 0, 166, 332 and 498).
+// Throws InputError if the model's dimension or window is out of range.
 Memories generate(const Model& model, std::uint64_t seed);
 
-// Throws InputError unless `memories` have the rows and the dimension of `model`. `trained`: the associative memory must be there.
+// Throws InputError unless `memories` have the rows and the dimension of `model`. `trained`:
+// requires the associative memory.
 void check(const Model& model, const Memories& memories, bool trained);
 
 // Training: prototypes are majorities of the query vectors of their class.
@@ -76,14 +83,17 @@ void check(const Model& model, const Memories& memories, bool trained);
 // Sums of the bipolar vectors EC = GST * CV of each class: P_k = [sum EC] (paper, section III.B.3).
 class Prototypes {
  public:
-  // Only `model` and the context memory are looked at, and only now. Throws InputError when they do not fit together.
+  // Reads only `model` and the context memory, and keeps copies. Throws InputError if they do not
+  // fit together.
   Prototypes(const Model& model, const Memories& memories);
 
-  // Adds the query vector of a frame `times` times, or takes it away where that is negative. `state`: any class but no_contact. Without
-  // context-driven training CV is left out. Throws std::out_of_range for no_contact or a context that does not exist.
+  // Adds the query vector of a frame `times` times, or subtracts it if negative. `state`: any class
+  // but no_contact. Without context-driven training CV is left out. Throws std::out_of_range for
+  // no_contact or an unknown context.
   void add(const Hypervector& query, std::uint8_t context, PadState state, std::int64_t times = 1);
 
-  // The associative memory: a bit is that of most vectors of its class, ties by the model's rule (an unseen class is all ties).
+  // Returns the associative memory: each bit is the majority of its class, ties by the model's rule
+  // (an unseen class has only ties).
   [[nodiscard]] std::vector<Hypervector> bundle() const;
 
  private:

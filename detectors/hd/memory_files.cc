@@ -29,7 +29,7 @@ constexpr std::array<const char*, 4> memory_files{"AM.hex", "CIM.hex", "CM.hex",
 constexpr std::size_t published_item_rows = 14;
 // 21 levels of the largest dimension, 65,535, take 344 kB.
 constexpr std::uintmax_t largest_file = 1'000'000;
-// The digests of a million trials.
+// Fits the digests of a million trials.
 constexpr std::uintmax_t largest_seen = 65'000'000;
 
 constexpr std::array version_words{Word<int>{"1", 1}};
@@ -39,7 +39,7 @@ constexpr std::array flag_words{Word<bool>{"false", false}, Word<bool>{"true", t
 
 std::string at(const fs::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line) + ": "; }
 
-// A file's lines. The last may lack its newline.
+// Returns a file's lines. The last line may lack its newline.
 std::vector<std::string> lines_of(const fs::path& file, std::uintmax_t largest = largest_file) {
   check_regular_file(file.string(), largest);
   std::ifstream stream(file, std::ios::binary);
@@ -50,7 +50,8 @@ std::vector<std::string> lines_of(const fs::path& file, std::uintmax_t largest =
   return lines;
 }
 
-// Digits of most lines of all memories, so that a line that is short or long is told by the others; 0 when there are no lines.
+// Returns the most common line length of all memories, so that a short or long line stands out; 0
+// if there are no lines.
 std::size_t usual_length(const fs::path& folder) {
   std::map<std::size_t, std::size_t> lines_by_length;
   for (const char* file : memory_files) {
@@ -60,7 +61,7 @@ std::size_t usual_length(const fs::path& folder) {
   return usual == lines_by_length.end() ? 0 : usual->first;
 }
 
-// A memory of `rows` vectors, or of `rows_too`, of which the first `rows` are kept.
+// Reads a memory of `rows` vectors, or of `rows_too`, of which the first `rows` are kept.
 std::vector<Hypervector> read_memory(const fs::path& file, std::size_t dimension, std::size_t rows, std::size_t rows_too) {
   const std::vector<std::string> lines = lines_of(file);
   std::vector<Hypervector> memory;
@@ -98,7 +99,7 @@ class DescriptionReader {
 
   [[nodiscard]] bool has(const std::string& key) const { return entries_.contains(key); }
 
-  // The text of a key.
+  // Returns the text of a key.
   const std::string& text(const std::string& key) { return entry(key).text; }
 
   std::size_t number(const std::string& key, std::size_t least = 0) {
@@ -124,7 +125,7 @@ class DescriptionReader {
     return *value;
   }
 
-  // To be called when everything is read: refuses keys that were not asked for.
+  // To be called after the last key is read: refuses keys that nothing has read.
   void finish() const {
     for (const auto& [key, entry] : entries_) {
       if (!asked_.contains(key))
@@ -205,14 +206,14 @@ std::string hex_lines(const std::vector<Hypervector>& memory) {
 
 std::error_code last_error() { return {errno, std::generic_category()}; }
 
-// Without the slash of "folder/".
+// Removes the slash of "folder/".
 fs::path whole_name(const std::string& folder) {
   const fs::path name = fs::absolute(folder).lexically_normal();
   return name.has_filename() ? name : name.parent_path();
 }
 
-// Throws InputError when `folder` cannot be made or replaced: it is no folder, holds a file that is none of `own_names`, or the
-// folder that it is to stand in cannot be made or written to.
+// Throws InputError if `folder` cannot be made or replaced: it is not a folder, it holds a file not
+// in `own_names`, or its parent folder cannot be made or written to.
 void check_folder_target(const std::string& folder, const std::vector<std::string>& own_names) {
   const fs::path target = whole_name(folder);
   try {
@@ -235,8 +236,9 @@ void check_folder_target(const std::string& folder, const std::vector<std::strin
   }
 }
 
-// Writes the files to FOLDER.partial.PID, syncs them and moves that into place; folders above are made. What stood there is
-// removed. Throws InputError when that is not possible; then it stands there still. Call check_folder_target before.
+// Writes the files to FOLDER.partial.PID, syncs them and moves that folder into place; makes parent
+// folders and removes the old folder. Throws InputError if that fails; the old folder then stays.
+// Call check_folder_target() first.
 void write_folder(const std::string& folder, const std::vector<TextFile>& files) {
   const fs::path target = whole_name(folder);
   const std::string fresh = target.string() + ".partial." + std::to_string(::getpid());
@@ -244,7 +246,7 @@ void write_folder(const std::string& folder, const std::vector<TextFile>& files)
   try {
     fs::create_directories(fresh);
     for (const TextFile& file : files) {
-      // A link that stands there is not followed.
+      // Does not follow a link at that name.
       if (!write_synced_file((fs::path(fresh) / file.name).c_str(), O_EXCL, file.text)) throw std::system_error(last_error());
     }
     replace_folder(fresh, target, stale);
@@ -264,7 +266,7 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
   const fs::path path(folder);
   SavedModel saved;
   std::size_t item_rows_too = item_count;
-  if (std::error_code ignored; fs::exists(path / description_file, ignored)) {  // what cannot be read says so below
+  if (std::error_code ignored; fs::exists(path / description_file, ignored)) {  // an unreadable file is reported below
     saved = read_description(path / description_file);
   } else {
     const std::size_t digits = usual_length(path);

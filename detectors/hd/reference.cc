@@ -7,7 +7,7 @@
 namespace slipbench::hd {
 namespace {
 
-// A vector of numbers: -1 and +1 where it is bipolar, sums of those elsewhere. Entry i is bit i.
+// A vector of numbers: -1 and +1 if bipolar, otherwise sums of these. Entry i is bit i.
 using Vector = std::vector<int>;
 
 Vector bipolar(const Hypervector& bits) {
@@ -32,7 +32,7 @@ Vector operator+(Vector a, const Vector& b) {
   return a;
 }
 
-// [a]: back to -1 and +1.
+// [a]: reduces sums to -1 and +1.
 Vector bipolarise(Vector a, Ties ties) {
   for (int& x : a) x = x > 0 || (x == 0 && ties == Ties::one) ? 1 : -1;
   return a;
@@ -84,7 +84,7 @@ class Reference : public Engine, public Encoder {
   void reset() override { frames_.clear(); }
 
  private:
-  // Whether the window is full.
+  // Adds a frame. Returns true if the window is full.
   bool take(const Frame& frame) {
     check(frame);
     frames_.push_back(frame);
@@ -104,7 +104,7 @@ class Reference : public Engine, public Encoder {
     return gamma;
   }
 
-  // Eq. 2: the graphs bound with their names; nothing for an encoding without graphs.
+  // Eq. 2: the graphs bound with their names; zero for an encoding without graphs.
   Vector graphs(const Frame& frame) const {
     if (model_.encoding != Encoding::graph_spatial_temporal) return Vector(model_.dimension);
     return graph(frame, corner_pillars) * item_[pillar_count] + graph(frame, edge_pillars) * item_[pillar_count + 1] +

@@ -1,4 +1,4 @@
-// The words that files, scenes and commands use for the choices of a model.
+// Names of a model's choices in files, scenes and commands.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ inline constexpr std::array quantiser_words{Word<Quantiser>{"fixed_point", Quant
                                             Word<Quantiser>{"exact", Quantiser::exact},
                                             Word<Quantiser>{"unrounded", Quantiser::unrounded}};
 
-// The word for a value of its own table.
+// Returns the word for a value in its table.
 template <class Words, class Value>
 std::string name_of(const Words& words, Value value) {
   for (const auto& word : words) {
@@ -38,7 +38,7 @@ std::string name_of(const Words& words, Value value) {
   return "";
 }
 
-// All words of a table.
+// Returns all words of a table.
 template <class Words>
 std::vector<std::string> names_of(const Words& words) {
   std::vector<std::string> names;
@@ -46,7 +46,7 @@ std::vector<std::string> names_of(const Words& words) {
   return names;
 }
 
-// What a word stands for, if it stands in the table.
+// Returns the value of a word, if the table has it.
 template <class Words>
 auto value_of(const Words& words, std::string_view name) {
   std::optional<std::remove_cv_t<decltype(words[0].value)>> value;

@@ -1,9 +1,11 @@
-// The fast engine. What makes it fast:
-// - A word holds 64 entries, a vector register up to 512; a bundle is a tree of full adders over bit-sliced counts.
-// - Vertices and edges of a graph of four collapse into a count of vertices (kernel_body.h).
-// - CIM * IM and P_k * CV are bound once, when the engine is made.
-// - The window slides: GST_t = rho(GST_{t-1}) * rho^N(GS_{t-N}) * GS_t, which is exact; with GS = +1 before the first frame it holds from
-//   the start. The published core's counts run through the window, so there every frame is bundled again.
+// The fast engine:
+// - A word holds 64 entries, a vector register up to 512; a bundle is a tree of full adders over
+//   bit-sliced counts.
+// - Vertices and edges of a graph of four reduce to a count of vertices (kernel_body.h).
+// - CIM * IM and P_k * CV are bound once, at construction.
+// - The window slides: GST_t = rho(GST_{t-1}) * rho^N(GS_{t-N}) * GS_t. This is exact, from the
+//   start if GS = +1 before the first frame. The published core's counts span the window, so its
+//   frames are all bundled again.
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -20,7 +22,7 @@ namespace {
 using kernel::block_words;
 using kernel::Word;
 
-// Rows of words, each on cache lines of its own.
+// Rows of words, aligned to cache lines.
 class Rows {
  public:
   Rows(std::size_t rows, std::size_t words) : stride_((words + block_words - 1) / block_words), blocks_(rows * stride_) {}
@@ -38,8 +40,8 @@ class Rows {
   std::vector<Block> blocks_;
 };
 
-// The dimension that the passes see. A short vector is repeated until it fills a word: every operation then works on the copies alike, and
-// distances are as many times larger.
+// Number of copies of a vector that fill a word. Passes treat the copies alike; distances grow by
+// the same factor.
 std::size_t copies_of(std::size_t dimension) { return (63 + dimension) / dimension; }
 
 std::size_t padded_words(std::size_t bits) { return (bits + 64 * block_words - 1) / (64 * block_words) * block_words; }
@@ -72,7 +74,7 @@ class Kernel : public Engine, public Encoder {
         graph_(2, words_),
         prototype_(context_count * class_count, words_),
         ones_(1, words_),
-        // A rotation reads behind the last bit, at most as far as it turns.
+        // A rotation reads beyond the last bit, at most as far as it turns.
         history_(frames_ + 1, words_ + std::min(frames_, bits_ - 1) / 64 + 1),
         gst_(1, words_ + 1),
         query_(model.dimension) {
@@ -104,8 +106,8 @@ class Kernel : public Engine, public Encoder {
     passes_.distances(gst_[0], ones_[0], prototypes, words_, distance);
     prepare_rotations();
     if (!full) return {};
-    // The least of distance and class, read as one number: no branch, for there is nothing to predict. Of two equally near the
-    // higher class has the lower number.
+    // Minimum of distance and class packed into one number: without branches, which would be
+    // unpredictable. Of two equally near classes the higher one has the lower number.
     Decision decision;
     std::size_t nearest = ~std::size_t{0};
     for (std::size_t k = 0; k < class_count; ++k) {
@@ -136,7 +138,7 @@ class Kernel : public Engine, public Encoder {
     for (std::size_t i = 0; i < bits_; ++i) to[i / 64] |= Word{from.bit(i % model_.dimension)} << (i % 64);
   }
 
-  // Takes a frame; whether gst_ is that of a full window.
+  // Takes a frame. Returns true if gst_ belongs to a full window.
   bool take(const Frame& frame) {
     const kernel::FrameRows rows = pick(frame);
     model_.compat == Compat::paper ? slide(rows) : bundle_window(rows);
@@ -171,8 +173,9 @@ class Kernel : public Engine, public Encoder {
     if (seen_ < frames_) ++seen_;
   }
 
-  // What the next slide() reads behind the last bits. It writes a word within a vector that was just stored, which stalls whoever reads
-  // the whole vector next: so it comes after the query is read, and not in slide().
+  // Prepares the bits that the next slide() reads beyond the last ones. The write goes into a
+  // vector that was just stored, which would stall a read of the whole vector; so this runs after
+  // the query is read, not in slide().
   void prepare_rotations() {
     if (model_.compat == Compat::published_core) return;
     repeat(gst_[0], 1);
@@ -196,7 +199,7 @@ class Kernel : public Engine, public Encoder {
     }
   }
 
-  // Writes the first bits of a row behind its last, at least `count`.
+  // Repeats the first bits of a row, at least `count`, after its last one.
   void repeat(Word* row, std::size_t count) const {
     const std::size_t used = bits_ % 64;
     std::size_t i = bits_ / 64;
@@ -213,9 +216,9 @@ class Kernel : public Engine, public Encoder {
   Model model_;
   const kernel::Passes& passes_;
   std::size_t copies_, bits_, words_;
-  std::size_t frames_, shift_;  // N, and the rotation of the frame that leaves the window
+  std::size_t frames_, shift_;  // N, and the rotation of the frame leaving the window
   Rows bound_, level_, centre_, graph_, prototype_, ones_;
-  Rows history_;  // GS of the last N frames and of this one, in a ring; the core's bundles, oldest first
+  Rows history_;  // GS of the last N frames and of this one, in a ring; for the core its bundles, oldest first
   Rows gst_;
   std::vector<kernel::FrameRows> window_;  // published core: the last N frames, in a ring
   std::size_t seen_ = 0, slot_ = 0;

@@ -22,7 +22,7 @@ struct Lanes {
   static V xor3(V a, V b, V c) { return ternary<0x96>(a, b, c); }
   static V majority(V a, V b, V c) { return ternary<0xe8>(a, b, c); }
   static void count(V v, Count& sum) { sum += reinterpret_cast<V>(_mm512_popcnt_epi64(reinterpret_cast<__m512i>(v))); }
-  // One sum across the lanes for all three: none exceeds 2^16.
+  // Sums all three across the lanes at once: none exceeds 2^16.
   static void totals(const Count sum[3], std::size_t total[3]) {
     const V packed = sum[0] | sum[1] << 20 | sum[2] << 40;
     std::uint64_t all = 0;

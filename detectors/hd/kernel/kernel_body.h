@@ -1,6 +1,7 @@
-// The passes, written once over `Lanes`: a vector of words with what the instruction set does best. Each kernel_*.cc includes this after
-// its own Lanes. Everything here and there is in an unnamed namespace, and nothing of the standard library is called: code compiled for
-// one instruction set must never be linked into another's place.
+// The passes, written once for `Lanes`: a vector of words with the best operations of the
+// instruction set. Each kernel_*.cc includes this file after defining Lanes. All code here and
+// there is in an unnamed namespace and calls nothing from the standard library, because code
+// compiled for one instruction set must never be linked in place of another's.
 #pragma once
 
 #include "detectors/hd/kernel/kernel_passes.h"
@@ -14,10 +15,10 @@ struct Sum {
   V sum, carry;
 };
 
-// Full adder of three bits of one weight.
+// Full adder of three bits of equal weight.
 inline Sum add(V a, V b, V c) { return {Lanes::xor3(a, b, c), Lanes::majority(a, b, c)}; }
 
-// How many of the nine pillars are +1: one + 2 (two_a + two_b) + 4 four.
+// Number of the nine pillars that are +1: one + 2 (two_a + two_b) + 4 four.
 struct PillarCount {
   V one, two_a, two_b, four;
 };
@@ -32,10 +33,11 @@ inline PillarCount count_pillars(const FrameRows& rows, std::size_t i) {
   return {ones.sum, ones.carry, twos.sum, twos.carry};
 }
 
-// Vertices and edges of a complete graph of four depend only on how many vertices n are +1. Of the ten vectors bound with the graph's
-// name (`name`: +1 or -1) 2 h are +1:
+// The vertices and edges of a complete graph of four depend only on the number n of vertices that
+// are +1. Of the ten vectors, bound with the graph's name (`name`: +1 or -1), 2 h are +1:
 //     n     0  1  2  3  4
 //     +1    3  2  2  3  5
+//     -1    2  3  3  2  0
 //     -1    2  3  3  2  0
 struct GraphCount {
   V h1, h2, h4;  // bits of h
@@ -53,7 +55,8 @@ inline GraphCount count_graph(const Word* const vertices[4], const Word* name_ro
 
 void bundle_pillars(const FrameRows& rows, std::size_t words, Word* gs) {
   for (std::size_t i = 0; i < words; i += Lanes::words) {
-    // Five or more of nine: at least three twos, or two and the one; so three of all of them, `four` counting for two.
+    // Five or more of nine means at least three twos, or two twos and the one: a majority in which
+    // `four` counts for two.
     const PillarCount pillars = count_pillars(rows, i);
     const Sum rest = add(pillars.one, pillars.two_a, pillars.two_b);
     Lanes::store(gs + i, Lanes::majority(rest.carry, pillars.four, rest.sum));
@@ -62,7 +65,8 @@ void bundle_pillars(const FrameRows& rows, std::size_t words, Word* gs) {
 
 void bundle_graphs(const FrameRows& rows, const GraphRows& graphs, bool tie, std::size_t words, Word* gs) {
   for (std::size_t i = 0; i < words; i += Lanes::words) {
-    // Of 30 vectors, 15 and a tie to one, or 16. With the tie counted as one vector more it is bit 4 of the sum.
+    // Of 30 vectors at least 16, or 15 if ties count as one. With a tie counted as one more vector
+    // the result is bit 4 of the sum.
     const PillarCount pillars = count_pillars(rows, i);
     const GraphCount corner = count_graph(rows.corner, graphs.corner, i);
     const GraphCount edge = count_graph(rows.edge, graphs.edge, i);
@@ -96,7 +100,7 @@ void bundle_core(const CoreWindow& window, const GraphRows* graphs, bool tie, st
         carry = sum.carry;
       }
 
-      V graph[5] = {none, none, none, none, none};  // of 21
+      V graph[5] = {none, none, none, none, none};  // of the graphs' 21 vectors
       if (graphs != nullptr) {
         const GraphCount corner = count_graph(rows.corner, graphs->corner, i);
         const GraphCount edge = count_graph(rows.edge, graphs->edge, i);
@@ -109,7 +113,7 @@ void bundle_core(const CoreWindow& window, const GraphRows* graphs, bool tie, st
         graph[4] = eights.carry;
       }
 
-      // Adding 2^planes - threshold carries out of the last plane where the threshold is reached.
+      // Adding 2^planes - threshold carries out of the last plane once the threshold is reached.
       const std::size_t vectors = (graphs != nullptr ? 21 : 0) + 9 * (r + 1);
       const std::size_t threshold = tie ? (vectors + 1) / 2 : vectors / 2 + 1;
       const std::size_t complement = (std::size_t{1} << window.planes) - threshold;
@@ -125,7 +129,7 @@ void bundle_core(const CoreWindow& window, const GraphRows* graphs, bool tie, st
   }
 }
 
-// Words i to i + Lanes::words of rho^shift(row).
+// Returns words i to i + Lanes::words of rho^shift(row).
 inline V rotated(const Word* row, std::size_t shift, std::size_t i) {
   const Word* const from = row + shift / 64 + i;
   const unsigned bits = shift % 64;

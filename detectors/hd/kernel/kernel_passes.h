@@ -1,4 +1,5 @@
-// The kernel's passes over packed rows, compiled once for each instruction set. They compute the same bits.
+// The kernel's passes over packed rows, compiled for each instruction set with bit-identical
+// results.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +9,11 @@ namespace slipbench::hd::kernel {
 
 using Word = std::uint64_t;
 
-// Rows start on cache lines and are padded with zeros to a multiple of this many words; passes leave zeros (or what a permutation
-// reads, see `slide`) in the padding.
+// Rows start on cache lines and are padded with zeros to a multiple of this many words. Passes
+// leave zeros in the padding, or the bits that a permutation reads (see `slide`).
 inline constexpr std::size_t block_words = 8;
 
-// What one frame picks from the tables.
+// Rows of the tables that one frame selects.
 struct FrameRows {
   const Word* pillar[9];  // CIM(f_p) * IM(p)
   const Word* corner[4];  // CIM(f_p)
@@ -20,16 +21,17 @@ struct FrameRows {
   const Word* centre;     // CIM(f_4) * IM(graph of the centre)
 };
 
-// IM of the two graphs with edges.
+// IM of the two graphs that have edges.
 struct GraphRows {
   const Word* corner;
   const Word* edge;
 };
 
-// A bit-sliced count needs bit_width(21 + 9 * 1,000) planes in the longest window.
+// A bit-sliced count needs bit_width(21 + 9 * 1,000) planes for the longest window.
 inline constexpr unsigned most_planes = 14;
 
-// The window of the published core: `frames` rows of a ring of which `oldest` comes first, `planes` to count their vectors.
+// The window of the published core: a ring of `frames` rows, starting at `oldest`, and the `planes`
+// that count its vectors.
 struct CoreWindow {
   const FrameRows* rows;
   std::size_t frames, oldest;
@@ -47,13 +49,14 @@ struct Passes {
   void (*bundle_core)(const CoreWindow& window, const GraphRows* graphs, bool tie, std::size_t words, std::size_t stride,
                       Word* gs);
 
-  // gst = rho(gst) * rho^shift(oldest) * gs. `gst` and `oldest` repeat their first bits behind the last, as many as are rotated.
+  // gst = rho(gst) * rho^shift(oldest) * gs. `gst` and `oldest` repeat their first bits after the
+  // last, as many as are rotated.
   void (*slide)(const Word* oldest, std::size_t shift, const Word* gs, std::size_t words, Word* gst);
 
   // gst = gst * rho^shift(row).
   void (*bind_rotated)(const Word* row, std::size_t shift, std::size_t words, Word* gst);
 
-  // Bits of `mask` in which gst differs from each of three prototypes.
+  // Counts the bits of `mask` in which gst differs from each of three prototypes.
   void (*distances)(const Word* gst, const Word* mask, const Word* const prototypes[3], std::size_t words,
                     std::size_t distance[3]);
 };
