@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_bytes = 16u << 20u;   // of the text
-constexpr int deepest = 32;                      // objects and arrays in each other
+constexpr int deepest = 32;                      // nested objects and arrays
 constexpr double most_rate = 1e9;                // Hz
 constexpr std::size_t most_samples = 1'000'000;  // of a window, a stride, a median, a history
 constexpr std::size_t most_values = 1'000'000;   // of a sample, an image, a frame
@@ -49,7 +49,7 @@ auto word_of(const Words& words, typename Words::value_type::second_type value) 
   return std::string(std::ranges::find(words, value, &Words::value_type::second)->first);
 }
 
-// A JSON value for a message: short.
+// Returns a short form of a JSON value for messages.
 std::string shown(const Json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return "an array of " + std::to_string(value.size());
@@ -57,7 +57,7 @@ std::string shown(const Json& value) {
   return value.dump();
 }
 
-// An object whose keys must all be known.
+// A JSON object in which unknown keys are errors.
 class Object {
  public:
   Object(const Json& json, std::string subject, std::string path, const std::vector<std::string_view>& known)
@@ -68,7 +68,7 @@ class Object {
     }
   }
 
-  // "FILE: input.rate: " and `what`.
+  // Throws InputError with "FILE: input.rate: " and `what`.
   [[noreturn]] void refuse(const std::string& key, const std::string& what) const {
     const std::string at = where(key);
     throw InputError(subject_ + ": " + (at.empty() ? "" : at + ": ") + what);
@@ -107,7 +107,7 @@ class Object {
     return json_.at(key).get<bool>();
   }
 
-  // A finite number for which fits() says so.
+  // Returns a finite number that satisfies `fits`.
   template <class Fits>
   [[nodiscard]] double number(const std::string& key, Fits&& fits, const std::string& allowed) const {
     const Json& value = need(key);
@@ -121,7 +121,7 @@ class Object {
     return whole(json_.at(key), key, 1, most);
   }
 
-  // The whole numbers of an array.
+  // Returns the non-negative integers of an array.
   [[nodiscard]] std::vector<std::size_t> indices(const Json& value, const std::string& key) const {
     std::vector<std::size_t> result;
     for (const Json& entry : array(value, key)) result.push_back(whole(entry, key, 0, most_values - 1));
@@ -167,7 +167,8 @@ class Object {
   std::string path_;
 };
 
-// nlohmann's parser takes a key twice and objects in each other without end, which its writer then follows by recursion.
+// Refuses repeated keys and unlimited nesting, which nlohmann's parser accepts; its writer then
+// recurses without limit.
 Json parsed(std::string_view text, const std::string& subject) {
   if (text.size() > most_bytes) {
     throw InputError(subject + ": " + std::to_string(text.size()) + " bytes of JSON; allowed: at most " +
@@ -200,7 +201,7 @@ ChannelPick parse_channel(const Json& json, const Object& input) {
   return pick;
 }
 
-// Those keys of a spectrum that `input` has.
+// Reads the keys that belong to a spectrum.
 void parse_spectrum(const Object& object, Input& input) {
   const double half = 0.5 * input.rate;
   const bool spectrum = is_spectrum(input.transform);

@@ -1,4 +1,4 @@
-// What runs a network: OpenVINO, in a library of its own that is loaded when a first network is.
+// Runs networks by OpenVINO, in a separate library that is loaded with the first network.
 #pragma once
 
 #include <cstddef>
@@ -10,37 +10,41 @@
 
 namespace slipbench::network {
 
-// One network with its recurrent state, used by one thread at a time. f32, one thread: the same bits on the same machine; another processor
-// may round otherwise.
+// One network with its recurrent state, used by one thread at a time. It computes in f32 on one
+// thread: bit-identical on one machine, while another processor may round differently.
 class Engine {
  public:
   virtual ~Engine() = default;
 
   [[nodiscard]] virtual const Description& description() const = 0;
-  // Values of its input: history times a frame's.
+  // Number of input values: history times a frame's.
   [[nodiscard]] virtual std::size_t inputs() const = 0;
-  // Recurrent state to zero.
+  // Sets the recurrent state to zero.
   virtual void reset() = 0;
-  // One step: the input [inputs()] to the raw output, one value a class. Valid until the next call. Throws InputError where the network is fed
-  // or says something that is not finite, or says probabilities that are none.
+  // Runs one step. Returns the raw output, one value per class, for the input [inputs()]. Valid
+  // until the next call. Throws InputError if an input or output is not finite, or if probabilities
+  // are invalid.
   virtual std::span<const float> run(std::span<const float> input) = 0;
 };
 
-// The network in an ONNX file. The compiled one is kept by each thread for as long as the file stays the same. Throws InputError, naming the
-// file: no regular file, too large, no ONNX, custom operators, external data, shapes that do not fit, metadata that is missing (with what to add
-// and how) or wrong.
+// Loads the network in an ONNX file. Each thread keeps the compiled network while the file stays
+// unchanged. Throws InputError, naming the file, if it is not a regular file, is too large or not
+// ONNX, has custom operators, external data, shapes that do not fit, or wrong or missing metadata
+// (the message says what to add and how).
 std::unique_ptr<Engine> load_engine(const std::string& path);
-// The same without the check that OpenVINO does not crash on the file (check_readable.h): for a process that a crash may end.
+// The same without the check that the file does not crash OpenVINO (check_readable.h), for
+// processes that may crash.
 std::unique_ptr<Engine> load_engine_unchecked(const std::string& path);
-// Whether load_engine() has its library.
+// True if load_engine() has its library.
 bool engine_available();
 
-// The probability of slip: of `output`, by what the description says of it, the sum over the classes that slip. 0 to 1.
+// Returns the probability of slip, 0 to 1: the sum over the classes that slip.
 double slip_probability(const Description& description, std::span<const float> output);
-// The class that the detector says: the most probable of those that slip where `slip` is said, else the most probable of the others.
+// Returns the reported class: the most probable one that slips if `slip`, otherwise the most
+// probable of the others.
 PadState state_of(const Description& description, std::span<const float> output, bool slip);
 
-// What the library with OpenVINO exports.
+// Symbol exported by the library with OpenVINO.
 
 inline constexpr const char* load_symbol = "slipbench_load_engine";
 

@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::size_t most_kept = 50'000'000;  // values that a window, a median or the features of a frame may hold
 
-// Not a number comes last, so that every sample has its place.
+// NaN sorts last, so that every sample has a place.
 bool before(float a, float b) { return std::isnan(b) ? !std::isnan(a) : a < b; }
 
-// Index into a sample of each value that `input` picks, one after the other.
+// Returns the index into a sample of each value that `input` picks, in order.
 std::vector<std::size_t> picked(const Input& input, std::span<const Channel> channels) {
   std::vector<std::size_t> places;
   for (std::size_t p = 0; p < input.channels.size(); ++p) {
@@ -47,7 +47,7 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
   return places;
 }
 
-// One for each feature.
+// Returns one value for each feature.
 std::vector<float> spread(const std::vector<double>& given, double otherwise, std::size_t features, const std::string& name) {
   if (given.size() > 1 && given.size() != features) {
     throw InputError("the network has " + std::to_string(given.size()) + " values of " + name + " for the " +
@@ -66,7 +66,7 @@ bool rate_fits(const Input& input, double rate) {
 }
 
 struct Frames::State {
-  // The median of the latest `length` values, of those that have come at the beginning.
+  // Median of the latest `length` values, of fewer at the start.
   class Median {
    public:
     explicit Median(std::size_t length) : ring_(length) { sorted_.reserve(length); }
@@ -115,7 +115,7 @@ struct Frames::State {
     }
     offset = spread(input.offset, 0.0, features, "offset");
     scale = spread(input.scale, 1.0, features, "scale");
-    // One by one: a copy would keep no reserve.
+    // Added one by one because copies would lose the reserved capacity.
     medians.reserve(values);
     for (std::size_t v = 0; input.median > 1 && v < values; ++v) medians.emplace_back(input.median);
     window.resize(rows * values);
@@ -134,7 +134,7 @@ struct Frames::State {
     density = 1.0 / (input.rate * power);
   }
 
-  // The oldest sample of the window comes first.
+  // Returns sample n of the window, the oldest first.
   [[nodiscard]] double sample(std::size_t n, std::size_t value) const {
     const std::size_t row = next + n < input.window ? next + n : next + n - input.window;
     return double{window[row * places.size() + value]} - means[value];
@@ -150,16 +150,16 @@ struct Frames::State {
     if (++next == rows) next = 0;
   }
 
-  // Sample n of the latest `count`, the oldest first.
+  // Returns sample n of the latest `count`, the oldest first.
   [[nodiscard]] double recent(std::size_t n, std::size_t count, std::size_t value) const {
     const std::size_t row = next + rows - count + n;
     return double{window[(row < rows ? row : row - rows) * places.size() + value]};
   }
 
   struct Trend {
-    double mean = 0.0, sd = 0.0, change = 0.0;  // change: n times the slope of the straight line that fits best
+    double mean = 0.0, sd = 0.0, change = 0.0;  // change: n times the slope of the least-squares line
   };
-  // Of the latest `span` samples, of those there are.
+  // Over the latest `span` samples, or as many as there are.
   [[nodiscard]] Trend trend(std::size_t span, std::size_t value) const {
     const std::size_t count = std::min(span, seen);
     const double n = static_cast<double>(count), middle = 0.5 * (n - 1.0);
@@ -172,7 +172,7 @@ struct Frames::State {
       moment += (static_cast<double>(i) - middle) * x;
     }
     one.sd = std::sqrt(square / n);
-    one.change = 12.0 * moment / (n * n - 1.0);  // the squares of 0 to n - 1 less their mean add up to n (n^2 - 1)/12
+    one.change = 12.0 * moment / (n * n - 1.0);  // sum of the squared deviations of 0 to n - 1 from their mean: n (n^2 - 1)/12
     return one;
   }
 
@@ -225,7 +225,7 @@ struct Frames::State {
     }
   }
 
-  // What stands before the pixels: [window, values] or [values, bins].
+  // Writes the frame before pixels are applied: [window, values] or [values, bins].
   void transform(std::span<float> out) {
     if (input.transform == Transform::spreads) return spreads(out);
     if (input.transform == Transform::levels) return levels(out);
@@ -269,13 +269,13 @@ struct Frames::State {
   Input input;
   std::vector<std::size_t> places;
   BinRange bins;                // of spectra alone
-  std::vector<Median> medians;  // [values]; empty: none
+  std::vector<Median> medians;  // [values]; empty: no median
   std::size_t rows;             // of the ring: the window, or the longest span
   std::vector<float> window;    // [rows, values], a ring
-  std::vector<double> means;    // [values], 0 where not centred
+  std::vector<double> means;    // [values], 0 if not centred
   std::optional<RealFft> fft;   // of spectra alone
   std::vector<double> taper;    // [window]
-  double density = 0.0;         // from |X|^2 to a density of one side
+  double density = 0.0;         // factor from |X|^2 to a one-sided density
   std::vector<float> before_pixels;
   std::vector<float> offset, scale;  // [features]
   std::vector<float> frame;          // [features]

@@ -1,4 +1,5 @@
-// A sensor's samples as the frames that a network is fed. Training and the loop share it, so what was learnt is what is seen.
+// Turns a sensor's samples into the network's frames. Training and the loop share this code, so
+// both see the same features.
 #pragma once
 
 #include <cstddef>
@@ -11,24 +12,26 @@
 
 namespace slipbench::network {
 
-// Whether samples at `rate` [Hz] are of the rate that a network reads, within 1 %: the clock of a recorded sensor is some 0.1 % off.
+// True if samples at `rate` [Hz] have the network's rate within 1 %: the clock of a recorded sensor
+// is off by some 0.1 %.
 bool rate_fits(const Input& input, double rate);
 
 class Frames {
  public:
-  // For a sensor of this type, rate [Hz] and channels. Throws InputError where they are not those that `input` asks for, and where a pick, a
-  // pixel, a bin or the number of offsets and scales does not fit.
+  // For a sensor of this type, rate [Hz] and channels. Throws InputError if they differ from those
+  // in `input`, or if a pick, a pixel, a bin or the number of offsets and scales does not fit.
   Frames(const Input& input, const std::string& type, double rate, std::span<const Channel> channels);
   ~Frames();
   Frames(Frames&&) noexcept;
   Frames& operator=(Frames&&) noexcept;
 
-  // Takes the next sample: all channels in order, each in C order, as in SensorFrame. True when a frame is complete with it. Allocates nothing.
+  // Takes the next sample: all channels in order, each in C order, as in SensorFrame. Returns true
+  // if it completes a frame. Does not allocate.
   bool push(std::span<const float> sample);
-  // The last complete frame, zeros before the first. [size()]
+  // Returns the last complete frame, zeros before the first. [size()]
   [[nodiscard]] std::span<const float> latest() const;
   [[nodiscard]] std::size_t size() const;
-  // As if no sample had come.
+  // Discards all samples.
   void reset();
 
  private:

@@ -38,7 +38,7 @@ class NetworkDetector final : public Detector {
   const SlipEstimate& update(const SensorFrame& frame) override {
     if (!frames_.push(frame.values)) return estimate_;
     const std::span<const float> latest = frames_.latest();
-    // The oldest frame goes out in front.
+    // Shifts the oldest frame out.
     std::shift_left(fed_.begin(), fed_.end(), static_cast<std::ptrdiff_t>(latest.size()));
     std::ranges::copy(latest, fed_.end() - static_cast<std::ptrdiff_t>(latest.size()));
     if (++complete_ < about_.input.history) return estimate_;

@@ -18,7 +18,7 @@ constexpr std::int64_t least_opset = 13;
 constexpr std::int64_t most_opset = 23;
 constexpr std::size_t most_nodes = 100'000;  // of all graphs
 
-// Bytes of an element; nothing: a type that no network of numbers has.
+// Returns the bytes of an element; empty for a type that a numeric network does not use.
 std::optional<std::size_t> bytes_of(int type) {
   using T = onnx::TensorProto;
   switch (type) {
@@ -64,7 +64,7 @@ class Checker {
   }
 
  private:
-  // The same samples have to give the same classes.
+  // Equal samples must give equal classes.
   void check_random(const onnx::GraphProto& graph, const onnx::NodeProto& node) const {
     constexpr std::array random{"Bernoulli",        "Multinomial",   "RandomNormal",
                                 "RandomNormalLike", "RandomUniform", "RandomUniformLike"};
@@ -80,7 +80,7 @@ class Checker {
         "model.eval() before the export)");
   }
 
-  // Whether `name` is a constant of the graph that says false.
+  // True if `name` is a constant of the graph that is false.
   static bool is_false(const onnx::GraphProto& graph, const std::string& name) {
     const auto says_false = [](const onnx::TensorProto& flag) {
       return flag.has_raw_data() ? flag.raw_data() == std::string(1, '\0')
@@ -133,7 +133,8 @@ class Checker {
     check_numbers(tensor);
   }
 
-  // A layer may make a number of NaN: a ReLU gives 0, and the network would run. Infinities stay allowed: masks are made of them.
+  // A layer can turn NaN into a number (ReLU gives 0), so the network would run. Infinities are
+  // allowed because masks use them.
   void check_numbers(const onnx::TensorProto& tensor) const {
     using T = onnx::TensorProto;
     const std::string& raw = tensor.raw_data();
@@ -161,7 +162,8 @@ class Checker {
   static bool is_nan(Number value) {
     return std::isnan(value);
   }
-  // All bits of the exponent, and some of the mantissa: of float16 five and ten, of bfloat16 eight and seven.
+  // NaN: all exponent bits and some of the mantissa are set. float16 has five and ten, bfloat16
+  // eight and seven.
   static bool is_nan_half(std::int32_t bits) { return (bits & 0x7C00) == 0x7C00 && (bits & 0x03FF) != 0; }
   static bool is_nan_brain(std::int32_t bits) { return (bits & 0x7F80) == 0x7F80 && (bits & 0x007F) != 0; }
 
@@ -191,7 +193,7 @@ class Checker {
   std::size_t nodes_ = 0;
 };
 
-// What protobuf has to say of damaged bytes goes nowhere: the message of the InputError says it.
+// Silences protobuf's output about damaged bytes; the InputError reports them.
 void be_quiet() {
   static const bool once = [] {
     google::protobuf::SetLogHandler(nullptr);
@@ -221,7 +223,7 @@ Port port_of(const onnx::ValueInfoProto& value, const std::string& what, const C
   return port;
 }
 
-// How to add metadata to a file, in Python.
+// Returns how to add metadata to a file, in Python.
 std::string how_to_describe(const std::string& file) {
   const std::string path = "'" + printable(file) + "'";  // whole, unlike quote()
   return "  import json, onnx\n"
@@ -255,7 +257,7 @@ std::string metadata_of(const onnx::ModelProto& model, const std::string& subjec
   return found->value();
 }
 
-// All names of `values`, for messages.
+// Returns all names of `values`, for messages.
 template <class Values>
 std::vector<std::string> names_of(const Values& values) {
   std::vector<std::string> names;
@@ -263,7 +265,7 @@ std::vector<std::string> names_of(const Values& values) {
   return names;
 }
 
-// The name of `given` that is none of `states`; there must be one.
+// Returns the only name in `given` that is not in `states`.
 template <class Values>
 std::string only_other(const Values& given, const std::vector<std::string>& states, const std::string& what,
                        const Checker& checker) {

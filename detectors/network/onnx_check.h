@@ -1,4 +1,4 @@
-// What of an ONNX file is looked at before an engine sees it: engines trust what they read.
+// Checks an ONNX file before an engine reads it, because engines trust their input.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace slipbench::network {
 // An input or an output of the graph, float32.
 struct Port {
   std::string name;
-  std::vector<std::int64_t> shape;  // 1 where the file leaves an extent open, as it does for the batch
-  bool open = false;                // the file leaves open another than the first, the batch's
+  std::vector<std::int64_t> shape;  // 1 where the file leaves an extent open, such as the batch's
+  bool open = false;                // the file leaves an extent open other than the first, the batch's
 
   [[nodiscard]] std::size_t size() const;
 };
@@ -26,16 +26,17 @@ struct CheckedNetwork {
   std::vector<Port> states;  // the inputs of description.states, in their order
 };
 
-// Bytes that a file of a network may have.
+// Largest size of a network's file, in bytes.
 inline constexpr std::size_t most_network_bytes = 256u << 20u;
-// Elements that a tensor of it may have: 256 MB of float32.
+// Largest number of elements of a tensor: 256 MB of float32.
 inline constexpr std::size_t most_elements = 1u << 26u;
-// Multiply-adds that a step of it may take: some half a second of one core.
+// Largest number of multiply-adds per step: about half a second of one core.
 inline constexpr double most_multiply_adds = 1e10;
 
-// Looks into the bytes of an ONNX file, which `subject` names in errors. Throws InputError where they are no ONNX, have no metadata (with what to
-// add and how), use operators that are not ONNX' own, random ones, loops or functions, have data outside of the file or not as long as its shape says, in any graph
-// of the file, and where inputs and outputs are not those of the description.
+// Checks the bytes of an ONNX file; `subject` names it in errors. Throws InputError if they are not
+// ONNX, have no metadata (the message says what to add and how), use operators outside ONNX, random
+// ones, loops or functions, or if in any graph data is outside the file or has a length other than
+// its shape's, or if inputs and outputs differ from the description.
 CheckedNetwork check_network(std::string_view bytes, const std::string& subject);
 
 }  // namespace slipbench::network

@@ -1,4 +1,4 @@
-// The only file with OpenVINO's headers.
+// The only file that includes OpenVINO's headers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,7 +46,7 @@ Digest digest_of(const std::string& bytes) {
   return digest;
 }
 
-// Without each "Check 'CONDITION' failed at FILE:LINE:", and the white space behind it.
+// Removes each "Check 'CONDITION' failed at FILE:LINE:" and the white space after it.
 std::string without_conditions(std::string text) {
   constexpr std::string_view check = "Check '", failed = "' failed at ";
   for (std::size_t begin = text.find(check); begin != std::string::npos; begin = text.find(check, begin)) {
@@ -59,7 +59,7 @@ std::string without_conditions(std::string text) {
   return text;
 }
 
-// What OpenVINO says, less the places in its sources and its conditions.
+// Returns OpenVINO's message without places in its sources and conditions.
 std::string reason_of(const std::exception& error) {
   constexpr std::size_t longest = 400;
   std::istringstream lines(without_conditions(error.what()));
@@ -76,7 +76,7 @@ std::string reason_of(const std::exception& error) {
   return printable(text.substr(0, text.rfind(' '))) + " ...";
 }
 
-// Call it where `error` was caught.
+// Must be called in the handler that caught `error`.
 [[noreturn]] void refuse(const std::string& what, const std::exception& error) {
   if (dynamic_cast<const InputError*>(&error) != nullptr) throw;
   throw InputError(what + reason_of(error));
@@ -87,14 +87,14 @@ struct Network {
   ov::CompiledModel compiled;
 };
 
-// As doubles, which do not overflow.
+// Sizes are doubles, which do not overflow.
 constexpr double open_extent = 1e18;
 
 double length_of(const ov::Dimension& extent) {
   return extent.get_max_length() < 0 ? open_extent : static_cast<double>(extent.get_max_length());
 }
 
-// Values of a tensor at the most.
+// Returns the largest number of values of a tensor.
 double size_of(const ov::PartialShape& shape) {
   if (shape.rank().is_dynamic()) return open_extent;
   double size = 1.0;
@@ -102,13 +102,14 @@ double size_of(const ov::PartialShape& shape) {
   return size;
 }
 
-// Multiply-adds of a step of an operator, at the most. Every value that it reads or makes counts as one.
+// Returns the largest number of multiply-adds of an operator per step. Each value read or made
+// counts as one.
 double work_of(const ov::Node& node) {
   double read = 0.0, made = 0.0;
   for (const ov::Input<const ov::Node>& input : node.inputs()) read += size_of(input.get_partial_shape());
   for (const ov::Output<const ov::Node>& output : node.outputs()) made += size_of(output.get_partial_shape());
   const auto size = [&](std::size_t input) { return size_of(node.get_input_partial_shape(input)); };
-  // `axis`: from the front, or from the end where it is negative.
+  // `axis`: from the front, or from the end if negative.
   const auto extent = [&](std::size_t input, std::int64_t axis) {
     const ov::PartialShape& shape = node.get_input_partial_shape(input);
     if (shape.rank().is_dynamic()) return open_extent;
@@ -155,8 +156,8 @@ double work_of(const ov::Node& node) {
   return read + made + (std::isnan(work) ? 0.0 : work);  // 0/0: without weights
 }
 
-// A few bytes of a file may ask for any amount of memory or time: a constant of a shape, a tensor repeated, products of what comes of it.
-// Adds the multiply-adds of a step to `work`.
+// Adds the multiply-adds of a step to `work`. A small file may ask for any amount of memory or
+// time: a constant with a large shape, repeated tensors, products of their results.
 void check_sizes(const ov::Model& model, const std::string& path, double& work) {
   for (const std::shared_ptr<ov::Node>& node : model.get_ops()) {
     for (const ov::Output<ov::Node>& output : node->outputs()) {
@@ -178,7 +179,7 @@ void check_sizes(const ov::Model& model, const std::string& path, double& work) 
 
 Network compiled(const std::string& bytes, const std::string& path) {
   Network network{.about = check_network(bytes, path), .compiled = {}};
-  // Never destroyed: its threads may outlive what the end of the program destroys.
+  // Never destroyed, because its threads may outlive what the end of the program destroys.
   static ov::Core* const core = new ov::Core;
   const std::shared_ptr<ov::Model> model = core->read_model(bytes, ov::Tensor());
   std::map<std::string, ov::PartialShape> shapes;
@@ -197,7 +198,8 @@ Network compiled(const std::string& bytes, const std::string& path) {
   }
   double work = 0.0;
   check_sizes(*model, path, work);
-  // One thread, f32 and no pinning: the same bits whatever else runs. Small numbers stay, as everywhere else in the program.
+  // One thread, f32 and no pinning make results independent of other load. Denormals are kept, as
+  // everywhere in the program.
   network.compiled = core->compile_model(model, "CPU", ov::inference_num_threads(1), ov::num_streams(1),
                                          ov::hint::inference_precision(ov::element::f32),
                                          ov::hint::performance_mode(ov::hint::PerformanceMode::LATENCY),
@@ -205,7 +207,7 @@ Network compiled(const std::string& bytes, const std::string& path) {
   return network;
 }
 
-// The network at `path`, compiled once a thread for as long as the file stays the same.
+// Returns the network at `path`, compiled once per thread while the file is unchanged.
 Network& network_at(const std::string& path) {
   thread_local std::map<std::string, std::pair<Digest, Network>> kept;
   const std::string bytes = bytes_of(path);
@@ -235,7 +237,7 @@ class OpenVinoEngine final : public Engine {
       }
     }
     reset();
-    request_.infer();  // what cannot be run is found here
+    request_.infer();  // finds out here if the network cannot run
   }
 
   [[nodiscard]] const Description& description() const override { return about_; }
@@ -261,7 +263,7 @@ class OpenVinoEngine final : public Engine {
   }
 
  private:
-  // A tensor of the engine's own for `port`, whose place stays.
+  // Binds a tensor owned by the engine to `port`; its address is constant.
   ov::Tensor tensor(const ov::Output<const ov::Node>& port) {
     if (port.get_element_type() != ov::element::f32 || port.get_partial_shape().is_dynamic()) {
       throw InputError(path_ + ": " + quote(port.get_any_name()) + " must be float32 with a fixed shape");
@@ -271,7 +273,7 @@ class OpenVinoEngine final : public Engine {
     return made;
   }
 
-  // A network may make a number of what is none: ReLU gives 0.
+  // A network can turn NaN into a number: ReLU gives 0.
   void check_finite(std::span<const float> values, const char* verb) const {
     const auto found = std::ranges::find_if_not(values, [](float value) { return std::isfinite(value); });
     if (found == values.end()) return;
@@ -299,7 +301,7 @@ class OpenVinoEngine final : public Engine {
   std::string path_;
   ov::InferRequest request_;
   ov::Tensor input_, output_;
-  std::vector<std::pair<ov::Tensor, ov::Tensor>> states_;  // what is fed, what comes out
+  std::vector<std::pair<ov::Tensor, ov::Tensor>> states_;  // input and output of each state
 };
 
 }  // namespace
