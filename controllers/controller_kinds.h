@@ -1,4 +1,5 @@
-// Every controller's declaration; each is defined in the file of its name, but for constant_force and hold_preset: preset_grip.cc.
+// Declarations of all controllers. Each is defined in the file of its name, except constant_force
+// and hold_preset (preset_grip.cc).
 #pragma once
 
 #include <memory>
@@ -9,29 +10,29 @@
 
 namespace slipbench {
 
-// What a controller works with.
+// What a controller is made from.
 struct GripSource {
-  std::vector<Channel> channels;    // what the frames hold that update() will be handed
-  double preset = 0.0;              // N, the force with which the box is taken: the scene's grip.preset
-  bool detected = true;             // the scene has a detector; without one every estimate is that of no contact
-  std::vector<Feature> features{};  // what the estimates hold that update() will be handed: Detector::features()
-  bool guided = false;              // the scene's motion takes GripCommand::arm; elsewhere a controller must command none
-  std::vector<SensorSource>
-      sensors{};  // all of the scene in its order; the first is the one whose frames update() will be handed
+  std::vector<Channel> channels;        // content of the frames passed to update()
+  double preset = 0.0;                  // N, force with which the box is taken: the scene's grip.preset
+  bool detected = true;                 // the scene has a detector; otherwise every estimate is no contact
+  std::vector<Feature> features{};      // features of the estimates passed to update(): Detector::features()
+  bool guided = false;                  // the scene's motion accepts GripCommand::arm; otherwise no arm command is allowed
+  std::vector<SensorSource> sensors{};  // all of the scene, in order; update() receives frames of the first
 };
 
-// Which of a controller's tightenings answer a slip (GraspOutcome::reaction_time).
+// Which tightenings of a controller answer a slip (GraspOutcome::reaction_time).
 enum class Answers {
-  by_own_rule,  // each: it closes by what it reads of the slip, or nothing is known of its rule
-  seen_slip,    // those that follow from an update to which the detector said slip; the others keep the preset force
+  by_own_rule,  // all: it reacts to slip by what it reads, or its rule is unknown
+  seen_slip,    // those after an update in which the detector reported slip; the others keep the preset force
   nothing,      // none: slip is ignored
 };
 
 // A controller that a scene may name.
 struct ControllerKind {
   Entry about;
-  // `parameters`: those of `about`, all present. Throws SceneValueError at controller.<key> for a value that does not fit the
-  // rest, and at controller.type where the frames lack what the controller reads, or the scene the detector.
+  // `parameters`: all those of `about`. Throws SceneValueError at controller.<key> for values that
+  // conflict with others, and at controller.type if the frames lack a channel that the controller
+  // reads or the scene has no detector that it needs.
   std::unique_ptr<Controller> (*create)(const Parameters& parameters, const GripSource& source);
   Answers answers = Answers::by_own_rule;
 };

@@ -23,7 +23,7 @@ class ForcePid final : public GripController {
       position_ = input.gripper.position;
       last_ = before_last_ = grip;
       started_ = true;
-    } else if (input.gripper.time > time_) {  // a status that is no newer says nothing new
+    } else if (input.gripper.time > time_) {  // acts on a newer status only
       const double error = preset_ - grip;
       if (std::abs(error) > dead_band_) position_ += change(grip, error, input.gripper.time - time_) / force_per_count_;
       position_ = std::clamp(position_, input.gripper.position - lead_, input.gripper.position + lead_);
@@ -37,7 +37,7 @@ class ForcePid final : public GripController {
   }
 
  private:
-  // The change of the force [N] asked for over the last `period` [s].
+  // Returns the change of force [N] for the last `period` [s].
   [[nodiscard]] double change(double grip, double error, double period) const {
     return proportional_ * (last_ - grip) + period / integral_time_ * error -
            derivative_time_ / period * (grip - 2.0 * last_ + before_last_);

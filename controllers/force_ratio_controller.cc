@@ -37,7 +37,7 @@ class ForceRatio final : public GripController {
     return ratio;
   }
 
-  double allowed_;  // the ratio of tangential to normal force that is kept
+  double allowed_;  // largest ratio of tangential to normal force
   double touch_;
   bool largest_;
   ForceFollower follower_;

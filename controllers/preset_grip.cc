@@ -1,4 +1,5 @@
-// Controllers that close to the preset force and ask no detector: the baseline and the negative control.
+// Controllers that close to the preset force without a detector: the baseline and the negative
+// control.
 #include <optional>
 
 #include "controllers/grip.h"
@@ -6,7 +7,7 @@
 namespace slipbench::controllers {
 namespace {
 
-// `Once`: what has been reached counts as reached for ever.
+// `Once`: a force reached once counts as reached for ever.
 template <bool Once>
 class PresetGrip final : public GripController {
  public:

@@ -13,7 +13,7 @@ namespace {
 
 enum Quantities : std::size_t { fl, fr, fr_fast, normal, moment, quantities };  // counts, counts, counts, N, N m
 
-// What the algorithms read of an estimate.
+// The features of an estimate that the algorithms read.
 class Features {
  public:
   explicit Features(const std::vector<Feature>& handed_on) {
@@ -28,7 +28,7 @@ class Features {
     }
   }
 
-  // NaN until the detector has said anything: it is neither above nor below anything.
+  // NaN before the detector's first estimate; all comparisons with it are then false.
   [[nodiscard]] double in(const SlipEstimate& slip, Quantities quantity) const {
     return slip.features.empty() ? std::numeric_limits<double>::quiet_NaN() : slip.features[places_[quantity]];
   }
@@ -38,7 +38,7 @@ class Features {
   std::array<std::size_t, quantities> places_{};
 };
 
-// Counts of the four clusters of FL and FR together.
+// Sum of the counts of FL's and FR's four clusters.
 class Clusters {
  public:
   explicit Clusters(const std::vector<Channel>& channels) {
@@ -122,10 +122,10 @@ class Reorient final : public Controller {
     wait_until_ = time_ + wait;
   }
 
-  // Nothing touches: what the clusters count is what they count at rest.
+  // Averages the counts without contact.
   void start(const ControlInput& input) {
     position_ = input.gripper.position;
-    if (input.frame.values.empty()) return;  // the first one takes all scans of a sample
+    if (input.frame.values.empty()) return;  // no values before the first whole sample
     rest_ += clusters_.sum(input.frame);
     ++rests_;
     if (time_ < tare_time_) return;
@@ -177,10 +177,10 @@ class Reorient final : public Controller {
   GripCommand command_;
 
   Phase phase_ = Phase::start;
-  ArmCommand arm_;                        // told last
+  ArmCommand arm_;                        // last command
   double time_ = 0.0, wait_until_ = 0.0;  // s
-  double turned_ = 0.0;                   // s, when the box may last have turned
-  double height_ = 0.0;                   // m, what the arm has been told to rise by
+  double turned_ = 0.0;                   // s, when the box last may have turned
+  double height_ = 0.0;                   // m, commanded rise of the arm
   double rest_ = 0.0;                     // counts; a sum until the tare is done
   int rests_ = 0;
   int position_ = 0;  // counts

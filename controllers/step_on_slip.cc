@@ -32,7 +32,7 @@ class StepOnSlip final : public GripController {
   }
 
  private:
-  // The next position inwards; what follows the last one is up to `overflow`.
+  // Returns the next position inwards; beyond the last one `overflow` decides.
   [[nodiscard]] int one_further(const GripperStatus& gripper) const {
     if (gripper.position < max_register) return gripper.position + 1;
     if (overflow_ == "wrap") return 0;
@@ -46,7 +46,7 @@ class StepOnSlip final : public GripController {
   std::int64_t debounce_;
   std::string overflow_;
   bool idle_at_measured_;
-  std::int64_t slips_ = 0;       // consecutive updates with slip, no more than debounce_
+  std::int64_t slips_ = 0;       // consecutive updates with slip, at most debounce_
   std::optional<int> position_;  // last command
 };
 

@@ -1,4 +1,4 @@
-// A controller that changes the grip by a timetable of the scene, whatever the sensor reads.
+// A controller that changes the grip by the scene's timetable, independent of the sensor.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -24,7 +24,7 @@ class TimedGrip final : public GripController {
   }
 
  private:
-  // Straight between the rows: 0 before the first, the last one's from then on.
+  // Linear between the rows: 0 before the first, the last row's value after it.
   [[nodiscard]] double counts_at(double time) const {
     const auto next = std::ranges::find_if(changes_, [time](const std::vector<double>& row) { return row[0] > time; });
     if (next == changes_.begin()) return 0.0;

@@ -1,5 +1,5 @@
-// A controller of one's own: one count further on slip or below the preset force, and then no other until the gripper has shown that count
-// (60 ms).
+// Example of a custom controller: closes by one count on slip or below the preset force, then waits
+// until the gripper has responded (60 ms).
 #include <cstring>
 
 #include "controllers/plugin_abi.h"
@@ -7,10 +7,10 @@
 namespace {
 
 struct StepAndWait {
-  size_t first = 0;  // where a sample of the sensor on the finger that feels holds the forces {pillars, 3}
+  size_t first = 0;  // place of the forces {pillars, 3} in a sample of the sensing finger
   size_t pillars = 0;
-  int counts = 1;     // of a step
-  int position = -1;  // commanded last; before the first update: none
+  int counts = 1;     // per step
+  int position = -1;  // last command; -1: none yet
 };
 
 // Sum of the normal forces [N]: z of each force.
@@ -35,7 +35,7 @@ void destroy(void* self) { delete static_cast<StepAndWait*>(self); }
 }  // namespace
 
 const slipbench_parameter slipbench_controller_parameters[] = {
-    SLIPBENCH_A_NUMBER("counts", 1.0, ""),  // of a step
+    SLIPBENCH_A_NUMBER("counts", 1.0, ""),  // per step
     SLIPBENCH_NO_MORE,
 };
 
