@@ -1,18 +1,18 @@
 // The CL-gstHDC slip detector: nine displacement vectors in, class and distances out.
 //
-// Latency from the accepted sample to valid_o is 9 / PillarsPerCycle + Dim / SliceWidth + 8 cycles; a
-// sample is accepted every max(9 / PillarsPerCycle, Dim / SliceWidth) cycles. The
-// first Window - 1 decisions of a window are ClassNone.
+// Latency from the accepted sample to valid_o: 9 / PillarsPerCycle + Dim / SliceWidth + 8 cycles. A
+// sample is accepted every max(9 / PillarsPerCycle, Dim / SliceWidth) cycles. The first Window - 1
+// decisions of a window are ClassNone.
 
 module hd_core
   import hd_pkg::*;
 #(
   parameter int unsigned Dim = 1000,
   parameter int unsigned Window = 15,
-  parameter int unsigned SliceWidth = Dim,              // bits of a vector a cycle; divides Dim
+  parameter int unsigned SliceWidth = Dim,              // bits of a vector per cycle; divides Dim
   parameter int unsigned PillarsPerCycle = NumPillars,  // 1, 3 or 9
   parameter bit BlockRam = 1'b0,                        // CIM and history in block RAM
-  parameter string ItemFile = "",                       // memories, as hd_encoder has them
+  parameter string ItemFile = "",                       // files of the memories, as for hd_encoder
   parameter string LevelFile = "",
   parameter string ContextFile = "",
   parameter string PrototypeFile = "",
@@ -20,15 +20,15 @@ module hd_core
 ) (
   input logic clk_i,
   input logic rst_ni,
-  input logic tie_one_i,  // constant: what a bundle that is tied becomes
+  input logic tie_one_i,  // constant: value of a bit whose bundle is tied
 
-  // Samples: displacement in 1/8 mm by pillar, and whether a window starts here.
+  // Samples: displacements in 1/8 mm by pillar; sample_first_i starts a window.
   input  logic                   sample_valid_i,
   output logic                   sample_ready_o,
   input  logic                   sample_first_i,
   input  disp_t [NumPillars-1:0] sample_disp_i,
 
-  // Frames quantised elsewhere. They enter behind hd_feature and overtake the samples in it.
+  // Frames that are already quantised. They enter behind hd_feature and overtake its samples.
   input  logic   frame_valid_i,
   output logic   frame_ready_o,
   input  frame_t frame_i,

@@ -1,7 +1,7 @@
-// Hamming distances of a query to three prototypes, a slice at a time, and the nearest of them.
+// Hamming distances of a query to three prototypes, one slice at a time, and the nearest prototype.
 //
-// Three registers: ones of groups of bits, their sum over the slices, the decision. Of classes that
-// are equally near the higher one is taken, as in the published hardware.
+// Three registers: ones of groups of bits, their sum over the slices, the decision. Of equally near
+// classes the higher one is taken, as in the published hardware.
 
 module hd_distance
   import hd_pkg::*;
@@ -19,7 +19,7 @@ module hd_distance
   input logic [SliceWidth-1:0]                 query_i,
   input logic [NumClasses-1:0][SliceWidth-1:0] prototype_i,
 
-  // Three cycles after the last slice. ClassNone and zeros unless the window is full.
+  // Valid three cycles after the last slice. ClassNone and zeros unless the window is full.
   output logic                                 valid_o,
   output class_e                               class_o,
   output logic [NumClasses-1:0][DistWidth-1:0] distance_o

@@ -1,19 +1,20 @@
 // Quantised frames to decisions: GS (eq. 1-3), GST over the last Window frames (eq. 4), nearest
-// prototype in the frame's context (eq. 5). SliceWidth bits a cycle.
+// prototype in the frame's context (eq. 5). SliceWidth bits per cycle.
 //
-// Latency from the accepted frame to valid_o: Dim / SliceWidth + 5 cycles; a frame is accepted every
-// Dim / SliceWidth cycles. All registers wait while a decision is not taken.
+// Latency from the accepted frame to valid_o: Dim / SliceWidth + 5 cycles; a frame is accepted
+// every Dim / SliceWidth cycles. All registers wait until a decision is taken.
 //
-// The window is kept incrementally. A product of bipolar vectors is its own inverse, hence
+// The window is updated incrementally. A product of bipolar vectors is its own inverse, hence
 //   GST_t = rho(GST_t-1) * rho^N(GS_t-N) * GS_t,
-// which is an XOR of three, with +1 (all ones) for what lies before the window's start. rho rotates to
-// the right: bit i comes from bit i + 1, so a slice of a rotated vector needs bits of the slice above.
+// an XOR of three terms, with +1 (all ones) for frames before the window's start. rho rotates to
+// the right: bit i comes from bit i + 1, so a slice of a rotated vector needs bits of the slice
+// above.
 
 module hd_encoder
   import hd_pkg::*;
 #(
   parameter int unsigned Dim = 1000,
-  parameter int unsigned Window = 15,       // at least 4: GS is stored 3 cycles after it came
+  parameter int unsigned Window = 15,       // at least 4: GS is stored 3 cycles after its frame
   parameter int unsigned SliceWidth = Dim,  // divides Dim; at least 2
   parameter bit BlockRam = 1'b0,            // CIM and history in block RAM
   parameter string ItemFile = "",           // IM: 12 rows
@@ -24,7 +25,7 @@ module hd_encoder
 ) (
   input logic clk_i,
   input logic rst_ni,
-  input logic tie_one_i,  // constant: what a bundle that is tied becomes
+  input logic tie_one_i,  // constant: value of a bit whose bundle is tied
 
   input  logic   valid_i,
   output logic   ready_o,
@@ -38,7 +39,7 @@ module hd_encoder
 
   localparam int unsigned NumSlices = Dim / SliceWidth;
   localparam int unsigned IndexWidth = index_width(NumSlices);
-  localparam int unsigned NumSlots = Window + 1;  // the one being written, and Window whole ones
+  localparam int unsigned NumSlots = Window + 1;  // the one being written, and Window complete ones
   localparam int unsigned SlotWidth = index_width(NumSlots);
   localparam int unsigned FillWidth = index_width(Window + 1);
   typedef logic [SliceWidth-1:0] slice_t;
@@ -48,7 +49,7 @@ module hd_encoder
 
   localparam index_t LastSlice = index_t'(NumSlices - 1);
 
-  // rho^Window moves by whole slices and by bits.
+  // rho^Window shifts by whole slices and by bits.
   localparam int unsigned SliceShift = (Window / SliceWidth) % NumSlices;
   localparam int unsigned BitShift = Window % SliceWidth;
 
@@ -66,17 +67,17 @@ module hd_encoder
   logic advance;
   assign advance = !valid_o || ready_i;
 
-  // What belongs to a slice on its way down the pipeline.
+  // Data that travels with a slice down the pipeline.
   typedef struct packed {
     slice_tag_t place;
     index_t     slice;
     context_t   ctx;
     slot_t      slot;      // of the history, to be written
     logic       has_last;  // GST_t-1 belongs to this window
-    logic       has_left;  // so does GS_t-N
+    logic       has_left;  // GS_t-N belongs to this window
   } tag_t;
 
-  // Issue: the first slice of a frame at once, the others from where it was held.
+  // Issue: the first slice of a frame directly, the others from the held frame.
   frame_t frame;
   index_t slice;
   logic issue;
@@ -105,7 +106,7 @@ module hd_encoder
     end
   end
 
-  // Window: how many frames it holds, and where in the ring the next one goes.
+  // Window: number of its frames, and the ring slot of the next one.
   slot_t slot_q, next_slot;
   fill_t fill_q, fill;
   assign fill = frame.first ? '0 : fill_q;
@@ -198,7 +199,7 @@ module hd_encoder
   );
 
   // GS.
-  slice_t left_q;  // beside gs_q, while `left` is already that of the slice above
+  slice_t left_q;  // delayed to match gs_q, while `left` already belongs to the slice above
 
   hd_bundle #(
     .Width(SliceWidth)
@@ -209,7 +210,7 @@ module hd_encoder
     .gs_o   (gs_d)
   );
 
-  // GST, of which the newest slice is at the top and moves down as the next ones come: after a frame
+  // GST. The newest slice enters at the top and moves down as the next ones come; after a frame
   // every slice is in its place.
   logic [Dim-1:0] gst_q, gst_d;
   slice_t last_rotated, left_rotated, left_above;
@@ -220,7 +221,7 @@ module hd_encoder
     assign last_above = gst_q[0];
     assign gst_d = last_rotated ^ left_rotated ^ gs_q;
   end else begin : gen_above_sliced
-    // Above the last slice lies the first, which has been overwritten by then.
+    // Above the last slice is the first one, which is overwritten by then.
     slice_t left0_q;
     logic gst0_q;
     always_ff @(posedge clk_i) begin
@@ -290,7 +291,7 @@ module hd_encoder
     end
   end
 
-  // Nothing here is looked at before it is written: the tags say so.
+  // The tags ensure that nothing here is read before it is written.
   always_ff @(posedge clk_i) begin
     if (advance) begin
       gs_q   <= gs_d;

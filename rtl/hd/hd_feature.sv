@@ -1,7 +1,7 @@
-// Nine displacements to a quantised frame, PillarsPerCycle pillars a cycle.
+// Quantises nine displacements to a frame, PillarsPerCycle pillars per cycle.
 //
 // Latency from the accepted sample to frame_valid_o: 9 / PillarsPerCycle + 3 cycles; a sample is
-// accepted every 9 / PillarsPerCycle cycles. All registers wait while a frame is not taken.
+// accepted every 9 / PillarsPerCycle cycles. All registers wait until a frame is taken.
 
 module hd_feature
   import hd_pkg::*;
@@ -11,7 +11,7 @@ module hd_feature
   input logic clk_i,
   input logic rst_ni,
 
-  // Sample: displacements by pillar, and whether a window starts with it.
+  // Sample: displacements by pillar; first_i starts a window.
   input  logic                   valid_i,
   output logic                   ready_o,
   input  logic                   first_i,
@@ -39,7 +39,7 @@ module hd_feature
   logic advance;
   assign advance = !frame_valid_o || frame_ready_i;
 
-  // The context needs no arithmetic but comparisons, and is known at once.
+  // The context needs only comparisons and is known at once.
   context_t ctx;
   always_comb begin
     ctx = '0;
@@ -48,7 +48,7 @@ module hd_feature
     end
   end
 
-  // Groups: the first goes straight in, the others from where they were held.
+  // Groups: the first goes straight in, the others come from the held sample.
   disp_t [PillarsPerCycle-1:0] group;
   tag_t tag;
 
@@ -100,7 +100,7 @@ module hd_feature
     );
   end
 
-  // What belongs to the frame keeps pace with its last group.
+  // Delays the frame's own data like its last group.
   tag_t [LevelLatency-1:0] late_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

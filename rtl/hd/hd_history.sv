@@ -1,5 +1,5 @@
-// Ring of the spatial vectors of the frames before, a slice a word. Written and read in the same
-// cycle, the read gives the old word. Nothing is reset: whoever reads knows how far it is filled.
+// Ring of the spatial vectors of past frames, one slice per word. A read in the cycle of a write
+// returns the old word. Nothing is reset: the reader tracks how far the ring is filled.
 
 module hd_history
   import hd_pkg::*;

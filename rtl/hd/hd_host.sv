@@ -3,18 +3,19 @@
 //   request  A5, flags, 9 x (x, y, z) in Q13.3, two bytes each with the low one first, CRC   58 bytes
 //   reply    5A, status, three distances, two bytes each with the low one first, CRC         10 bytes
 //
-// Flags: bit 0, a window starts with this sample; the others are zero. Status: the class, 0 while the
-// window is not full, or an error with distances of zero: 80 checksum, 81 incomplete (a pause of more
-// than two bytes, or a byte without a stop bit), 82 unknown flag. The CRC is the CRC-16 with polynomial
-// 1021 and start FFFF over all between mark and CRC, high byte first, so that over frame and CRC it is 0.
+// Flags: bit 0 starts a window with this sample; the others are zero. Status: the class, 0 while
+// the window is not full, or an error with distances of zero: 80 checksum, 81 incomplete (a pause
+// of more than two bytes, or a byte without a stop bit), 82 unknown flag. The CRC is the CRC-16
+// with polynomial 1021 and start FFFF over all bytes between mark and CRC, high byte first, so that
+// it is 0 over frame and CRC.
 //
-// Every request is answered once and in order; of errors that occur while a reply is under way, the last
-// is answered. After an error it is unknown where the next frame begins: what comes is dropped, without a
-// reply, until the line has paused for more than two bytes. The rest of a broken frame is therefore no
-// request, and a host's next one has to follow a pause. A host that waits for each reply always leaves
-// one; a host that does not leaves one before it goes on, and sends again what was dropped. In a pause
-// and after a good frame a mark begins a frame, and other bytes are ignored: of a frame whose mark was
-// lost or that stalled, the rest is looked through for a mark.
+// Every request is answered once and in order. Of several errors during a reply, the last is
+// answered. After an error the start of the next frame is unknown, so bytes are dropped without a
+// reply until the line has paused for more than two bytes. The rest of a broken frame is therefore
+// no request, and the next request must follow a pause. A host that waits for each reply always
+// leaves one; any other host must insert one and resend what was dropped. In a pause and after a
+// good frame a mark begins a frame, and other bytes are ignored: if a frame lost its mark or
+// stalled, its remaining bytes are searched for a mark.
 
 module hd_host
   import hd_pkg::*;
@@ -68,7 +69,7 @@ module hd_host
     return next;
   endfunction
 
-  // Request. The bytes move down as they come, so that the first ends lowest.
+  // Request. The bytes move down as they arrive, so that the first one ends lowest.
   localparam int unsigned PauseWidth = $clog2(30 * ClkPerBit);
   localparam logic [PauseWidth-1:0] LongestPause = PauseWidth'(30 * ClkPerBit - 1);
 
@@ -79,7 +80,7 @@ module hd_host
   typedef enum logic [1:0] {
     StateHunt,     // for a mark
     StateReceive,  // a frame
-    StatePause     // an error was there: for the line to fall silent
+    StatePause     // after an error, until the line is silent
   } state_e;
   state_e state_q;
   logic complete_q;
@@ -89,7 +90,7 @@ module hd_host
   crc_t rx_crc_q, rx_crc;
   assign rx_crc = crc_of(rx_crc_q, rx_data_i);
 
-  // A byte that ends with the longest pause is in time.
+  // A byte that ends together with the longest pause is in time.
   logic paused, last_byte, good_frame, incomplete;
   assign paused = (pause_q == LongestPause) && !rx_valid_i && !rx_error_i;
   assign last_byte = (state_q == StateReceive) && rx_valid_i && (received_q == LastByte);
@@ -126,7 +127,7 @@ module hd_host
           end else if (rx_valid_i) begin
             received_q <= received_q + 1'b1;
             rx_crc_q   <= rx_crc;
-            // The CRC itself is not kept.
+            // The CRC itself is not stored.
             if (received_q < FirstCrcByte) begin
               request_q <= {rx_data_i, request_q[RequestBytes-CrcBytes-1:1]};
             end
@@ -141,7 +142,7 @@ module hd_host
   assign sample_first_o = request_q[0][0];
   assign sample_disp_o = request_q[RequestBytes-CrcBytes-1:1];
 
-  // Errors wait for the transmitter.
+  // Errors wait until the transmitter is free.
   logic error_pending_q, error_taken;
   error_e error_q;
 

@@ -1,7 +1,8 @@
-// Hypervectors that do not change, read a slice at a time: every port gives the same slice of a row
-// of its own, one cycle later.
+// Constant hypervectors, read one slice at a time: all ports return the same slice, each of its own
+// row, one cycle later.
 //
-// The file holds a row a line as $readmemh takes it: ceil(Dim / 4) digits, the most significant first.
+// The file holds one row per line as $readmemh reads it: ceil(Dim / 4) digits, the most significant
+// first.
 
 module hd_item_memory
   import hd_pkg::*;
@@ -10,8 +11,8 @@ module hd_item_memory
   parameter int unsigned Dim = 1000,
   parameter int unsigned SliceWidth = Dim,  // divides Dim
   parameter int unsigned NumPorts = 1,
-  parameter bit BlockRam = 1'b0,            // block RAM, one copy a port, or logic
-  parameter string InitFile = "",           // none: undefined until a testbench writes `words`
+  parameter bit BlockRam = 1'b0,            // block RAM, one copy per port; otherwise logic
+  parameter string InitFile = "",           // "": undefined until a testbench writes `words`
   localparam int unsigned NumSlices = Dim / SliceWidth,
   localparam int unsigned RowWidth = index_width(Rows),
   localparam int unsigned IndexWidth = index_width(NumSlices)
@@ -23,7 +24,7 @@ module hd_item_memory
   output logic [NumPorts-1:0][SliceWidth-1:0] slice_o
 );
 
-  // Block RAM is best filled without gaps; in logic, rows that start at powers of two need no adder.
+  // Block RAM is filled without gaps; in logic, rows that start at powers of two need no adder.
   localparam int unsigned Stride = BlockRam ? NumSlices : 2 ** $clog2(NumSlices);
   localparam int unsigned Depth = Rows * Stride;
   localparam int unsigned AddrWidth = index_width(Depth);

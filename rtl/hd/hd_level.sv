@@ -1,15 +1,18 @@
-// Level of one pillar: the quantised ratio of tangential to whole displacement, |(x, y)| / |(x, y, z)|.
+// Level of one pillar: the quantised ratio of tangential to whole displacement, |(x, y)| / |(x, y,
+// z)|.
 //
-// By definition code = floor(sqrt(floor((tt << 14) / dd))) in Q1.7, with tt = x^2 + y^2 and dd = tt + z^2,
-// and the level is the number of thresholds c that the code reaches. Neither a divider nor a root is
-// needed: for whole c,
-//   floor(sqrt(floor(q))) >= c  <=>  sqrt(floor(q)) >= c  <=>  floor(q) >= c^2  <=>  q >= c^2,
-// because c and c^2 are whole, so taking the floor of the other side never crosses them. Hence
+// By definition code = floor(sqrt(floor((tt << 14) / dd))) in Q1.7, with tt = x^2 + y^2 and dd = tt
+// + z^2, and the level is the number of thresholds c that the code reaches. It needs neither a
+// divider nor a root, because for integer c
+//   floor(sqrt(floor(q))) >= c  <=>  sqrt(floor(q)) >= c  <=>  floor(q) >= c^2  <=>  q >= c^2
+// (c and c^2 are integers, so taking the floor of the other side never crosses them). Hence
 //   code >= c  <=>  tt * 2^14 >= c^2 * dd,
-// and as every threshold is c = 4m, tt * 2^10 >= m^2 * dd. A pillar that does not move (dd = 0) has level 0.
+// and as every threshold is c = 4m, tt * 2^10 >= m^2 * dd. A pillar that does not move (dd = 0) has
+// level 0.
 //
-// Four registers: squares, sums, multiples, level; one pillar a cycle. None has a reset, so that the squares
-// fit into the registers of multipliers: whoever uses a level knows whether there was a displacement.
+// Four registers: squares, sums, multiples, level; one pillar per cycle. None has a reset, so that
+// the squares fit into the registers of multipliers; the reader must know whether there was a
+// displacement.
 
 module hd_level
   import hd_pkg::*;
@@ -45,7 +48,7 @@ module hd_level
     end
   end
 
-  // Odd squares times dd, one adder each; the even ones are shifts of them.
+  // Odd squares times dd, one adder each; the even ones are shifts of the odd ones.
   multiple_t dd1, dd9, dd25, dd49, dd81, dd121, dd169, dd225, dd289, dd625;
   assign dd1 = multiple_t'(dd_q);
   assign dd9 = dd1 + (dd1 << 3);
@@ -72,8 +75,9 @@ module hd_level
     end
   end
 
-  // Threshold k is m = Odd * 2^Shift with Odd given by its place in odd_q: m = 1, 2, 4, 6, 8, 9, 10, 12, 14, 16, 17, 18, 20, 22,
-  // 24, 25, 26, 28, 30, 32, the codes 4m at which the published levels 1 to 20 begin.
+  // Threshold k is m = Odd * 2^Shift, with Odd as an index into odd_q: m = 1, 2, 4, 6, 8, 9, 10,
+  // 12, 14, 16, 17, 18, 20, 22, 24, 25, 26, 28, 30, 32, the codes 4m at which the published levels
+  // 1 to 20 begin.
   localparam int unsigned NumThresholds = NumLevels - 1;
   localparam int unsigned Odd[NumThresholds] = '{
       0, 0, 0, 1, 0, 4, 2, 1, 3, 0, 8, 4, 2, 5, 1, 9, 6, 3, 7, 0};
@@ -85,7 +89,7 @@ module hd_level
     assign reached[k] = (multiple_t'(tt_late_q) << 10) >= (odd_q[Odd[k]] << (2 * Shift[k]));
   end
 
-  // The thresholds ascend, so `reached` is a thermometer and its length the level.
+  // The thresholds ascend, so `reached` is a thermometer code and its length is the level.
   level_t level_d, level_q;
   always_comb begin
     level_d = '0;

@@ -1,5 +1,5 @@
-// What the modules of the CL-gstHDC slip detector share: the sensor's layout, the quantisation of
-// its features and the types that pass between the stages.
+// Shared definitions of the CL-gstHDC slip detector's modules: the sensor's layout, the
+// quantisation of its features and the types passed between the stages.
 
 package hd_pkg;
 
@@ -9,7 +9,7 @@ package hd_pkg;
   parameter int unsigned NumClasses = 3;
   parameter int unsigned NumLevels = 21;
 
-  // The item memory holds one vector a pillar, then one a graph.
+  // The item memory holds one vector per pillar, then one per graph.
   parameter int unsigned NumItems = NumPillars + NumGraphs;
 
   parameter int unsigned CentrePillar = 4;
@@ -29,17 +29,17 @@ package hd_pkg;
   typedef logic [$clog2(NumLevels)-1:0] level_t;
   typedef logic [$clog2(NumContexts)-1:0] context_t;
 
-  // The last compression of each context but the open one, in 1/8 mm: 0.75, 1 and 1.125 mm.
+  // Largest compression of each context except the last, in 1/8 mm: 0.75, 1 and 1.125 mm.
   parameter int unsigned ContextEnd[NumContexts-1] = '{6, 8, 9};
 
-  // A quantised frame. `first`: a window starts here, what came before is forgotten.
+  // A quantised frame. `first`: a window starts here, and earlier frames are discarded.
   typedef struct packed {
     logic                    first;
     context_t                ctx;
     level_t [NumPillars-1:0] level;
   } frame_t;
 
-  // Where in its frame a slice of a vector stands. `full`: the frame is at least the last of a window.
+  // Place of a slice in its frame. `full`: the frame is the last of a full window or a later one.
   typedef struct packed {
     logic valid;
     logic first;
@@ -47,7 +47,7 @@ package hd_pkg;
     logic full;
   } slice_tag_t;
 
-  // ClassNone: fewer frames than a window holds.
+  // ClassNone: fewer frames than the window holds.
   typedef enum logic [1:0] {
     ClassNone      = 2'd0,
     ClassNonSlip   = 2'd1,
@@ -55,7 +55,7 @@ package hd_pkg;
     ClassGross     = 2'd3
   } class_e;
 
-  // Slice counters keep one bit where there is but one slice.
+  // Slice counters have one bit even for a single slice.
   function automatic int unsigned index_width(int unsigned count);
     return (count > 1) ? $clog2(count) : 1;
   endfunction

@@ -1,4 +1,4 @@
-// The slip detector as a gripper board has it: samples and decisions as frames on a UART (hd_host.sv).
+// Top level for a gripper board: samples and decisions as frames on a UART (hd_host.sv).
 
 module hd_top
   import hd_pkg::*;
@@ -16,7 +16,7 @@ module hd_top
   parameter string PrototypeFile = "AM.hex"
 ) (
   input  logic clk_i,
-  input  logic rst_ni,    // released in time with clk_i
+  input  logic rst_ni,    // released synchronously to clk_i
   input  logic uart_rx_i,
   output logic uart_tx_o
 );

@@ -7,9 +7,9 @@ module hd_uart_rx #(
   input logic rst_ni,
   input logic rx_i,
 
-  output logic       valid_o,  // for one cycle: a byte
+  output logic       valid_o,  // high for one cycle: a byte arrived
   output logic [7:0] data_o,
-  output logic       error_o   // for one cycle: a byte without a stop bit
+  output logic       error_o   // high for one cycle: the byte has no stop bit
 );
 
   localparam int unsigned TimerWidth = $clog2(ClkPerBit);
@@ -17,7 +17,7 @@ module hd_uart_rx #(
   localparam logic [3:0] StartBit = 4'd0;
   localparam logic [3:0] StopBit = 4'd9;
 
-  // Two registers bring the line into the clock's domain; a third sees it fall.
+  // Two registers bring the line into the clock's domain; a third one detects its fall.
   logic [2:0] line_q;
   logic busy_q;
   logic [3:0] bit_q;

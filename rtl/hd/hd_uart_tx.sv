@@ -18,7 +18,7 @@ module hd_uart_tx #(
   localparam int unsigned FrameBits = 10;
 
   logic [FrameBits-1:0] shift_q;
-  logic [3:0] left_q;  // bits to go, this one included
+  logic [3:0] left_q;  // remaining bits, including this one
   timer_t timer_q;
 
   assign ready_o = left_q == '0;

@@ -1,5 +1,5 @@
-// hd_core for a simulator: the memories are loaded through ports, so that one verilated library serves
-// whatever was trained. Never synthesised.
+// hd_core for a simulator: the memories are loaded through ports, so that one verilated library
+// works with any trained model. Never synthesised.
 
 module hd_sim
   import hd_pkg::*;

@@ -22,10 +22,10 @@ constexpr const char* no_waveform = "none";
 constexpr std::array unrolling_words{Word<Unrolling>{"fastest", Unrolling::fastest}, Word<Unrolling>{"middle", Unrolling::middle},
                                      Word<Unrolling>{"smallest", Unrolling::smallest}};
 
-// In a day at 1 MHz a classified frame's number is still exact as a double.
+// A classified frame's number is exact as a double after a day at 1 MHz.
 constexpr Range within_a_day{0.0, 86400.0};
 
-// Whether a file is there that is not FST, whose header is a block of type 0 and 329 bytes.
+// True if `path` is a file other than FST, whose header is a block of type 0 and 329 bytes.
 bool is_something_else(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return false;
@@ -50,7 +50,7 @@ void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOp
     throw SceneValueError("detector.waveform_to", format_quantity(parameters.number("waveform_to"), Quantity::time) +
                                                       ": no classified frame lies between waveform_from and that");
   }
-  // Of this trial alone: others may be shorter, and run while the file is being written.
+  // Checked for this trial only: others may be shorter, or run while the file is being written.
   if (source.trial != static_cast<std::uint64_t>(parameters.integer("waveform_trial"))) return;
   if (first >= source.duration * rate - rounding) {
     throw SceneValueError("detector.waveform_from", format_quantity(parameters.number("waveform_from"), Quantity::time) +
@@ -66,7 +66,7 @@ void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOp
   options.trace_count = static_cast<std::uint64_t>(last - first) + 1;
 }
 
-// A core that is still busy takes no sample, and nothing holds one for it.
+// A busy core takes no sample, and there is no buffer for one.
 void check_clock(const Parameters& parameters, Unrolling unrolling, const FrameSource& source) {
   const double rate = source.rate / static_cast<double>(stride_of(parameters.number("rate"), source));
   const double clock = parameters.number("clock");

@@ -33,7 +33,7 @@ class VerilatedEngine : public RtlEngine {
   [[nodiscard]] unsigned cycles() const override { return cycles_; }
 
  private:
-  // The core is idle: it accepts at once, and the next decision is this one.
+  // Requires an idle core: it accepts at once, and its next decision is this one.
   Decision decide(const CoreInputs& inputs, const Frame& frame) {
     trace();
     core_->settle(inputs);
@@ -70,7 +70,7 @@ class VerilatedEngine : public RtlEngine {
   RtlOptions options_;
   std::unique_ptr<Core> core_;
   std::uint64_t updates_ = 0;
-  std::uint64_t accepted_ = 0;  // cycle in which the last input was
+  std::uint64_t accepted_ = 0;  // cycle of the last input
   unsigned cycles_ = 0;
   bool restart_ = false;
 };

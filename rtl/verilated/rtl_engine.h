@@ -1,4 +1,4 @@
-// The register-level core as an engine among the others.
+// The register-level core as an engine.
 #pragma once
 
 #include <cstdint>
@@ -9,30 +9,31 @@
 
 namespace slipbench::hd {
 
-// The register-level core, pin by pin and clock by clock, as Verilator translates it. RtlEngine wraps it; tests drive it directly.
+// The register-level core, pin by pin and clock by clock, translated by Verilator. RtlEngine wraps
+// it; tests drive it directly.
 
-// How much of a frame is worked on at once: the points of rtl/hd/README.md's table that are built.
+// Degree of parallelism: the built variants of the table in rtl/hd/README.md.
 enum class Unrolling : std::uint8_t {
   fastest,   // the whole vector and all pillars: a decision after 10 cycles, a sample every cycle
   middle,    // 250 bits, three pillars: 15 cycles, a sample every 4
   smallest,  // 50 bits, one pillar: 37 cycles, a sample every 20
 };
 
-// What hd_core is built for; hd_core.sv says what each pin does.
+// Size of the built cores; hd_core.sv documents each pin.
 inline constexpr std::size_t core_dimension = 1000;
 inline constexpr std::size_t core_window = 15;
 
-// Cycles from an accepted sample to its decision when nothing waits.
+// Cycles from an accepted sample to its decision, without waiting.
 unsigned core_latency(Unrolling unrolling);
-// Cycles between accepted samples when nothing waits.
+// Cycles between accepted samples, without waiting.
 unsigned core_interval(Unrolling unrolling);
 
 struct CoreInputs {
   bool reset = false;
-  bool sample_valid = false;  // `sample` is there; `sample_first`: a window starts with it
+  bool sample_valid = false;  // `sample` is valid; `sample_first`: it starts a window
   bool sample_first = false;
   FixedFrame sample{};
-  bool frame_valid = false;  // the same for a frame that is quantised already
+  bool frame_valid = false;  // the same for a frame that is already quantised
   bool frame_first = false;
   Frame frame{};
   bool ready = true;  // the decision is taken
@@ -49,54 +50,59 @@ class Core {
  public:
   virtual ~Core() = default;
 
-  // Puts `inputs` on the pins and gives what the core answers before the next clock edge.
+  // Sets the pins to `inputs` and returns the core's outputs before the next clock edge.
   virtual CoreOutputs settle(const CoreInputs& inputs) = 0;
 
-  // The rising edge, and the falling one.
+  // Applies the rising edge, then the falling one.
   virtual void clock() = 0;
 
-  // Rising edges so far.
+  // Number of rising edges so far.
   [[nodiscard]] virtual std::uint64_t cycle() const = 0;
 
-  // Writes a waveform of the core from here on to `file` in FST, 10 ns a cycle; ends it. Throws InputError when it cannot be written.
+  // Starts a waveform of the core in `file` (FST, 10 ns per cycle); stop_trace() ends it. Throws
+  // InputError if it cannot be written.
   virtual void start_trace(const std::string& file) = 0;
   virtual void stop_trace() = 0;
 };
 
-// A core after its reset, with the memories and the tie rule of a model. Throws InputError unless the model is gstHDC of the paper with
-// D = core_dimension, N = core_window, and the memories fit it. Without context-driven training all contexts are +1.
+// Makes a core after its reset, with the memories and the tie rule of a model. Throws InputError
+// unless the model is the paper's gstHDC with D = core_dimension, N = core_window, and the memories
+// fit it. Without context-driven training all contexts are +1.
 std::unique_ptr<Core> make_core(Unrolling unrolling, const Model& model, const Memories& memories);
 
-// What the library of the translated cores exports. It is loaded when a core is made: Verilator's models take a sixth of the time to build the
-// program, and most scenes need none.
+// Symbol exported by the library of the translated cores. The library is loaded when a core is
+// made, because Verilator's models take a sixth of the program's build time and most scenes do not
+// need them.
 
 inline constexpr const char* make_core_symbol = "slipbench_make_verilated_core";
 
-// A core after its reset. `model` and `memories` as make_core has checked them, contexts given. The caller owns it.
+// Makes a core after its reset. make_core() has checked `model` and `memories` and filled in the
+// contexts. The caller owns the core.
 using MakeVerilatedCore = Core*(Unrolling unrolling, const Model& model, const Memories& memories);
 
 struct RtlOptions {
   Unrolling unrolling = Unrolling::fastest;
-  std::shared_ptr<Engine> golden{};  // runs in lockstep: every decision of the core is compared with its own; none: no cost
-  std::string trace{};               // FST file; empty: no waveform, and no cost
-  std::uint64_t trace_first = 0;     // of the updates since construction, those that the waveform shows
-  std::uint64_t trace_count = 0;     // 0: all from the first on
+  std::shared_ptr<Engine> golden{};  // runs in lockstep, and every decision is compared; null: no comparison, no cost
+  std::string trace{};               // FST file; empty: no waveform, no cost
+  std::uint64_t trace_first = 0;     // first update since construction that the waveform shows
+  std::uint64_t trace_count = 0;     // number of updates shown; 0: all from the first on
 };
 
 class RtlEngine : public Engine {
  public:
-  // Through the encoder only, for frames that are quantised already. Throws as Engine::update() does, and as below.
+  // Uses the encoder only, for frames that are already quantised. Throws as Engine::update() does,
+  // and as below.
   Decision update(const Frame& frame) override = 0;
 
-  // Through the whole core. Both throw std::logic_error at the first difference between core and golden model and say cycle, expected
-  // and actual decision. Later ones are not reported.
+  // Uses the whole core. Both throw std::logic_error at the first difference between core and
+  // golden model, with cycle, expected and actual decision; later differences are not reported.
   virtual Decision update(const FixedFrame& displacement) = 0;
 
-  // Of the last decision: clock cycles from the accepted sample or frame.
+  // Clock cycles of the last decision, from the accepted sample or frame.
   [[nodiscard]] virtual unsigned cycles() const = 0;
 };
 
-// Throws InputError where make_core() does, and when the waveform cannot be written.
+// Throws InputError where make_core() does, and if the waveform cannot be written.
 std::unique_ptr<RtlEngine> make_rtl_engine(const Model& model, const Memories& memories, const RtlOptions& options = {});
 
 }  // namespace slipbench::hd

@@ -18,7 +18,7 @@
 namespace slipbench::hd {
 namespace {
 
-// Memories as hd_sim.sv counts them.
+// Memories in the order of hd_sim.sv.
 enum class MemoryPort : std::uint8_t { item, level, context, associative };
 
 template <class Model>
@@ -85,7 +85,7 @@ class VerilatedCore : public Core {
   [[nodiscard]] std::uint64_t cycle() const override { return cycle_; }
 
   void start_trace(const std::string& file) override {
-    // Verilator itself says nothing of a file that it cannot open.
+    // Verilator does not report a file that it cannot open.
     if (!std::ofstream(file)) throw InputError(file + ": cannot be written");
     trace_.emplace();
     top_->trace(&*trace_, 99);
@@ -116,7 +116,8 @@ class VerilatedCore : public Core {
     }
   }
 
-  // hd_pkg's disp_t, x lowest, pillar 0 lowest: 48 bits a pillar, three halves of a 32-bit word.
+  // Layout of hd_pkg's disp_t: x lowest, pillar 0 lowest, 48 bits per pillar, three halves of a
+  // 32-bit word.
   void set_sample(const FixedFrame& sample) {
     std::array<std::uint16_t, 3 * pillar_count + 1> halves{};
     for (std::size_t p = 0; p < pillar_count; ++p) {

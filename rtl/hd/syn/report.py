@@ -1,12 +1,13 @@
-"""Synthesises the core for a Xilinx xc7a200t with yosys and prints what each unrolling costs and takes.
+"""Synthesises the core for a Xilinx xc7a200t with yosys; prints resources and timing.
 
     build/venv/bin/python rtl/hd/syn/report.py                   all unrollings at D = 1000, and results.json here
-    build/venv/bin/python rtl/hd/syn/report.py --only smallest   one of them anew; the others stay in results.json
+    build/venv/bin/python rtl/hd/syn/report.py --only smallest   updates one of them in results.json
     build/venv/bin/python rtl/hd/syn/report.py --dimension 100 --json FILE   with the lowest bits of the memories
 
-A LUT that holds memory or a shift register counts as a LUT, an inverter as one, a RAMB18 as half a RAMB36. Two small LUTs could share
-one LUT6; yosys does not pair them, so the figures are upper bounds of what placement needs. Levels: cells on the longest path between
-registers, block RAMs and ports (LUT, carry of four bits, wide multiplexer, multiplier, LUT RAM).
+A LUT used as memory or shift register counts as a LUT, an inverter as one, a RAMB18 as half a
+RAMB36. Two small LUTs could share one LUT6; yosys does not pair them, so the figures are upper
+bounds of what placement needs. Levels: cells on the longest path between registers, block RAMs and
+ports (LUT, carry of four bits, wide multiplexer, multiplier, LUT RAM).
 """
 
 import argparse
@@ -25,10 +26,11 @@ ROWS = {"IM": 12, "CIM": 21, "CM": 4, "AM": 3}
 
 DEVICE = {"name": "xc7a200t", "lut": 134600, "ff": 269200, "bram36": 365, "dsp": 740}
 CLOCK_HZ = 100e6
-# Published for the whole detector: section IV.C of the paper.
+# Published figures of the whole detector: section IV.C of the paper.
 PAPER = {"lut_percent": 28.1, "ff_percent": 14.9, "bram36_percent": 19.2, "latency_cycles": 42, "latency_us": 0.42}
 
-# Slice width in parts of a vector, pillars a cycle, CIM and history in block RAM. The named ones are those of rtl/verilated/rtl_engine.h.
+# Slices per vector, pillars per cycle, CIM and history in block RAM. The cores of
+# rtl/verilated/rtl_engine.h are named after theirs.
 UNROLLINGS = {
     "fastest": {"slices": 1, "pillars_per_cycle": 9, "block_ram": 0},
     "fastest, block RAM": {"slices": 1, "pillars_per_cycle": 9, "block_ram": 1},
@@ -41,13 +43,13 @@ LUT_CELLS = {f"LUT{n}": 1 for n in range(1, 7)} | {
 FF_CELLS = ("FDCE", "FDPE", "FDRE", "FDSE")
 LATCH_CELLS = ("LDCE", "LDPE")
 BRAM_CELLS = {"RAMB18E1": 0.5, "RAMB36E1": 1}
-# Cells through which a path goes on. A block RAM's or shift register's output starts one.
+# Cells that a path passes through. The output of a block RAM or shift register starts a path.
 THROUGH = (*(f"LUT{n}" for n in range(1, 7)), "INV", "CARRY4", "MUXF7", "MUXF8", "RAM32X1D", "RAM64X1D", "RAM128X1D", "RAM32M",
            "RAM64M")
 
 
 def write_memories(folder, dimension):
-    """The published memories, cut to their lowest bits, as $readmemh takes them."""
+    """Writes the published memories, cut to their lowest bits, for $readmemh."""
     for name, rows in ROWS.items():
         lines = (MEMORIES / f"{name}.hex").read_text(encoding="ascii").split()[:rows]
         digits = (dimension + 3) // 4
@@ -56,7 +58,7 @@ def write_memories(folder, dimension):
 
 
 def synthesise(folder, dimension, unrolling):
-    """The netlist that yosys makes of hd_core, as its JSON has it, and yosys's version."""
+    """Returns yosys's netlist of hd_core, parsed from JSON, and yosys's version."""
     # yosys runs in a sandbox that sees the current folder only.
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -83,14 +85,14 @@ def synthesise(folder, dimension, unrolling):
 
 
 def passes_through(cell):
-    """Whether a path goes on through a cell: combinational, or a multiplier without a register."""
+    """True if a path passes through a cell: combinational, or a multiplier without a register."""
     if cell["type"] == "DSP48E1":
         return int(cell["parameters"]["PREG"], 2) == 0
     return cell["type"] in THROUGH
 
 
 def longest_path(module):
-    """The types of the cells on the longest path, counted."""
+    """Returns the types of the cells on the longest path, counted."""
     cells = {name: cell for name, cell in module["cells"].items() if passes_through(cell)}
     driver = {}
     for name, cell in cells.items():
@@ -101,7 +103,7 @@ def longest_path(module):
     for name, cell in cells.items():
         inputs = [bit for port, bits in cell["connections"].items() if cell["port_directions"][port] == "input" for bit in bits]
         before[name] = {driver[bit] for bit in inputs if bit in driver} - {name}
-    # Depth first without recursion: a cell is done when all before it are.
+    # Depth first without recursion: a cell is done after all its inputs.
     depth, longest = {}, {}
     for start in cells:
         stack = [start]
@@ -124,7 +126,7 @@ def longest_path(module):
 
 
 def figures(module, dimension, unrolling):
-    """What an unrolling costs and takes."""
+    """Returns resources and timing of an unrolling."""
     count = Counter(cell["type"] for cell in module["cells"].values())
     path = longest_path(module)
     groups = 9 // unrolling["pillars_per_cycle"]
@@ -144,7 +146,7 @@ def figures(module, dimension, unrolling):
 
 
 def table(results):
-    """Lines of Markdown."""
+    """Yields lines of Markdown."""
     yield "| unrolling | bits, pillars a cycle | cycles | us at 100 MHz | a sample every | LUT | FF | BRAM36 | DSP | levels |"
     yield "|---|---|---|---|---|---|---|---|---|---|"
     for name, r in results.items():
