@@ -24,7 +24,8 @@ enum class Quantiser : std::uint8_t {
   unrounded,    // exact ratio of the unrounded displacements, to show the effect of rounding to 1/8 mm
 };
 
-// A displacement in Q13.3 mm: 1/8 mm units, -32,768 to 32,767, x and y tangential, z into the sensor.
+// A displacement in Q13.3 mm: 1/8 mm units, -32,768 to 32,767, x and y tangential, z into the
+// sensor.
 using FixedVector = std::array<std::int16_t, 3>;
 using FixedFrame = std::array<FixedVector, pillar_count>;
 
@@ -33,8 +34,9 @@ using FixedFrame = std::array<FixedVector, pillar_count>;
 // outside Q13.3 (beyond 4.096 m). Nothing is clamped.
 FixedFrame to_fixed(std::span<const float> displacement);
 
-// Ratio |(x, y)| / |(x, y, z)| in Q1.7, 0 to 128: floor(sqrt(floor(2^14 (x^2 + y^2) / (x^2 + y^2 + z^2)))), all in integers (the squares
-// are Q26.6, the quotient Q2.14). Equal to floor(128 ratio). 0 for no displacement at all.
+// Ratio |(x, y)| / |(x, y, z)| in Q1.7, 0 to 128: floor(sqrt(floor(2^14 (x^2 + y^2) / (x^2 + y^2 +
+// z^2)))), all in integers (the squares are Q26.6, the quotient Q2.14). Equal to floor(128 ratio).
+// 0 for no displacement at all.
 std::uint8_t ratio_code(const FixedVector& displacement);
 
 // Returns the level of a code: the number of levels that start at or below it, minus one. Codes

@@ -13,7 +13,8 @@
 
 namespace slipbench {
 
-// Crosstalk between two values of a sample: `to` gains c times `from`, with c uniform in [-limit, limit].
+// Crosstalk between two values of a sample: `to` gains c times `from`, with c uniform in [-limit,
+// limit].
 struct Coupling {
   std::size_t to;
   std::size_t from;

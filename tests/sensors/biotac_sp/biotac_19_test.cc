@@ -1,4 +1,4 @@
-// The older BioTac with 19 electrodes: its skin, its scan, its noise.
+// The older BioTac with 19 electrodes: its skin, scan and noise.
 #include <algorithm>
 #include <cmath>
 
@@ -26,10 +26,12 @@ std::unique_ptr<Sensor> finger(const Changes& changes = {}, bool noisy = false) 
 }
 
 TEST(BioTac19, HasItsSkinAboveItsElectrodes) {
-  // The published skin is 7 mm from the finger's axis above the electrodes of the cylinder and 7 mm from its origin above those of the round end, where
-  // x > 0. Half an ellipsoid of 16 x 7 x 7 mm about x = -7 mm is within 1.4 mm of it: above E19, at x = -13.6 mm, 5.08 mm from the axis, it is
-  // 5.08/sqrt((6.6/16)^2 + (5.08/7)^2) = 6.09 mm from the axis, and above E7, at (4.763, 0, -2.33) mm, the ray from x = -7 mm meets it at
-  // (11.763, -2.33)/sqrt((11.763/16)^2 + (2.33/7)^2) = (14.58, -2.89) mm, 8.11 mm from the origin.
+  // The published skin is 7 mm from the finger's axis above the electrodes of the cylinder, and 7
+  // mm from its origin above those of the round end, where x > 0. Half an ellipsoid of 16 x 7 x 7
+  // mm about x = -7 mm is within 1.4 mm of this skin. Above E19, at x = -13.6 mm and 5.08 mm from
+  // the axis, it is 5.08/sqrt((6.6/16)^2 + (5.08/7)^2) = 6.09 mm from the axis. Above E7, at
+  // (4.763, 0, -2.33) mm, the ray from x = -7 mm meets it at (11.763, -2.33)/sqrt((11.763/16)^2 +
+  // (2.33/7)^2) = (14.58, -2.89) mm, 8.11 mm from the origin.
   const biotac_sp::Skin skin =
       biotac_sp::make_skin({300, {16e-3, 7e-3, 7e-3}, 27.8e3, 0.5}, "sensors.finger", biotac_sp::electrode_places_19());
   ASSERT_EQ(skin.above.size(), count);
@@ -44,15 +46,17 @@ TEST(BioTac19, HasItsSkinAboveItsElectrodes) {
     EXPECT_NEAR(outwards, 7e-3, 1.4e-3) << e;
     EXPECT_GT(skin.layout.units[e].count, 0U) << e;
   }
-  // Area of half the ellipsoid, prolate: pi b^2 (1 + a/(b k) asin k), k^2 = 1 - b^2/a^2 = 0.8086: 591 mm2. The mesh has it to a thousandth.
+  // Area of half the prolate ellipsoid: pi b^2 (1 + a/(b k) asin k), k^2 = 1 - b^2/a^2 = 0.8086:
+  // 591 mm2. The mesh agrees to a thousandth.
   double area = 0.0;
   for (const double one : skin.area) area += one;
   EXPECT_NEAR(area, 591e-6, 1e-6);
 }
 
 TEST(BioTac19, ReadsEachElectrodeOnceARow) {
-  // Rows of 11 cycles, rounds of 22 slots: cycle k of each row has the slots 2k and 2k + 1. The skin sinks by 1 um a cycle, so that each value tells
-  // when it was read: it is that of a finger which reads all at once at that depth.
+  // Rows of 11 cycles, rounds of 22 slots: cycle k of each row has the slots 2k and 2k + 1. The
+  // skin sinks by 1 um per cycle, so that each value shows when it was read: it equals the value of
+  // a finger that reads all electrodes at once at that depth.
   const auto depth = [](std::size_t n) { return 1e-6 * static_cast<double>(n); };
   const auto sensor = finger(), all = finger({{"scan", std::string("ideal")}, {"cycle_rate", 100.0}});
   std::vector<std::vector<float>> at_once_at;
@@ -68,8 +72,8 @@ TEST(BioTac19, ReadsEachElectrodeOnceARow) {
       EXPECT_EQ(frame.values[value], at_once_at[n - 10 + value / 2][value]) << n << ' ' << value;
     }
   }
-  // Mean age: electrode e is read 10 - floor(e/2) cycles before the row's end, together 19 * 10 - 81 = 109 of them; pdc one; pac 22 readings, the
-  // middle 10.5 of half a cycle before the last.
+  // Mean age: electrode e is read 10 - floor(e/2) cycles before the row's end, 19 * 10 - 81 = 109
+  // in total; pdc one cycle. pac: 22 readings, whose middle is 10.5 half-cycles before the last.
   ASSERT_EQ(sensor->channels().size(), 3U);
   EXPECT_EQ(sensor->channels()[0].size(), 19U);
   EXPECT_EQ(sensor->channels()[2].size(), 22U);
@@ -79,7 +83,8 @@ TEST(BioTac19, ReadsEachElectrodeOnceARow) {
 }
 
 TEST(BioTac19, HasTheNoiseOfItsOwnRecordings) {
-  // 1.25 counts and the rounding to whole counts, 1/12: sqrt(1.5625 + 0.0833) = 1.283. Of 19 * 500 readings a standard error of 1/sqrt(2 n) = 0.73 %.
+  // Noise of 1.25 counts plus rounding to whole counts, 1/12: sqrt(1.5625 + 0.0833) = 1.283. Over
+  // 19 * 500 readings the standard error is 1/sqrt(2 n) = 0.73 %.
   const auto sensor = finger({}, true);
   double sum = 0.0, square = 0.0;
   constexpr int rows = 500;

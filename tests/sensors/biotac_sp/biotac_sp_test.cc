@@ -1,4 +1,5 @@
-// From dents to counts: the electrodes' law, what they feel of where, the pressure of the fluid, and the electronics.
+// From dents to counts: the electrodes' law, their spatial response, the pressure of the fluid, and
+// the electronics.
 #include "sensors/biotac_sp/biotac_sp.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 namespace slipbench::biotac_sp_test {
 namespace {
 
-// Impedance [kOhm] and counts of the divider of 10 kOhm, by the manual.
+// Impedance [kOhm] and counts of the manual's divider of 10 kOhm.
 double impedance(double counts) { return (4095.0 / counts - 1.0) * 10.0; }
 double counts(double kilo_ohm) { return 4095.0 / (1.0 + kilo_ohm / 10.0); }
 
@@ -30,8 +31,9 @@ TEST(BioTacSp, AtRestReadsTheRestOfTheRecordings) {
 }
 
 TEST(BioTacSp, ADentOfTheWholeSkinIsFeltInFullByOneElectrode) {
-  // Without tail and swell w = d sum_i G_ei <= d, and equal for the electrode whose sum is the largest: Z = Zrest exp(d/g) + Zc.
-  // Rounding to a count of some 1500 is 3e-4, dE/E = (1 - E/4095) dw/g of w.
+  // Without tail and swell w = d sum_i G_ei <= d, with equality for the electrode with the largest
+  // sum: Z = Zrest exp(d/g) + Zc. Rounding to a count of some 1500 is a relative error of 3e-4, and
+  // dE/E = (1 - E/4095) dw/g.
   const auto sensor = make(at_once_and({{"far_share", 0.0}, {"swell", 0.0}}));
   const auto felt = [&](double d) {
     std::array<double, electrodes> w{};
@@ -44,12 +46,14 @@ TEST(BioTacSp, ADentOfTheWholeSkinIsFeltInFullByOneElectrode) {
   for (const double d : {0.3e-3, 1e-3}) {
     const auto w = felt(d);
     EXPECT_NEAR(*std::ranges::max_element(w), d, 1e-3 * d);
-    // Over a closed ellipsoid sum_i A_i exp(-r^2/(2 l^2)) = 2 pi l^2 (1 + l^2 (k1 - k2)^2/8 ..), with the curvatures k1 and k2 over the
-    // electrode; they differ by some 0.05/mm, so within 1 % it is the same anywhere. The skin is half of one, and an electrode inside the half
-    // is nearer to it than to the other: it has at least half of the sum, less 1 % for the curvature and 1 % for the mesh.
+    // Over a closed ellipsoid sum_i A_i exp(-r^2/(2 l^2)) = 2 pi l^2 (1 + l^2 (k1 - k2)^2/8 ..),
+    // with the curvatures k1 and k2 over the electrode; they differ by some 0.05/mm, so the sum is
+    // the same everywhere within 1 %. The skin is half an ellipsoid, and an electrode inside the
+    // half is nearer to this half than to the other: it has at least half of the sum, minus 1 % for
+    // the curvature and 1 % for the mesh.
     EXPECT_GT(*std::ranges::min_element(w), 0.49 * d) << "that at the end of the finger feels half of it";
   }
-  // Swell takes B of the mean dent from all.
+  // Swell subtracts B times the mean dent from all.
   const auto swollen = make(at_once_and({{"far_share", 0.0}, {"swell", 1.0}}));
   const SensorFrame& frame = swollen->measure(evenly_dented(*swollen, 1e-3));
   double highest = -1.0;
@@ -65,14 +69,15 @@ TEST(BioTacSp, StopsAtTheRailsOfItsConverter) {
   EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 10e-3), pdc), 4095.0F);
   EXPECT_EQ(sensor->saturated(), 25U)
       << "the pressure is beyond pdc's range in each; an electrode that reads 0 is within its own";
-  // Skin that swells far over its rest: Z falls to Zc alone, 4095/1.01 = 4054.5.
+  // A skin that swells far above its unloaded shape: Z falls to Zc alone, 4095/1.01 = 4054.5.
   const auto swollen = make(at_once_and({{"swell", 100.0}}));
   for (int e = 0; e < 24; ++e)
     EXPECT_NEAR(read(*swollen, evenly_dented(*swollen, 1e-3), static_cast<std::size_t>(e)), 4054.5, 0.51);
 }
 
 TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
-  // Of a dent of one element: w_e/w_f = exp(-(r_e^2 - r_f^2)/(2 l^2)) of the near kernel, exp(-(r_e - r_f)/L) of the far one.
+  // For a dent of one element: w_e/w_f = exp(-(r_e^2 - r_f^2)/(2 l^2)) of the near kernel,
+  // exp(-(r_e - r_f)/L) of the far one.
   const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5}, "sensors.finger");
   ContactFrame frame;
   frame.element_depth.setZero(300);
@@ -92,8 +97,9 @@ TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
 }
 
 TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
-  // Along the skin by q: w changes by S d q dG/dr cos, to first order what the kernel says of the dent moved there. Towards the electrode the near
-  // kernel exp(-r^2/2l^2) gains r q/l^2 of itself, times the cosine between the skin's tangent and the line to the electrode.
+  // A dent dragged along the skin by q changes w by S d q dG/dr cos: to first order the kernel's
+  // change for a dent moved there. Towards the electrode the near kernel exp(-r^2/2l^2) gains the
+  // share r q/l^2, times the cosine between the skin's tangent and the line to the electrode.
   const biotac_sp::Skin skin = biotac_sp::make_skin({300, radii, 37e3, 0.5}, "sensors.finger");
   constexpr double l = 3.5e-3, q = 1e-5, stretch = 0.3;
   const biotac_sp::Dents dents(skin, {.near = l, .far = 9e-3, .far_share = 0.0, .swell = 0.0, .stretch = stretch},
@@ -118,9 +124,9 @@ TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
 }
 
 TEST(BioTacSp, RefusesAKernelThatReachesNoElement) {
-  // exp(-r^2/(2 l^2)) and exp(-r/L) of elements that are parts of a millimetre away.
+  // exp(-r^2/(2 l^2)) and exp(-r/L) for elements that are fractions of a millimetre away.
   for (const char* const reach : {"near", "far"}) {
-    // 786 mm2 of 300 elements: the root of 2.62 mm2.
+    // 786 mm2 over 300 elements: the root of 2.62 mm2.
     EXPECT_THAT(scene_refusal_of([&] {
                   make({{reach, 1e-9}});
                 }),
@@ -134,7 +140,8 @@ TEST(BioTacSp, SamplesAtRatesThatItsConverterCouldServe) {
     EXPECT_EQ(spec.range.min, 1.0) << spec.name;
     EXPECT_EQ(spec.range.max, 10e3) << spec.name;
   }
-  // A sample a second of 10,000 cycles: what is read in each is that of its cycle, from the first to the last.
+  // One sample per second of 10,000 cycles: each cycle's readings are its own, from the first to
+  // the last.
   const auto slow = make({{"rate", 1.0}, {"cycle_rate", 10e3}});
   ASSERT_EQ(slow->scans(), 10000U);
   std::vector<float> values;
@@ -147,8 +154,9 @@ TEST(BioTacSp, SamplesAtRatesThatItsConverterCouldServe) {
 }
 
 TEST(BioTacSp, PressureIsThatOfTheFluidDrivenAwayUntilTheSkinMeetsTheCore) {
-  // Half a sphere of 10 mm: 628.3 mm2. 0.1 mm drives 62.8 mm3 away, at 0.01 kPa/mm3 628.3 Pa, 17.2 counts of 36.5 Pa; from core_gap on, here
-  // 0.4 mm and 68.9 counts, no more.
+  // Half a sphere of 10 mm: 628.3 mm2. A dent of 0.1 mm displaces 62.8 mm3: at 0.01 kPa/mm3 628.3
+  // Pa, 17.2 counts of 36.5 Pa. Beyond core_gap, here 0.4 mm and 68.9 counts, the pressure stays
+  // constant.
   const auto sensor =
       make(at_once_and({{"radii", std::vector{10e-3, 10e-3, 10e-3}}, {"fluid_stiffness", 0.01}, {"core_gap", 0.4e-3}}));
   EXPECT_EQ(read(*sensor, evenly_dented(*sensor, 0.1e-3), pdc), 2617.0F);
@@ -157,8 +165,9 @@ TEST(BioTacSp, PressureIsThatOfTheFluidDrivenAwayUntilTheSkinMeetsTheCore) {
 }
 
 TEST(BioTacSp, VibrationIsTheRateOfThePressureBelowTenHertz) {
-  // Half a sphere of 10 mm, dented at 0.2 mm/s: 628.3 mm2 * 0.2 mm/s * 0.01 kPa/mm3 = 1256.6 Pa/s. Long after the beginning the high-pass of 10 Hz
-  // makes p'/(2 pi 10 Hz) = 20 Pa of it, 54.05 counts of 0.37 Pa; after 0.3 s 7e-9 of it is missing.
+  // Half a sphere of 10 mm, dented at 0.2 mm/s: 628.3 mm2 * 0.2 mm/s * 0.01 kPa/mm3 = 1256.6 Pa/s.
+  // In the steady state the high-pass of 10 Hz gives p'/(2 pi 10 Hz) = 20 Pa, 54.05 counts of 0.37
+  // Pa; after 0.3 s it is within 7e-9 of that.
   const auto sensor = make({{"radii", std::vector{10e-3, 10e-3, 10e-3}}, {"fluid_stiffness", 0.01}});
   const std::size_t readings = sensor->scans();
   ASSERT_EQ(readings, 10U);
@@ -191,7 +200,8 @@ TEST(BioTacSp, IsTheSameWhateverOtherSensorsThereAre) {
 }
 
 TEST(BioTacSp, TypicalElectronicsSpreadRestAndSensitivityByFingerAndTrial) {
-  // offset: sd 0.02 of ln Z, new in each trial; gain: sd 0.1 of g, one device for all. A standard error over 24 electrodes and 40 trials is 2.3 %.
+  // offset: sd 0.02 of ln Z, new in each trial; gain: sd 0.1 of g, one device for all. The standard
+  // error over 24 electrodes and 40 trials is 2.3 %.
   const auto rest_of = [](std::uint64_t trial) {
     const auto sensor = make(at_once_and({{"common", 0.0}}), {"offset"}, trial);
     std::vector<double> logs;
@@ -235,15 +245,17 @@ TEST(BioTacSp, GoesOnFromItsMemory) {
   for (std::size_t m = 0; m < saved.size(); ++m) std::ranges::copy(saved[m], loaded[m].begin());
   for (int k = 333; k < 700; ++k) {
     const SensorFrame &a = lasting->measure(truth(k)), &b = fresh->measure(truth(k));
-    // A sample, complete with cycle 9 of 10, is the same, and so are the electrodes and pdc at any time.
+    // A sample is complete with cycle 9 of 10 and is then equal; the electrodes and pdc are equal
+    // at any time.
     for (std::size_t v = 0; v < (k % 10 == 9 ? a.values.size() : pac); ++v) ASSERT_EQ(a.values[v], b.values[v]) << k << ' ' << v;
     ASSERT_EQ(lasting->paper_label(truth(k), false), fresh->paper_label(truth(k), false)) << k;
   }
 }
 
 TEST(PaperLabelOfTheBioTac, IsTheMotionOfTheBench) {
-  // Moves at 1.8 mm/s from 25 to 55 ms: 9 um from 20 to 30 ms are not more than 10 um, 18 um to 40 and to 50 ms are, 9 um to 60 ms are not. The row
-  // that ends with cycle 10 r + 9 says so until the next has ended.
+  // The stage moves at 1.8 mm/s from 25 to 55 ms. Its 9 um from 20 to 30 ms are not more than 10
+  // um; its 18 um to 40 and to 50 ms are; its 9 um to 60 ms are not. The row that ends with cycle
+  // 10 r + 9 reports this until the next row has ended.
   const auto sensor = make();
   for (int k = 0; k < 100; ++k) {
     const double t = (k + 1) / 1000.0;
@@ -258,8 +270,9 @@ TEST(PaperLabelOfTheBioTac, IsTheMotionOfTheBench) {
 }
 
 TEST(BioTacScan, ReadsEachElectrodeInItsSlotAndHoldsIt) {
-  // Cycle n has the slots 2n and 2n + 1, modulo 28. The skin sinks by 1 um a cycle, so that each value tells when it was read: it is that of a finger which reads all
-  // at once at that depth.
+  // Cycle n has the slots 2n and 2n + 1, modulo 28. The skin sinks by 1 um per cycle, so that each
+  // value shows when it was read: it equals the value of a finger that reads all electrodes at once
+  // at that depth.
   const auto depth = [](std::size_t n) { return 1e-6 * static_cast<double>(n); };
   const auto sensor = make(), all = make(at_once());
   std::array<std::vector<float>, 71> at_once_at;
@@ -273,19 +286,21 @@ TEST(BioTacScan, ReadsEachElectrodeInItsSlotAndHoldsIt) {
     const SensorFrame& frame = sensor->measure(evenly_dented(*sensor, depth(n)));
     if (n % 10 != 9) continue;
     for (std::size_t e = 0; e <= electrodes; ++e) {  // and pdc, in slot 24
-      // The last cycle up to n with slot e; before the first: as the trial began.
+      // The last cycle up to n with slot e; before the first one, the beginning of the trial.
       const std::size_t since = (n + 14 - e / 2) % 14;
       EXPECT_EQ(frame.values[e], since > n ? at_once_at[0][e] : at_once_at[n - since][e]) << n << ' ' << e;
       refreshed += e < electrodes && since < 10 ? 1U : 0U;
     }
   }
-  // 7 rows are 5 rounds: 120 of 168 values are new, as in the recordings; 2/7 = 0.29 repeat, and more where a new one happens to be equal.
+  // 7 rows are 5 rounds: 120 of 168 values are new, as in the recordings; 2/7 = 0.29 repeat, and
+  // more if a new value happens to be equal.
   EXPECT_EQ(refreshed, 120U);
 }
 
 TEST(BioTacScan, SaysHowOldItsValuesAreInTheMean) {
-  // Rows end with cycle 9, 5, 1, 11, 7, 3, 13 of a round, odd ones: electrodes in even cycles are 1, 3 .. 13 ms old, those in odd ones 0, 2 .. 12, and
-  // there are as many of either: 6.5 ms. pdc in cycle 12: 7 ms. pac: the middle of 20 readings, 9.5 of 0.5 ms before the last.
+  // Rows end with cycle 9, 5, 1, 11, 7, 3, 13 of a round, all odd: electrodes read in even cycles
+  // are 1, 3 .. 13 ms old, those in odd cycles 0, 2 .. 12 ms, equally many of each: 6.5 ms. pdc in
+  // cycle 12: 7 ms. pac: the middle of 20 readings, 9.5 times 0.5 ms before the last.
   const auto sensor = make();
   ASSERT_EQ(sensor->channels().size(), 3u);
   EXPECT_NEAR(sensor->channels()[0].age, 6.5e-3, 1e-12);
@@ -310,8 +325,8 @@ TEST(BioTacScan, IdealReadsAllInTheLastCycleOfARow) {
 }
 
 TEST(BioTacScan, ATrialThatBeginsInContactBeginsWithItsValues) {
-  // Row 0 ends before the turn of E21 to E24 and of pdc; under a dent that stands still no row differs from the next but by noise, and row 0
-  // has that of its round: what was held and what is read in the next cycles are the same.
+  // Row 0 ends before the turn of E21 to E24 and of pdc. Under a constant dent rows differ only by
+  // noise, and row 0 has the noise of its round: held values equal those read in the next cycles.
   for (const std::vector<std::string>& electronics : {std::vector<std::string>{}, {"skewed_noise"}}) {
     const auto sensor = make({}, electronics);
     const ContactFrame truth = evenly_dented(*sensor, 0.2e-3);
@@ -328,7 +343,7 @@ TEST(BioTacScan, ATrialThatBeginsInContactBeginsWithItsValues) {
 }
 
 TEST(BioTacScan, NoiseIsDrawnOnceARefresh) {
-  // Under a dent that stands still two rows differ in what has been refreshed in between, and in nothing else.
+  // Under a constant dent two rows differ only in the values refreshed in between.
   const auto sensor = make({}, {"skewed_noise"});
   const ContactFrame truth = evenly_dented(*sensor, 0.2e-3);
   std::vector<float> before;
@@ -346,8 +361,9 @@ TEST(BioTacScan, NoiseIsDrawnOnceARefresh) {
     }
     before.assign(frame.values.begin(), frame.values.end());
   }
-  // Two draws of sd 4 are equal when rounded with a probability of about 1/(2 sqrt(pi) 3.6) = 8 % (the recordings have 8 to 12 %): so 88 to 95 % of
-  // 4560 refreshed values change, with a standard error of 0.4 %.
+  // Two draws of sd 4 are equal after rounding with a probability of about 1/(2 sqrt(pi) 3.6) = 8 %
+  // (8 to 12 % in the recordings). So 88 to 95 % of 4560 refreshed values change, with a standard
+  // error of 0.4 %.
   const double share = static_cast<double>(changed) / static_cast<double>(24 * 275 - kept);
   EXPECT_GT(share, 0.88);
   EXPECT_LT(share, 0.95);

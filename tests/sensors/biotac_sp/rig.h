@@ -1,4 +1,4 @@
-// A biotac_sp at its defaults or with some changed, and contacts to show it.
+// A biotac_sp with default or changed parameters, and contacts for it.
 #pragma once
 
 #include <array>
@@ -39,7 +39,7 @@ inline std::unique_ptr<Sensor> make(const Changes& changes = {}, const std::vect
   return biotac_sp_sensor().create(parameters, parts, 7, trial, name);
 }
 
-// All electrodes in every reading, nothing but the dent itself.
+// All electrodes in every reading, without the scan.
 inline Changes at_once() { return {{"scan", std::string("ideal")}, {"cycle_rate", 100.0}}; }
 inline Changes at_once_and(const Changes& more) {
   Changes changes = at_once();
@@ -47,7 +47,7 @@ inline Changes at_once_and(const Changes& more) {
   return changes;
 }
 
-// A contact in which element i of `sensor` is `depth(element)` deep and nothing is dragged along.
+// A contact in which element i of `sensor` has the depth `depth(element)` and no drag.
 template <class Depth>
 ContactFrame dented(const Sensor& sensor, Depth&& depth) {
   const auto& elements = sensor.layout().elements;
@@ -62,8 +62,9 @@ inline ContactFrame evenly_dented(const Sensor& sensor, double depth) {
   return dented(sensor, [&](const Element&) { return depth; });
 }
 
-// The pose of the pad that brings its point where the outward normal is `outward` (P) straight down, `depth` below the plane z = 0, for a skin
-// of these radii. The support point of an ellipsoid about its middle is R^2 n/|R n|.
+// The pose of the pad that brings its point with outward normal `outward` (in P) straight down,
+// `depth` below the plane z = 0, for a skin of these radii. The support point of an ellipsoid about
+// its middle is R^2 n/|R n|.
 inline Pose pressed(const Eigen::Vector3d& outward, double depth, const Eigen::Vector3d& radii) {
   const Eigen::Vector3d in_p(radii.x(), radii.z(), radii.y()), n = outward.normalized();
   const Eigen::Vector3d scaled = in_p.cwiseProduct(n);

@@ -1,4 +1,5 @@
-// The skin as a mesh: its area, its elastic foundation against closed forms, its refinement, and the field on a curved pad.
+// The skin as a mesh: its area, its elastic foundation against closed forms, its refinement, and
+// the field on a curved pad.
 #include "sensors/biotac_sp/skin.h"
 
 #include <algorithm>
@@ -26,9 +27,10 @@ double sum(const std::vector<double>& values) {
 }
 
 TEST(BioTacSkin, ElementsStandForTheirAreaOfIt) {
-  // Half a sphere: 2 pi R^2, every element the same. Half of an ellipsoid of revolution with a > b = c: pi b^2 (1 + a/(b e) asin e),
-  // e^2 = 1 - b^2/a^2. The points are those of the midpoint rule in height, whose error on so smooth an integrand is some 1/n^2, and one of
-  // the golden angle around, some n^-3/2: 2e-4.
+  // Half a sphere: 2 pi R^2, with equal elements. Half an ellipsoid of revolution with a > b = c:
+  // pi b^2 (1 + a/(b e) asin e), e^2 = 1 - b^2/a^2. The points follow the midpoint rule in height,
+  // whose error for this smooth integrand is some 1/n^2, and the golden angle around, some n^-3/2:
+  // 2e-4.
   constexpr double r = 10e-3;
   EXPECT_NEAR(sum(skin(300, {r, r, r}).area) / (2.0 * pi * r * r), 1.0, 1e-12);
   constexpr double a = 14e-3, b = 10e-3;
@@ -41,7 +43,8 @@ TEST(BioTacSkin, LiesOnTheEllipsoidAndLooksOutwards) {
   double stiffness = 0.0;
   for (std::size_t i = 0; i < mesh.area.size(); ++i) {
     const Element& element = mesh.layout.elements[i];
-    // In P the ellipsoid's middle is b above the origin, its radii are a along X, c along Y, b along Z.
+    // In P the ellipsoid's middle is b above the origin; its radii are a along X, c along Y, b
+    // along Z.
     const Eigen::Vector3d in_p(radii.x(), radii.z(), radii.y()), from_middle = element.tip - Eigen::Vector3d(0.0, 0.0, radii.y());
     EXPECT_NEAR(from_middle.cwiseQuotient(in_p).norm(), 1.0, 1e-12);
     EXPECT_LT(from_middle.z(), 0.0);
@@ -55,7 +58,8 @@ TEST(BioTacSkin, LiesOnTheEllipsoidAndLooksOutwards) {
 }
 
 TEST(BioTacSkin, UnitsAreWhatIsNearestToAnElectrode) {
-  // E1 is at x = 9.8 mm, on the side of z > 0, which is -Y of P; E11 is its mirror image; E24 in the middle.
+  // E1 is at x = 9.8 mm, on the side of z > 0, which is -Y of P; E11 is its mirror image; E24 is in
+  // the middle.
   const Skin mesh = skin(300);
   const auto& units = mesh.layout.units;
   ASSERT_EQ(units.size(), electrodes);
@@ -81,7 +85,8 @@ TEST(BioTacSkin, UnitsAreWhatIsNearestToAnElectrode) {
 }
 
 TEST(BioTacSkin, RefusesRadiiThatLeaveAnElectrodeWithoutSkin) {
-  // A needle of 100 mm: 300 points over 200 mm of its length, and electrodes that stand by pairs at nearly the same place of it.
+  // A needle of 100 mm: 300 points over 200 mm of length, with pairs of electrodes at nearly the
+  // same place along it.
   EXPECT_THAT(scene_refusal_of([&] {
                 make({{"radii", std::vector{100e-3, 1e-3, 1e-3}}});
               }),
@@ -96,9 +101,10 @@ double force_on_plane(const Skin& mesh, const Eigen::Vector3d& outward, double d
 }
 
 TEST(BioTacSkin, CarriesTheForceOfAnElasticFoundation) {
-  // A sphere of foundation modulus q = k_normal/(2 pi R^2): depth d - h at the height h above the lowest point, and by Archimedes the same area
-  // 2 pi R dh at each height: F = q pi R d^2 = k_normal d^2/(2R), exactly. The sum over n points misses it by the points at the rim of the
-  // contact, where the depth goes to zero: their share of n d/R points is small.
+  // A sphere of foundation modulus q = k_normal/(2 pi R^2): depth d - h at the height h above the
+  // lowest point, and by Archimedes the same area 2 pi R dh at each height: F = q pi R d^2 =
+  // k_normal d^2/(2R), exactly. The error of the sum over n points comes from the rim of the
+  // contact, where the depth goes to zero; its share of n d/R points is small.
   constexpr double r = 10e-3;
   const Skin fine = skin(4000, {r, r, r});
   for (const Eigen::Vector3d& outward : {Eigen::Vector3d(0.0, 0.0, -1.0), Eigen::Vector3d(0.4, 0.3, -1.0)}) {
@@ -106,8 +112,9 @@ TEST(BioTacSkin, CarriesTheForceOfAnElasticFoundation) {
       EXPECT_NEAR(force_on_plane(fine, outward, d, {r, r, r}) / (k_normal * d * d / (2.0 * r)), 1.0, 0.003) << d;
     }
   }
-  // The finger: near its outermost point radii of curvature a^2/b = 19.0 mm and c^2/b = 9.6 mm, so F = q pi sqrt(R1 R2) d^2 up to d/R (Johnson,
-  // Contact Mechanics, sec. 4.3). With q of the default that is 2 N at 1 mm, where the manual's pressure saturates.
+  // The finger: near its outermost point the radii of curvature are a^2/b = 19.0 mm and c^2/b = 9.6
+  // mm, so F = q pi sqrt(R1 R2) d^2 up to d/R (Johnson, Contact Mechanics, sec. 4.3). With the
+  // default q that is 2 N at 1 mm, where the manual's pressure saturates.
   const Skin finger = skin(4000);
   const double q = k_normal / sum(finger.area), d = 0.2e-3;
   const double r1 = radii.x() * radii.x() / radii.y(), r2 = radii.z() * radii.z() / radii.y();
@@ -117,8 +124,10 @@ TEST(BioTacSkin, CarriesTheForceOfAnElasticFoundation) {
 }
 
 TEST(BioTacSkin, EnclosesTheVolumeOfAnEllipsoidsCap) {
-  // The plane at depth d cuts a cap off, whose volume an affine map brings to that of the unit sphere: a b c pi t^2 (3 - t)/3 with t = d/h,
-  // h = |(a, b, c) n| the distance of the middle from the tangent plane. It is the sum of depth times area seen along the plane's normal.
+  // The plane at depth d cuts off a cap whose volume an affine map takes to a cap of the unit
+  // sphere: a b c pi t^2 (3 - t)/3 with t = d/h and h = |(a, b, c) n|, the distance from the middle
+  // to the tangent plane. The volume is the sum of depth times area projected along the plane's
+  // normal.
   for (const auto& [n, tolerance] : {std::pair{300U, 0.01}, {4000U, 0.001}}) {
     const Skin mesh = skin(n);
     for (const Eigen::Vector3d& outward :
@@ -136,7 +145,8 @@ TEST(BioTacSkin, EnclosesTheVolumeOfAnEllipsoidsCap) {
   }
 }
 
-// The curved pad, whose elements have axes of their own, on each kind of surface: depth by element, against the distance written out here.
+// The curved pad, whose elements have axes of their own, on each kind of surface: depth by element,
+// against the distance computed here.
 TEST(BioTacSkin, MeetsEverySurfaceAtItsDistance) {
   const Skin mesh = skin(300);
   const Pose flat = pressed({0.1, -0.2, -1.0}, 1.5e-3, radii);
@@ -173,7 +183,7 @@ TEST(BioTacSkin, MeetsEverySurfaceAtItsDistance) {
       EXPECT_NEAR(frame.element_depth[static_cast<Eigen::Index>(i)], depth, 1e-12) << c.name << ' ' << i;
     }
     EXPECT_GT(touching, 15U) << c.name;
-    // What units feel is what their elements press, along the surface's normal.
+    // Units report their elements' forces, along the surface's normal.
     Eigen::Array3d force = frame.force.rowwise().sum();
     EXPECT_NEAR(force.matrix().norm(), field.wrench_on_pad().force.norm(), 1e-9) << c.name;
     for (std::size_t e = 0; e < electrodes; ++e) {
@@ -186,8 +196,9 @@ TEST(BioTacSkin, MeetsEverySurfaceAtItsDistance) {
 }
 
 TEST(BioTacSkin, UnitsAtTheRimOfTheContactSlipFirst) {
-  // Dragged along by s, a stuck element has the stretch s and lets go at k_t s = mu k_n d. So those with d < k_t s/(k_n mu) slip: with k_t/k_n = 1/2
-  // and mu = 1/2, d < s. After 0.5 mm of a contact 1 mm deep the middle sticks and what is shallower than 0.5 mm slips.
+  // Dragged by s, a sticking element has the stretch s and slips at k_t s = mu k_n d. So elements
+  // with d < k_t s/(k_n mu) slip: with k_t/k_n = 1/2 and mu = 1/2, d < s. After 0.5 mm in a contact
+  // 1 mm deep the middle sticks, and elements shallower than 0.5 mm slip.
   const Skin mesh = skin(1000);
   Field field(mesh.layout, Plane{}, {0.5, 0.5});
   ContactLabels labels(mesh.layout);
@@ -214,7 +225,8 @@ TEST(BioTacSkin, UnitsAtTheRimOfTheContactSlipFirst) {
   EXPECT_EQ(frame.state, PadState::incipient);
 }
 
-// What a finger pressed onto `surface` from 0.5 mm above feels as it goes down by 2 mm, and then along X by `drag` [m].
+// Returns the contact of a finger pressed onto `surface`: from 0.5 mm above down by 2 mm, then
+// along X by `drag` [m].
 ContactFrame press_down(const Skin& mesh, const Surface& surface, double top, Friction friction, double drag) {
   Field field(mesh.layout, surface, friction);
   ContactLabels labels(mesh.layout);
@@ -229,7 +241,7 @@ ContactFrame press_down(const Skin& mesh, const Surface& surface, double top, Fr
   return labels.update({&field, 1}, 0.0, 1e-3);
 }
 
-// Largest change by the drag term of what an electrode feels [m].
+// Largest contribution of the drag term to an electrode's dent [m].
 double largest_drag(const Skin& mesh, const ContactFrame& frame) {
   const biotac_sp::Kernel kernel{.near = 3.5e-3, .far = 9e-3, .far_share = 0.5, .swell = 0.35, .stretch = 0.3};
   biotac_sp::Kernel still = kernel;
@@ -247,9 +259,11 @@ double largest_drag(const Skin& mesh, const ContactFrame& frame) {
 }
 
 TEST(BioTacSkin, APressDragsNothingAlong) {
-  // On a plane a tip goes straight in, with friction or without. On a ball without friction nothing holds it; what is held is no more than
-  // 1e-13 m, which is no slip (kernel::shortest_slip). Then |w| <= S q d sum_i|dG_i/dr|: sqrt(pi/2)/l = 358 /m on a flat skin for the near
-  // kernel, 1/L = 111 /m for the far one, half of each, so 0.3 * 1e-13 m * 1.5 mm * 235 /m = 1.1e-14 m.
+  // On a plane a tip goes straight in, with friction or without. On a ball without friction nothing
+  // holds it: what remains is at most 1e-13 m, which does not count as slip
+  // (kernel::shortest_slip). Then |w| <= S q d sum_i|dG_i/dr|: sqrt(pi/2)/l = 358 /m on a flat skin
+  // for the near kernel, 1/L = 111 /m for the far one, half of each, so 0.3 * 1e-13 m * 1.5 mm *
+  // 235 /m = 1.1e-14 m.
   const Skin mesh = skin(300);
   for (const double mu : {0.0, 0.9}) {
     const ContactFrame on_plane = press_down(mesh, Plane{}, 0.0, {mu, mu}, 0.0);
@@ -264,8 +278,8 @@ TEST(BioTacSkin, APressDragsNothingAlong) {
 }
 
 TEST(BioTacSkin, ADragIsHeldByFriction) {
-  // k_t q <= mu k_n d with k_t = k_n/2: what is deep enough sticks and trails by the whole drag, against it; all else by 2 mu d. On a plane
-  // nothing of it is along the normal.
+  // k_t q <= mu k_n d with k_t = k_n/2: elements that are deep enough stick and trail by the whole
+  // drag, against it; all others trail by 2 mu d. On a plane the drag has no normal component.
   const Skin mesh = skin(300);
   constexpr double mu = 0.2, drag = 0.3e-3;
   const Pose pose = pressed({0.3, -0.2, -1.0}, 1.5e-3, radii);
@@ -283,7 +297,7 @@ TEST(BioTacSkin, ADragIsHeldByFriction) {
   EXPECT_GT(largest_drag(mesh, frame), 1e-6) << "is felt";
 }
 
-// The deepest dent that an electrode feels, under a plane pressed in direction `outward`.
+// The deepest dent that an electrode feels, with elements at the depths of `depth`.
 template <class Depth>
 double deepest_dent(std::size_t n, Depth&& depth) {
   const Skin mesh = skin(n);
@@ -304,8 +318,9 @@ double deepest_dent(std::size_t n, Depth&& depth) {
 }
 
 TEST(BioTacSkin, DentsAreThoseOfAFourTimesFinerMesh) {
-  // The bar: within 1 %, at the depths of the recordings (1.1 to 2.7 mm), wherever a plane touches. An edge through the contact cuts elements
-  // off whole: there the mesh is felt (README).
+  // The limit is 1 %, at the depths of the recordings (1.1 to 2.7 mm), for a plane at any
+  // orientation. An edge through the contact cuts off whole elements, and the mesh becomes
+  // noticeable (README).
   for (const double d : {1.1e-3, 1.6e-3, 2.7e-3}) {
     for (const double x : {-0.6, -0.3, 0.0, 0.3, 0.6}) {
       for (const double y : {-0.5, -0.2, 0.0, 0.2, 0.5}) {

@@ -9,7 +9,8 @@
 namespace slipbench {
 namespace {
 
-// Five standard errors of a mean square of `many` normal draws, relative to the variance: 5*sqrt(2/many) = 5 %; of an sd, half.
+// Five standard errors of a mean square of `many` normal draws, relative to the variance:
+// 5*sqrt(2/many) = 5 %; half of that for a standard deviation.
 const double sd_tolerance = 2.5 * std::sqrt(2.0 / static_cast<double>(many));
 const double mean_tolerance = 5.0 / std::sqrt(static_cast<double>(many));
 
@@ -46,7 +47,7 @@ TEST(Electronics, PartsSayWhatTheyAreAndStandAtTheirOwnFigures) {
   }
 }
 
-// Which of a sensor's parts a scene may name, its reader knows.
+// The scene's reader checks which parts a sensor has.
 TEST(Electronics, RefusesAnUnknownPart) {
   EXPECT_THROW(Electronics({{"ofset", {}}}, two_values_a_source(1), default_key), std::logic_error);
 }
@@ -68,7 +69,7 @@ TEST(Electronics, ScaleZeroLeavesTheSampleAlone) {
 }
 
 TEST(Electronics, ScaleIsAFactorOnTheDisturbance) {
-  // A factor of two is exact in binary, so the disturbance of zero doubles to the bit.
+  // A factor of two is exact in binary, so the disturbance of zero doubles bit-exactly.
   for (const std::string name : {"offset", "drift", "noise"}) {
     const auto once = outputs({part(name)}, two_values_a_source(10), 0.0F, {0.25, 0.5});
     auto twice = outputs({part(name, 2.0)}, two_values_a_source(10), 0.0F, {0.25, 0.5});
@@ -83,8 +84,8 @@ TEST(Electronics, DrawsDoNotShiftWhenAPartIsAdded) {
   const std::vector<double> times{0.0, 0.001, 0.002, 0.003};
   const auto noise = outputs({part("noise")}, model, 0.0F, times);
   const auto offset = outputs({part("offset")}, model, 0.0F, times);
-  // Coupling and gain, which come first, leave zero at zero. The noise is then added to zero, and the offset to the noise: the
-  // one rounding of the sum is the same as here.
+  // Coupling and gain come first and leave zero at zero. The noise is then added to zero, and the
+  // offset to the noise, with a single rounding as here.
   const auto all = outputs({part("coupling"), part("gain"), part("noise"), part("offset")}, model, 0.0F, times);
   for (std::size_t k = 0; k < times.size(); ++k) {
     for (std::size_t v = 0; v < model.source.size(); ++v) EXPECT_EQ(all[k][v], noise[k][v] + offset[k][v]);
@@ -105,7 +106,7 @@ TEST(Electronics, StreamsAreKeyedBySeedTrialDeviceAndName) {
     EXPECT_EQ(with(name, default_key), reference) << name;
     EXPECT_NE(with(name, seed), reference) << name;
     EXPECT_NE(with(name, sensor), reference) << name;
-    // A gain belongs to the device and outlives the trial; the others are new in each trial.
+    // A gain belongs to the device and is the same in each trial; the others are new in each trial.
     EXPECT_EQ(with(name, trial) == reference, name == "gain") << name;
     EXPECT_EQ(with(name, device) != reference, name == "gain") << name;
   }
@@ -137,8 +138,9 @@ TEST(Gain, HasMeanOneAndTheStatedSpread) {
   const auto y = outputs({part("gain")}, two_values_a_source(many), 1.0F, {0.0, 5.0});
   EXPECT_EQ(y[0], y[1]);
   EXPECT_GT(*std::min_element(y[0].begin(), y[0].end()), 0.0F);
-  // Lognormal with sd 0.3: s^2 = ln(1.09) = 0.0862, kurtosis e^{4s^2} + 2e^{3s^2} + 3e^{2s^2} - 3 = 4.57, so the relative
-  // standard error of the sd is sqrt((4.57 - 1)/many)/2 = 0.67 %; with sd 0.1 (kurtosis 3.16) it is 0.52 %.
+  // Lognormal with sd 0.3: s^2 = ln(1.09) = 0.0862, kurtosis e^{4s^2} + 2e^{3s^2} + 3e^{2s^2} - 3 =
+  // 4.57, so the relative standard error of the sd is sqrt((4.57 - 1)/many)/2 = 0.67 %; with sd 0.1
+  // (kurtosis 3.16) it is 0.52 %.
   const auto narrow = slice(y[0], 0, many);
   const auto wide = slice(y[0], many, many);
   EXPECT_NEAR(mean(narrow), 1.0, 0.1 * mean_tolerance);
@@ -163,7 +165,8 @@ TEST(Gain, MultipliesTheValue) {
 }
 
 TEST(CouplingPart, DrawsItsCoefficientsUniformlyWithinTheLimit) {
-  // Value v+1 leaks into value v for even v; the even values of the input are zero, so the output is the coefficient itself.
+  // For even v, value v+1 leaks into value v; the even values of the input are zero, so the output
+  // is the coefficient itself.
   SignalModel model = two_values_a_source(many);
   for (std::size_t v = 0; v < 2 * many; v += 2) model.couplings.push_back({v, v + 1, 0.5});
   Electronics electronics({part("coupling")}, model, default_key);
@@ -177,13 +180,14 @@ TEST(CouplingPart, DrawsItsCoefficientsUniformlyWithinTheLimit) {
     ASSERT_EQ(sample[v + 1], 1.0F);
     ASSERT_LE(std::abs(sample[v]), 0.5F);
   }
-  // Uniform in [-L, L]: variance L^2/3; its estimate has the relative standard error sqrt(4/5/many), the sd half of it.
+  // Uniform in [-L, L]: variance L^2/3; its estimate has the relative standard error
+  // sqrt(4/5/many), the sd half of it.
   const double n = static_cast<double>(many);
   EXPECT_NEAR(mean(coefficients), 0.0, 5.0 * 0.5 / std::sqrt(3.0 * n));
   EXPECT_NEAR(sd_about(0.0, coefficients) * std::sqrt(3.0) / 0.5, 1.0, 2.5 * std::sqrt(0.8 / n));
 }
 
-// A limit of 0 takes its draw and adds no term: the coefficients of the other pairs do not change.
+// A limit of 0 takes its draw but adds no term: the coefficients of the other pairs do not change.
 TEST(CouplingPart, ALimitOfZeroLeavesTheOtherDrawsAlone) {
   SignalModel model = two_values_a_source(2);
   model.couplings = {{0, 1, 0.5}, {1, 2, 0.5}, {2, 3, 0.5}};
@@ -197,7 +201,7 @@ TEST(CouplingPart, ALimitOfZeroLeavesTheOtherDrawsAlone) {
 }
 
 TEST(ValidRange, CountsSamplesBeyondTheRangeAndChangesNothing) {
-  // The range is -2 to 2 and -6 to 6 (model.h); both ends belong to it.
+  // The range is -2 to 2 and -6 to 6 (model.h), ends included.
   Electronics electronics({part("valid_range")}, two_values_a_source(1), default_key);
   const auto after = [&](float first, float second) {
     std::vector<float> sample{first, second};
@@ -242,8 +246,9 @@ TEST(ValidRange, RaisesTheFlagOfEachValueBeyondTheRange) {
 }
 
 TEST(CouplingPart, ReadsTheUndisturbedSample) {
-  // Two values that leak into each other: y(1,1) = y(1,0) + y(0,1) holds for any linear map, but if the second read the first
-  // after it was disturbed, y(1,0) and y(0,1) would hold products of coefficients: the diagonal would not be 1.
+  // Two values that leak into each other: y(1,1) = y(1,0) + y(0,1) holds for any linear map. If the
+  // second value read the first one after its disturbance, y(1,0) and y(0,1) would contain products
+  // of coefficients, and the diagonal would not be 1.
   SignalModel model = two_values_a_source(1);
   model.couplings = {{0, 1, 0.5}, {1, 0, 0.5}};
   Electronics electronics({part("coupling")}, model, default_key);

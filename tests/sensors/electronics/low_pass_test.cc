@@ -11,11 +11,12 @@
 namespace slipbench {
 namespace {
 
-// Two equal poles with -3 dB at 235 Hz: each is 1.5 dB down there, so w = 2 pi 235/sqrt(sqrt(2) - 1) = 2294.2 rad/s, a corner of 365.1 Hz.
+// Two equal poles, together -3 dB at 235 Hz: each is 1.5 dB down there, so w = 2 pi
+// 235/sqrt(sqrt(2) - 1) = 2294.2 rad/s, a corner of 365.1 Hz.
 const double w = 2.0 * std::numbers::pi * 235.0 / std::sqrt(std::numbers::sqrt2 - 1.0);
 constexpr double single = 2e-7;  // rounding of a float near 1
 
-// The filter's output for `input(t)` at every `step` [s], until before `end` [s].
+// The filter's output for `input(t)` at every `step` [s], up to but not including `end` [s].
 template <class Input>
 std::vector<double> filtered(Input input, double step, double end, double corner = 235.0) {
   Named low_pass = part("low_pass");
@@ -30,7 +31,8 @@ std::vector<double> filtered(Input input, double step, double end, double corner
   return result;
 }
 
-// A ramp x = t/h is answered by R(t)/h, R = t - 2/w + (t + 2/w) exp(-w t); a step that takes one tick h is two ramps, h apart.
+// The response to a ramp x = t/h is R(t)/h, R = t - 2/w + (t + 2/w) exp(-w t); a step that takes
+// one tick h is two ramps, h apart.
 double ramp(double t) { return t <= 0.0 ? 0.0 : t - 2.0 / w + (t + 2.0 / w) * std::exp(-w * t); }
 
 TEST(LowPass, AStepFollowsItsClosedForm) {
@@ -43,7 +45,8 @@ TEST(LowPass, AStepFollowsItsClosedForm) {
   }
 }
 
-// (1 + u) exp(-u) = 1/2 at u = 1.678: 0.7316 ms after the step, which here takes from 0 to 0.1 ms and so is at 0.05 ms.
+// (1 + u) exp(-u) = 1/2 at u = 1.678: 0.7316 ms after the step, whose middle is at 0.05 ms because
+// it takes from 0 to 0.1 ms.
 TEST(LowPass, AStepIsAtHalfWhenItsPolesSay) {
   const double h = 1e-4;
   const auto y = filtered([&](double t) { return t > 0.5 * h ? 1.0 : 0.0; }, h, 10e-3);
@@ -53,12 +56,13 @@ TEST(LowPass, AStepIsAtHalfWhenItsPolesSay) {
   EXPECT_NEAR((half - 0.5 * h) / (1.6783 / w), 1.0, 0.03);
 }
 
-// |z/x| = 1/(1 + (2 pi f/w)^2), and of a signal that goes straight between ticks the sine is sinc(f h)^2: 0.995 at 400 Hz and 0.1 ms.
+// z/x| = 1/(1 + (2 pi f/w)^2). A signal that is linear between ticks contains the sine with the
+// factor sinc(f h)^2: 0.995 at 400 Hz and 0.1 ms.
 TEST(LowPass, AVibrationHasTheAmplitudeOfTwoEqualPoles) {
   const double h = 1e-4;
   for (const double f : {50.0, 235.0, 400.0}) {
     const auto y = filtered([&](double t) { return std::sin(2.0 * std::numbers::pi * f * t); }, h, 0.22);
-    std::complex<double> sum;  // over 0.2 s, whole periods of all three, once the start has died away
+    std::complex<double> sum;  // over 0.2 s, whole periods of all three, after the transient
     for (std::size_t k = 200; k < 2200; ++k) {
       const double phase = 2.0 * std::numbers::pi * f * h * static_cast<double>(k);
       sum += y[k] * std::polar(1.0, -phase);
@@ -73,7 +77,7 @@ TEST(LowPass, AVibrationHasTheAmplitudeOfTwoEqualPoles) {
   }
 }
 
-// The signal is straight between the ticks at 1 ms, so ticks between them change nothing.
+// The signal is linear between the ticks at 1 ms, so ticks between them change nothing.
 TEST(LowPass, IsTheSameAtEveryTick) {
   const auto straight = [](double t) {
     const double from = std::floor(1e3 * t + 1e-6), share = 1e3 * t - from;
@@ -105,7 +109,7 @@ TEST(LowPass, TwoCallsAtOneTimeHaveOneAnswer) {
   EXPECT_EQ(at(1e-3, 5.0F), once);
 }
 
-// Between two samples nothing else is at work, so nothing may stand before it.
+// No other part works between samples, so none may come before this one.
 TEST(LowPass, ComesFirst) {
   EXPECT_THAT(
       scene_refusal_of([] {

@@ -1,4 +1,5 @@
-// A made-up sensor with many sources, so that the statistics of a part can be taken over sources at one instant.
+// A made-up sensor with many sources, so that the statistics of a part can be taken over sources at
+// one instant.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +13,8 @@ namespace slipbench {
 
 inline constexpr std::size_t many = 20000;  // sources; standard error of a mean square: sqrt(2/many) = 1 %
 
-// Two values a source: value v < sources has the disturbances 1, value sources + v follows the same source at three times as
-// much.
+// Two values a source: value v < sources has the disturbances 1, value sources + v follows the same
+// source at three times as much.
 inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0) {
   SignalModel model;
   model.rate = rate;

@@ -1,8 +1,9 @@
-// The noise against the process it claims to be: autocorrelation rho(tau) = exp(-w tau)(1 + w tau), variance sd^2.
+// The noise against its law: autocorrelation rho(tau) = exp(-w tau)(1 + w tau), variance sd^2.
 //
-// Statistics are taken over `many` independent sources. For standard normal x, y of correlation rho, the mean of x*y has the
-// standard error sqrt((1 + rho^2)/many), and the mean of x^2 (or of any normal variable squared, relative to its variance)
-// sqrt(2/many) = 1 %. Five standard errors are allowed.
+// Statistics are taken over `many` independent sources. For standard normal x, y of correlation
+// rho, the mean of x*y has the standard error sqrt((1 + rho^2)/many); the mean of x^2 (or of any
+// normal variable squared, relative to its variance) has sqrt(2/many) = 1 %. Five standard errors
+// are allowed.
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -47,8 +48,9 @@ TEST_P(NoiseAtRate, HasTheAutocorrelationOfTwoEqualPoles) {
 }
 
 TEST_P(NoiseAtRate, IsAsSmoothAsTheLawSays) {
-  // The increment over one sample has the variance 2(1 - rho). It is what tells a slope of -4 in the power spectrum (finite x')
-  // from one of -2: for a single pole at 1 kHz it would be 20 times as large.
+  // The increment over one sample has the variance 2(1 - rho). It distinguishes a slope of -4 in
+  // the power spectrum (finite x') from one of -2: for a single pole at 1 kHz it would be 20 times
+  // as large.
   const double rate = GetParam();
   const auto x = outputs({part("noise")}, two_values_a_source(many, rate), 0.0F, times_at(rate, 2));
   double sum = 0.0;
@@ -74,7 +76,7 @@ TEST_P(NoiseAtRate, IsStationaryFromTheFirstSample) {
 INSTANTIATE_TEST_SUITE_P(Rates, NoiseAtRate, testing::Values(100.0, 250.0, 500.0, 1000.0));
 
 TEST(Noise, FollowsItsCorner) {
-  // With the corner at 32 Hz the correlation at 10 ms is that of 16 Hz at 20 ms.
+  // With the corner at 32 Hz the correlation at 10 ms equals that of 16 Hz at 20 ms.
   Named fast = part("noise");
   fast.parameters.set("corner", 2.0 * corner);
   const auto x = outputs({fast}, two_values_a_source(many, 100.0), 0.0F, times_at(100.0, 2));
@@ -83,10 +85,12 @@ TEST(Noise, FollowsItsCorner) {
 }
 
 TEST(Noise, HasTheSpectrumOfTwoEqualPoles) {
-  // The power at one frequency is chi-squared with two degrees of freedom: its mean over the sources has a relative standard
-  // error of 1/sqrt(5000) = 1.4 %. The window (Hann, 0.5 s) blurs the spectrum by some Hz and sampling folds its tail back; the
-  // law's autocorrelation goes through the same transform, so neither counts as an error. Leakage stays out of the highest
-  // frequency, where the law is 2^-12 of its value at rest: the window's side lobes fall with the sixth power of frequency.
+  // The power at one frequency is chi-squared with two degrees of freedom: its mean over the
+  // sources has a relative standard error of 1/sqrt(5000) = 1.4 %. The window (Hann, 0.5 s) blurs
+  // the spectrum by some Hz and sampling folds its tail back; the law's autocorrelation goes
+  // through the same transform, so neither counts as an error. Leakage does not reach the highest
+  // frequency, where the law is 2^-12 of its value at 0: the window's side lobes fall with the
+  // sixth power of frequency.
   constexpr std::size_t samples = 500;
   constexpr std::size_t sources = 5000;
   const auto x = outputs({part("noise")}, two_values_a_source(sources), 0.0F, times_at(1000.0, samples));

@@ -1,4 +1,4 @@
-// The converter, and what a sensor says of its parts.
+// The converter, and the sensors' declarations of their parts.
 
 #include <array>
 #include <cmath>
@@ -53,7 +53,8 @@ TEST(Quantisation, EndsWithItsRange) {
 }
 
 TEST(Quantisation, CountsTheSamplesThatItCutsOff) {
-  // Two bits over [-1, 2] in steps of 1: from half a step beyond an end on a value is cut off. However many are, it is one sample.
+  // Two bits over [-1, 2] in steps of 1: values from half a step beyond an end on are clipped.
+  // Several clipped values count as one sample.
   SignalModel model = one_value(-1.0, 2.0);
   model.source = {0, 0};
   model.converter.push_back({-1.0, 2.0});
@@ -72,8 +73,9 @@ TEST(Quantisation, CountsTheSamplesThatItCutsOff) {
 }
 
 TEST(Quantisation, AddsAnErrorOfATwelfthOfASquaredStep) {
-  // Noise of sd 1 in steps of q = 4/63: the error is uniform in [-q/2, q/2] but for a bias of relative size exp(-2 pi^2/q^2). The range of
-  // two sd ends 4.6 % of the draws; these are left out.
+  // Noise of sd 1 in steps of q = 4/63: the error is uniform in [-q/2, q/2] up to a bias of
+  // relative size exp(-2 pi^2/q^2). The range of two sd clips 4.6 % of the draws; these are left
+  // out.
   SignalModel model = two_values_a_source(many);
   const auto exact = outputs({part("noise")}, model, 0.0F, {0.0}).front();
   const auto read = outputs({part("noise"), converter(6)}, model, 0.0F, {0.0}).front();

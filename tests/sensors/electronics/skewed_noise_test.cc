@@ -1,4 +1,5 @@
-// The skewed noise against its law, n = z + p_t m - t - s: moments, and how often it goes far down and how rarely far up.
+// The skewed noise against its law, n = z + p_t m - t - s: moments, and the frequency of large
+// negative and positive values.
 
 #include "tests/expect.h"
 #include "tests/sensors/electronics/model.h"
@@ -24,15 +25,18 @@ Moments moments(const std::vector<float>& values, std::size_t count) {
 }
 
 TEST(SkewedNoise, HasTheMomentsAndTheSpikesOfItsLaw) {
-  // Spikes: E s = .0075 * 7.4 = .0555, E s^2 = .0075 (3.2^2 + 3.2*11.6 + 11.6^2)/3 = .4548. Tail: .1 * 1.29 = .129 is added back; E t^2 = .1 * 2 *
-  // 1.29^2 = .3328. Variance 1 + .3328 - .129^2 + .4548 - .0555^2 = 1.7679, so sd 1.330: 4.1 counts of the 3.1 of the normal part.
-  // Below -6: spikes, P(s > 6 + z') of them about (11.6 - 6)/8.4 = .667 of .0075, shifted by what the rest adds: the rest has mean 0 and sd 1.15 and
-  // the density of s is flat around 6, so it adds nothing there; the tail alone, .1 P(z + .129 - t < -6) = .1 exp(-(6.129)/1.29 + 1/(2*1.29^2))
-  // = .1 * .0117 = .0012. Together .0062. Above 4.5: z > 4.371, 6e-6.
+  // Spikes: E s = .0075 * 7.4 = .0555, E s^2 = .0075 (3.2^2 + 3.2*11.6 + 11.6^2)/3 = .4548. Tail:
+  // .1 * 1.29 = .129 is added back; E t^2 = .1 * 2 * 1.29^2 = .3328. Variance 1 + .3328 - .129^2 +
+  // .4548 - .0555^2 = 1.7679, so sd 1.330: 4.1 counts if the normal part has 3.1. Below -6: from
+  // spikes P(s > 6 + z'), about (11.6 - 6)/8.4 = .667 of .0075; z', the rest, has mean 0 and sd
+  // 1.15, and the density of s is flat around 6, so z' changes nothing. From the tail alone .1 P(z
+  // + .129 - t < -6) = .1 exp(-(6.129)/1.29 + 1/(2*1.29^2)) = .1 * .0117 = .0012. Together .0062.
+  // Above 4.5: z > 4.371, 6e-6.
   const auto n = outputs({part("skewed_noise")}, two_values_a_source(many), 0.0F, {0.0, 0.014}).back();
   const Moments m = moments(n, many);
-  // Standard error of the mean sd/sqrt(20000) = .0094; of the variance sqrt((E x^4 - var^2)/20000) with E s^4 = .0075 (11.6^5 - 3.2^5)/(5*8.4) =
-  // 37.4 and E t^4 = .1 * 24 * 1.29^4 = 6.6: some 55 in all, .052; of a share p sqrt(p/20000) = .00056.
+  // Standard errors: of the mean sd/sqrt(20000) = .0094; of the variance sqrt((E x^4 -
+  // var^2)/20000) with E s^4 = .0075 (11.6^5 - 3.2^5)/(5*8.4) = 37.4 and E t^4 = .1 * 24 * 1.29^4 =
+  // 6.6, some 55 in all: .052; of a share p sqrt(p/20000) = .00056.
   EXPECT_NEAR(m.mean, -0.0555, 5.0 * 0.0094);
   EXPECT_NEAR(m.variance, 1.7679, 5.0 * 0.052);
   EXPECT_NEAR(m.below, 0.0062, 5.0 * 0.00056);
@@ -56,7 +60,8 @@ TEST(SkewedNoise, IsDrawnAnewForEachSourceAndSample) {
     neighbours += static_cast<double>(n[0][i]) * static_cast<double>(n[0][i + 1]) / static_cast<double>(many);
     EXPECT_FLOAT_EQ(n[0][many + i], 3.0F * n[0][i]) << "three times as much on the same source";
   }
-  // Independent: a mean product of 0 (the means are .0555, .003 squared) with a standard error of variance/sqrt(20000) = .0125.
+  // Independent: a mean product of 0 (the means are .0555, .003 squared) with a standard error of
+  // variance/sqrt(20000) = .0125.
   EXPECT_NEAR(samples, 0.003, 5.0 * 0.0125);
   EXPECT_NEAR(neighbours, 0.003, 5.0 * 0.0125);
 }

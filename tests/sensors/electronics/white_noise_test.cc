@@ -10,7 +10,8 @@ namespace slipbench {
 namespace {
 
 TEST(WhiteNoisePart, IsNormalAndForgetsEverything) {
-  // Of n draws: standard error of the mean square sqrt(2/n), of the fourth moment sqrt(96/n), of a product of two 1/sqrt(n).
+  // Standard errors for n draws: sqrt(2/n) of the mean square, sqrt(96/n) of the fourth moment,
+  // 1/sqrt(n) of a product of two.
   const auto y = outputs({part("white_noise", 2.0)}, two_values_a_source(many), 0.0F, {0.0, 0.001});
   double mean = 0.0, square = 0.0, fourth = 0.0, lag = 0.0, beside = 0.0;
   const double n = static_cast<double>(many);

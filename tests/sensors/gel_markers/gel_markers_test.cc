@@ -1,4 +1,4 @@
-// The gel against closed forms, its camera against a pinhole by hand.
+// The gel against closed forms, and its camera against a pinhole model.
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -18,7 +18,8 @@ namespace {
 
 using Values = std::map<std::string, double>;
 
-// 5 x 5 elements 1 mm apart under 7 x 5 markers 0.5 mm apart; 100 px over 10 mm, from 20 mm away: a focal length of 100 20/10 = 200 px.
+// 5 x 5 elements 1 mm apart under 7 x 5 markers 0.5 mm apart; 100 px over 10 mm at a distance of 20
+// mm: a focal length of 100 20/10 = 200 px.
 struct Gel {
   explicit Gel(Values more, std::uint64_t trial = 0, const std::string& name = "gel") {
     Parameters parameters = defaults_of(gel_markers_sensor().about.parameters);
@@ -45,7 +46,8 @@ struct Gel {
 };
 constexpr std::size_t pixels = 3 * 35, seen = 5 * 35, heights = 6 * 35;  // where the channels begin
 
-// Bilinear between elements: a displacement that is linear over the pad is met exactly, at each marker and in the picture of heights.
+// Bilinear interpolation reproduces a displacement that is linear over the pad exactly, at each
+// marker and in the picture of heights.
 TEST(GelMarkers, MoveWithTheSkinBetweenElements) {
   Gel gel({{"map", 5}});
   const auto slope = [](double x, double y) { return 1e-4 + 0.02 * x + 0.01 * y; };
@@ -61,7 +63,7 @@ TEST(GelMarkers, MoveWithTheSkinBetweenElements) {
     EXPECT_NEAR(values[3 * i], s, 1e-10);
     EXPECT_NEAR(values[3 * i + 1], -2.0 * s, 1e-10);
     EXPECT_NEAR(values[3 * i + 2], 3.0 * s, 1e-10);
-    const double px_per_m = 200.0 / (20e-3 - 3.0 * s);  // what is pressed in lies nearer, and looks larger
+    const double px_per_m = 200.0 / (20e-3 - 3.0 * s);  // markers pressed in are nearer and look larger
     EXPECT_NEAR(values[pixels + 2 * i], 50.0 + px_per_m * (x + s), 1e-5);
     EXPECT_NEAR(values[pixels + 2 * i + 1], 40.0 - px_per_m * (y - 2.0 * s), 1e-5);
     EXPECT_EQ(values[seen + i], 1.0F);
@@ -70,7 +72,7 @@ TEST(GelMarkers, MoveWithTheSkinBetweenElements) {
   EXPECT_NEAR(values[heights + 4], 3.0 * slope(2e-3, 2e-3), 1e-10);  // the corner at +X and +Y
 }
 
-// A dome of 50 mm: tips on a sphere about (0, 0, 50 mm), directions away from it.
+// A dome of 50 mm: tips on a sphere about (0, 0, 50 mm), directions away from its centre.
 TEST(GelMarkers, StandOnADome) {
   const Gel gel({{"dome", 50e-3}});
   for (const Element& element : gel.sensor->layout().elements) {
@@ -80,7 +82,8 @@ TEST(GelMarkers, StandOnADome) {
   }
 }
 
-// From rest to 0.1 mm within a frame of 40 ms, exposed for its last 20 ms: on the straight path the mean lies a quarter of the way back.
+// From rest to 0.1 mm within a frame of 40 ms, exposed for its last 20 ms: on a straight path the
+// mean is a quarter of the way back.
 TEST(GelMarkers, BlurToTheMeanOverTheExposure) {
   Gel gel({{"exposure", 20e-3}});
   gel.frame();
@@ -89,7 +92,8 @@ TEST(GelMarkers, BlurToTheMeanOverTheExposure) {
   EXPECT_NEAR(gel.frame()[0], 1e-4, 1e-10);
 }
 
-// Noise of 0.2 px over 35 markers and 200 frames: its sd is known to 1/sqrt(2 14,000) = 0.6 %. Of 30 % missed, 7,000 draws: to 0.55 %.
+// Noise of 0.2 px over 35 markers and 200 frames: the standard error of its sd is 1/sqrt(2 14,000)
+// = 0.6 %. With 30 % drop-outs, 7,000 draws: 0.55 %.
 TEST(GelMarkers, AreSeenWithNoiseAndDropOuts) {
   const Values noisy{{"noise", 0.2}};
   Gel clean({}), gel(noisy), again(noisy), trial(noisy, 1), other(noisy, 0, "other"), missing({{"noise", 0.2}, {"dropout", 0.3}});
@@ -104,7 +108,7 @@ TEST(GelMarkers, AreSeenWithNoiseAndDropOuts) {
     for (std::size_t k = pixels; k < seen; ++k) {
       square += std::pow(static_cast<double>(values[k] - rest[k]), 2);
       if (thinned[seen + (k - pixels) / 2] == 1.0F) shown[k] = values[k];
-      EXPECT_EQ(thinned[k], shown[k]);  // what is seen has the noise that it has without drop-outs, else what was seen last
+      EXPECT_EQ(thinned[k], shown[k]);  // seen markers have the same noise as without drop-outs; others keep their last position
     }
     sum += std::accumulate(thinned.begin() + seen, thinned.end(), 0.0);
   }
@@ -120,11 +124,12 @@ TEST(GelMarkers, RefuseWhatIsNoPad) {
   EXPECT_THAT(refusal({{"exposure", 50e-3}}), mentions({"exposure", "frame"}));
 }
 
-// A sphere of radius R, d deep in a half-space of G and nu = 1/2 (Johnson, Contact Mechanics, 1985, 3.4 and 7.2): a^2 = R d, p = p0 sqrt(1 - r^2/a^2),
-// p0 = 8 G a/(pi R). Where all slides along -x, q = mu p; with s = asin(a/r), w = sqrt(1 - a^2/r^2) outside, s = pi/2, w = 0 inside:
+// A sphere of radius R, d deep in a half-space of G and nu = 1/2 (Johnson, Contact Mechanics, 1985,
+// 3.4 and 7.2): a^2 = R d, p = p0 sqrt(1 - r^2/a^2), p0 = 8 G a/(pi R). If the whole contact slides
+// along -x, q = mu p; with s = asin(a/r), w = sqrt(1 - a^2/r^2) outside, s = pi/2, w = 0 inside:
 //   even = (2a^2 - r^2) s + a r w, odd = [r^2 s + (2a^2 - r^2) w a/r]/(4 r^2), u_z = even/(pi R)
 //   u_x = -mu/(pi R) [3/2 even + odd (x^2 - y^2)], u_y = -mu/(pi R) odd 2 x y
-// Places are those of the deformed skin, where the sphere is met.
+// Positions are those of the deformed skin, which touches the sphere.
 TEST(GelMarkers, MoveAsTheHalfSpaceUnderASphere) {
   const std::string scene =
       "slipbench: 1\nduration: 1.6 s\nsurface: {shape: sphere, radius: 40 mm}\nfriction: {static: 0.4, kinetic: 0.4}\n"
@@ -134,7 +139,7 @@ TEST(GelMarkers, MoveAsTheHalfSpaceUnderASphere) {
   const SensorRecord gel = run_trial(parsed(scene), 0, Recording::full).record.sensors[0];
   const double R = 40e-3, d = 0.15e-3, a = std::sqrt(R * d), share = 0.4 / (std::numbers::pi * R);
   for (const std::size_t frame :
-       {std::size_t{3}, std::size_t{15}}) {  // pressed; and 0.22 mm on, where 3/2 mu d = 0.09 mm make all slide
+       {std::size_t{3}, std::size_t{15}}) {  // pressed; and after 0.22 mm, where 3/2 mu d = 0.09 mm make all slide
     const double shift = 0.2e-3 * std::max(0.0, gel.time[frame] - 0.4), slides = shift > 0.0 ? share : 0.0;
     for (std::size_t i = 0; i < 121; ++i) {
       const std::span<const float> u = std::span(gel.channels[0].values).subspan(363 * frame + 3 * i, 3);

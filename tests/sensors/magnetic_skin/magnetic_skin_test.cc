@@ -1,4 +1,4 @@
-// The magnetic skin against fields of dipoles in closed form.
+// The magnetic skin against closed-form fields of dipoles.
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -19,7 +19,7 @@ using Given = std::map<std::string, double>;
 using Texts = std::map<std::string, std::string>;
 using Rows = Eigen::MatrixX3d;
 
-// Without noise and offset unless `given` says otherwise.
+// A skin without noise and offset unless `given` sets them.
 class Skin {
  public:
   explicit Skin(Given given, const std::string& chips = "cross", std::uint64_t trial = 1, const std::string& name = "pad",
@@ -36,15 +36,17 @@ class Skin {
   [[nodiscard]] Vector3d magnet(int cell) const {
     return sensor_->layout().elements[static_cast<std::size_t>(cell)].tip + Vector3d(0, 0, of("magnet_depth"));
   }
-  // Of a magnetometer above a magnet at rest; what the surface's displacement is times, there.
+  // Distance from an unloaded magnet to its magnetometer; factor on the surface's displacement at
+  // the magnet.
   [[nodiscard]] double height() const { return of("thickness") + of("gap") - of("magnet_depth"); }
   [[nodiscard]] double share() const { return 1 - of("magnet_depth") / of("thickness"); }
-  // uT m^3: mu0 m/(4 pi) with m = Br V/mu0, of a disc.
+  // uT m^3: mu0 m/(4 pi) with m = Br V/mu0, for a disc.
   [[nodiscard]] double strength() const {
     return 1e6 * of("remanence") * std::pow(of("magnet_diameter") / 4, 2) * of("magnet_thickness");
   }
 
-  // Channel `channel`, 0 field, 1 counts, 2 force, with the surface of each cell moved by `moved`; +Z goes into the pad.
+  // Returns channel `channel` (0 field, 1 counts, 2 force) with the surface of each cell displaced
+  // by `moved`; +Z goes into the pad.
   Rows read(std::size_t channel, const Rows& moved, double time = 0) {
     ContactFrame truth;
     truth.time = time;
@@ -55,7 +57,8 @@ class Skin {
     const float* values = sensor_->measure(truth).values.data() + 3 * count * channel;
     return Eigen::Map<const Eigen::Matrix3Xf>(values, 3, static_cast<Eigen::Index>(count)).transpose().cast<double>();
   }
-  // Half a count of each axis is as near as readings come to `expected` [uT], with the field at rest in it.
+  // Readings are within half a count per axis of `expected` [uT], which includes the field without
+  // load.
   void expect_total(const Vector3d& counts, const Vector3d& expected) const {
     const Vector3d count{of("sensitivity"), of("sensitivity"), of("sensitivity_z")};
     EXPECT_LT((counts - expected.cwiseQuotient(count)).cwiseAbs().maxCoeff(), 0.501) << counts.transpose();
@@ -73,13 +76,16 @@ Given one(Given more = {}) {
 Rows moved(double x, double y, double z) { return Eigen::RowVector3d(x, y, z); }
 const Rows still = moved(0, 0, 0);
 
-// On the axis of m a dipole's field is 2 mu0 m/(4 pi h^3), on its equator -mu0 m/(4 pi d^3), both along m. So d(2/h^3)/dh = -6/h^4; a magnet that moves
-// by e to the side makes B_x = -3 e/h^4. The second order is 2 e/h = 0.6 %, of a move by rho to the side B_z = -6 rho^2/h^5; half a count is 0.1 %.
+// On the axis of m a dipole's field is 2 mu0 m/(4 pi h^3), on its equator -mu0 m/(4 pi d^3), both
+// along m. So d(2/h^3)/dh = -6/h^4; a magnet that moves sideways by e gives B_x = -3 e/h^4. The
+// second order is 2 e/h = 0.6 %; a sideways move by rho gives B_z = -6 rho^2/h^5; half a count is
+// 0.1 %.
 TEST(MagneticSkin, DipoleOnAxisAndEquatorAndItsGradient) {
   Skin skin(one({{"sensitivity", 0.01}, {"sensitivity_z", 0.01}, {"remanence", 0.1}, {"chip_pitch", 4e-3}}));
   const double h = skin.height(), e = 12e-6, u = e / skin.share(), slope = e * skin.strength() / std::pow(h, 4);
   skin.expect_total(skin.read(1, still).row(0), {0, 0, 2 * skin.strength() / std::pow(h, 3)});
-  // Pressed until it is level with the magnetometers: those at the ends are on its equator. The middle one is not quite met.
+  // Pressed until the magnet is level with the magnetometers: those at the ends are on its equator.
+  // It just misses the middle one.
   const Rows level = skin.read(1, moved(0, 1e-6, h / skin.share()));
   for (const int end : {1, 2}) skin.expect_total(level.row(end), {0, 0, -skin.strength() / std::pow(4e-3, 3)});
   const Rows beside = skin.read(0, moved(u, -2 * u, 0)) / slope, down = skin.read(0, moved(0, 0, u)) / slope;
@@ -87,7 +93,8 @@ TEST(MagneticSkin, DipoleOnAxisAndEquatorAndItsGradient) {
   EXPECT_LT((down.row(0) - Eigen::RowVector3d(0, 0, 6)).norm(), 0.06) << down.row(0);
 }
 
-// B = mu0/(4 pi) (3 r (m.r)/r^5 - m/r^3) as vectors, of 3 x 4 magnets that have moved, with poles up and down by turns in squares of two cells.
+// B = mu0/(4 pi) (3 r (m.r)/r^5 - m/r^3) as vectors, for 3 x 4 displaced magnets with alternating
+// poles in squares of two cells.
 TEST(MagneticSkin, SumOfMagnets) {
   Skin skin({{"rows", 3}, {"columns", 4}, {"pole_pitch", 9.4e-3}}, "grid");
   Rows displaced(12, 3);
@@ -107,8 +114,9 @@ TEST(MagneticSkin, SumOfMagnets) {
   }
 }
 
-// A lone magnet tells where it is, however far it has moved: forces are the springs', but for half a count of up to 1 uT. At rest B_x changes by 3 K/h^4 a
-// metre, far off by less: twice that is allowed.
+// A lone magnet's position follows from its field at any displacement: forces equal the springs'
+// within half a count of up to 1 uT. Without load B_x changes by 3 K/h^4 per metre, at a distance
+// by less: twice that is allowed.
 TEST(MagneticSkin, ForceOfALoneMagnet) {
   Skin skin(one(), "grid");
   const double metre = skin.strength() / std::pow(skin.height(), 4) * skin.share();
@@ -122,9 +130,9 @@ TEST(MagneticSkin, ForceOfALoneMagnet) {
 TEST(MagneticSkin, CountsSaturateScatterAndDrift) {
   Skin strong(one({{"magnet_diameter", 4e-3}, {"magnet_thickness", 4e-3}}));  // 175 mT on the axis; the converter ends at 32 mT
   EXPECT_EQ(strong.read(1, still)(0, 2), 32767);
-  EXPECT_EQ(strong.read(0, still)(0, 2), 0);  // no change is seen from there
+  EXPECT_EQ(strong.read(0, still)(0, 2), 0);  // saturated, so no change is seen
 
-  // 6,000 values: the sd of their sd is 1 %. Rounding adds 1/12.
+  // 6,000 values: the relative sd of their sd is 1 %. Rounding adds 1/12.
   const Given loud = one({{"noise", 7}});
   Skin noisy(loud), again(loud), other(loud, "cross", 2), named(loud, "cross", 1, "left");
   const Rows quiet = Skin(one()).read(1, still);
@@ -138,16 +146,19 @@ TEST(MagneticSkin, CountsSaturateScatterAndDrift) {
   }
   EXPECT_NEAR(std::sqrt(square), std::sqrt(49 + 1.0 / 12), 0.04 * 7);
 
-  // 10 K warmer in the end, all but 1/e of it after a time constant; each K takes 0.11 %.
+  // 10 K warmer in the end, all but 1/e of it after one time constant; each K reduces the field by
+  // 0.11 %.
   Skin warm(one({{"warming", 10}, {"warming_time", 60}}));
   const double cold = warm.read(1, still)(0, 2);
   EXPECT_NEAR(warm.read(1, still, 60)(0, 2), cold * (1 - 0.011 * (1 - 1 / std::numbers::e)), 1);
   EXPECT_NEAR(warm.read(1, still, 6e4)(0, 2), cold * (1 - 0.011), 1);
 }
 
-// A lone dipole beside its magnetometer by (ex, ey), h below: B_x = 3 s h (-ex)/r^5, B_z = s (3 h^2/r^5 - 1/r^3), r^2 = h^2 + ex^2 + ey^2. The readings
-// at rest tell ex and ey; under load the law with these has to give what is read. Magnets 100 mm apart are alone: at that distance a dipole has
-// s/d^3 = 0.1 uT, of 3,500. Half a count is 0.3 uT of 3 s/h^4 = 1.3 uT/um: ex is known to 0.3 um.
+// A lone dipole at (ex, ey) beside its magnetometer, h below: B_x = 3 s h (-ex)/r^5, B_z = s (3
+// h^2/r^5 - 1/r^3), r^2 = h^2 + ex^2 + ey^2. The unloaded readings give ex and ey; under load the
+// law with these values must give the readings. Magnets 100 mm apart are independent: at that
+// distance a dipole has s/d^3 = 0.1 uT, compared with 3,500. Half a count is 0.3 uT and 3 s/h^4 =
+// 1.3 uT/um: ex is known to 0.3 um.
 TEST(MagneticSkin, MisplacedMagnetShowsLoadAsShear) {
   const Given given{{"rows", 20}, {"columns", 20}, {"pitch", 0.1}, {"placement", 0.2e-3}};
   Skin skin(given, "grid");
@@ -163,20 +174,21 @@ TEST(MagneticSkin, MisplacedMagnetShowsLoadAsShear) {
       const double r2 = h * h + ex * ex + ey * ey, r3 = r2 * std::sqrt(r2), r5 = r2 * r3;
       return {-3 * s * h * ex / r5 / cx, -3 * s * h * ey / r5 / cx, s * (3 * h * h / r5 - 1 / r3) / cz};
     };
-    for (int k = 0; k < 20; ++k) {  // B_x is nearly -3 s ex/h^4: each round leaves some 3 (e/h)^2 of the error
+    for (int k = 0; k < 20; ++k) {  // B_x is nearly -3 s ex/h^4: each iteration leaves some 3 (e/h)^2 of the error
       const Vector3d now = field(skin.height());
       const double slope = 3 * s / std::pow(skin.height(), 4) / cx;
       ex += (now.x() - rest(i, 0)) / slope;
       ey += (now.y() - rest(i, 1)) / slope;
     }
-    // h^-4 grows by (4/3.625)^4 = 1.48: half a count at rest is 0.74 counts under load, and half a count there, 1.3 in all across. Along Z half a count,
-    // all neighbours of the grid, 9.0 s/d^3 = 1.1 counts, and what 0.3 um of 0.6 mm make of 6 s e^2/h^5, 0.2 counts.
+    // h^-4 grows by (4/3.625)^4 = 1.48: half a count without load is 0.74 counts under load, plus
+    // half a count there, 1.3 across in total. Along Z: half a count; all neighbours of the grid,
+    // 9.0 s/d^3 = 1.1 counts; and 0.3 um of 0.6 mm in 6 s e^2/h^5, 0.2 counts.
     const Vector3d under_load = field(skin.height() - skin.share() * 0.5e-3);
     EXPECT_LT((under_load - loaded.row(i).transpose()).cwiseAbs().maxCoeff(), 1.8) << i;
     sum += ex + ey;
     squares += ex * ex + ey * ey;
   }
-  // 800 draws: the sd of their sd is 0.2 mm/sqrt(1600) = 5 um, that of their mean 7 um.
+  // 800 draws: the sd of their sd is 0.2 mm/sqrt(1600) = 5 um, of their mean 7 um.
   EXPECT_NEAR(std::sqrt(squares / 800.0), 0.2e-3, 4 * 5e-6);
   EXPECT_NEAR(sum / 800.0, 0.0, 4 * 7e-6);
 
@@ -186,7 +198,8 @@ TEST(MagneticSkin, MisplacedMagnetShowsLoadAsShear) {
   EXPECT_NE(named.read(1, Rows::Zero(400, 3)), rest);
 }
 
-// 2,000 values along Z, 4,000 across: the sd of their sd is 1.6 and 1.1 %. Rounding adds 1/12.
+// 2,000 values along Z, 4,000 across: the relative sds of their sds are 1.6 and 1.1 %. Rounding
+// adds 1/12.
 TEST(MagneticSkin, NoiseByAxis) {
   const Rows quiet = Skin(one({{"placement", 0.2e-3}})).read(1, still);
   Skin skin(one({{"noise", 2.2}, {"noise_ratio", 2.2}, {"placement", 0.2e-3}}));
@@ -196,7 +209,7 @@ TEST(MagneticSkin, NoiseByAxis) {
     across += from_rest.leftCols(2).squaredNorm() / 4000;
     along += from_rest.col(2).squaredNorm() / 2000;
   }
-  // `quiet` is rounded, too.
+  // `quiet` is rounded as well.
   EXPECT_NEAR(std::sqrt(across), std::sqrt(2.2 * 2.2 + 1.0 / 6), 0.05 * 2.2);
   EXPECT_NEAR(std::sqrt(along), std::sqrt(4.84 * 4.84 + 1.0 / 6), 0.07 * 4.84);
 }

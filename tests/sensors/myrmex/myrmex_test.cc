@@ -12,7 +12,7 @@ namespace {
 
 constexpr double full = 4095.0;
 
-// One taxel without memory.
+// One taxel without neighbours.
 std::unique_ptr<Sensor> cell(const Changes& changes = {}, const std::vector<Named>& parts = {}) {
   Changes all{{"rows", std::int64_t{1}}, {"columns", std::int64_t{1}}};
   all.insert(all.end(), changes.begin(), changes.end());
@@ -21,11 +21,12 @@ std::unique_ptr<Sensor> cell(const Changes& changes = {}, const std::vector<Name
 
 double read(Sensor& sensor, double force) { return static_cast<double>(sensor.measure(pressed(1, force)).values[0]); }
 
-// The force that a cell without contact resistance feels: then 4095 - counts = 4095 f reference/(2 Rs), a straight line.
+// The force felt by a cell without contact resistance, for which 4095 - counts = 4095 f
+// reference/(2 Rs) is linear.
 double felt(Sensor& straight, double force) { return (full - read(straight, force)) / full * 2.0 * 16.96 / 6.03; }
 std::unique_ptr<Sensor> straight_cell() { return cell({{"contact_resistance", 0.0}}); }
 
-// A reading is kept in 24 bits.
+// Readings have 24 bits.
 constexpr double rounding = full * 0x1p-24 * 2.0 * 16.96 / 6.03 / full * 4.0;  // N
 
 TEST(MyrmexPad, StandsUprightRowByRow) {
@@ -61,19 +62,20 @@ TEST(MyrmexCell, RestsAtTheTopAndFallsWithTheForce) {
   EXPECT_EQ(read(*sensor, 0.0), full);
   // R = 2 * 16.96/1 + 0.5 = 34.42 kOhm.
   EXPECT_NEAR(read(*sensor, 1.0), full * (1.0 - 6.03 / 34.42), full * 0x1p-24);
-  // R = reference at F = 2 Rs/(reference - R0) = 33.92/5.53 = 6.134 N: there it ends.
+  // R = reference at F = 2 Rs/(reference - R0) = 33.92/5.53 = 6.134 N: the range ends there.
   EXPECT_GT(read(*sensor, 6.13), 0.0);
   EXPECT_EQ(read(*sensor, 6.14), 0.0);
   EXPECT_EQ(read(*sensor, 60.0), 0.0);
   EXPECT_EQ(sensor->saturated(), 2u);
-  // A tangential force is not felt, nor a pull.
+  // Neither a tangential force nor a pull is felt.
   ContactFrame sheared = pressed(1, -1.0);
   sheared.force(0, 0) = 3.0;
   EXPECT_EQ(sensor->measure(sheared).values[0], 4095.0F);
 }
 
-// Counts of 1,024 that the comparable cell was measured to have (shared SENSORS.md, section 2: bare). The fit of R and the reference that suits it
-// best leave 4.0 % of the range at 2.5 N, less elsewhere; the cell's own unloading differs from its loading by 1.4 to 6.3 %.
+// Measured counts (of 1,024) of the comparable cell (shared SENSORS.md, section 2: bare). The fit
+// of R and the best reference leave an error of 4.0 % of the range at 2.5 N, less elsewhere; the
+// cell's own unloading differs from its loading by 1.4 to 6.3 %.
 TEST(MyrmexCell, FollowsTheMeasuredCurve) {
   const auto sensor = cell({{"hysteresis", 0.0}});
   double worst = 0.0;
@@ -84,7 +86,7 @@ TEST(MyrmexCell, FollowsTheMeasuredCurve) {
   EXPECT_LT(worst, 0.041);
 }
 
-// n taxels that share F evenly miss n 4095 reference/(2 Rs n/F + R0) counts.
+// n taxels that share F evenly lose n 4095 reference/(2 Rs n/F + R0) counts.
 TEST(MyrmexArray, TotalReadingFollowsTheCurve) {
   const auto sensor = array({{"hysteresis", 0.0}});
   for (const double force : {1.0, 5.0, 20.0, 200.0}) {
@@ -100,9 +102,10 @@ TEST(MyrmexMemory, OfALoopHasTheWidthOfItsLaw) {
   for (const double force : {0.1, 0.5, 1.0, most}) {
     EXPECT_NEAR(felt(*sensor, force), (1.0 - h) * force, rounding) << "first loading";
   }
-  // A play of w stands at (1 - w) M until (1 + w) F is below it. At 0.92 M > M (1 - h)/(1 + h) neither moves yet.
+  // A play of w stays at (1 - w) M until (1 + w) F is below it. At 0.92 M > M (1 - h)/(1 + h)
+  // neither moves yet.
   EXPECT_NEAR(felt(*sensor, 0.98 * most), (0.98 + 1.0 - h + 1.0 - 2.0 * h) / 3.0 * most, rounding);
-  // Between M (1 - 2h)/(1 + 2h) = 0.887 M and M (1 - h)/(1 + h) = 0.942 M the first alone.
+  // Between M (1 - 2h)/(1 + 2h) = 0.887 M and M (1 - h)/(1 + h) = 0.942 M only the first moves.
   EXPECT_NEAR(felt(*sensor, 0.91 * most), (0.91 + (1.0 + h) * 0.91 + 1.0 - 2.0 * h) / 3.0 * most, rounding);
   for (const double force : {0.88 * most, 1.0, 0.3}) {
     EXPECT_NEAR(felt(*sensor, force), (1.0 + h) * force, rounding) << "unloading: 2 h F more than in loading";
@@ -111,7 +114,8 @@ TEST(MyrmexMemory, OfALoopHasTheWidthOfItsLaw) {
   EXPECT_NEAR(felt(*sensor, 1.0), (1.0 - h) * 1.0, rounding) << "nor remembered";
 }
 
-// Widest is the loop where the second play begins to follow: 2 h (1 - 2h)/(1 + 2h) of the greatest force, 5.3 %: the measured cells have 3 to 10.
+// The loop is widest where the second play begins to follow: 2 h (1 - 2h)/(1 + 2h) of the greatest
+// force, 5.3 %. Measured cells have 3 to 10 %.
 TEST(MyrmexMemory, IsAsWideAsMeasuredOnes) {
   const auto sensor = straight_cell();
   constexpr double most = 5.0;
@@ -136,7 +140,7 @@ TEST(MyrmexMemory, KnowsTurnsAndNoTime) {
     EXPECT_NEAR(at_once, slowly, rounding) << force;
     for (int k = 0; k < 20; ++k) EXPECT_EQ(felt(*often, force), slowly) << "without creep nothing grows";
   }
-  // An inner loop that comes back to its turn is forgotten (Madelung).
+  // An inner loop that returns to its turning point is forgotten (Madelung).
   const auto plain = straight_cell(), inner = straight_cell();
   for (Sensor* sensor : {plain.get(), inner.get()}) felt(*sensor, 2.0);
   felt(*inner, 1.8);
@@ -157,8 +161,9 @@ TEST(MyrmexMemory, IsAllThatASampleLeaves) {
   }
 }
 
-// Under a step of F at t = 0 the cell feels f (1 + c sum_k (1 - exp(-t/tau_k))), f = (1 - h) F, and from t to 10 t it grows by the share c of f:
-// exp(-t/tau_k) - exp(-10 t/tau_k) over tau of 10 ms to 1000 s leaves exp(-t/1000 s) - exp(-10 t/10 ms), 0.9997 at t = 0.3 s.
+// Under a step of F at t = 0 the cell feels f (1 + c sum_k (1 - exp(-t/tau_k))), f = (1 - h) F, and
+// from t to 10 t it grows by the share c of f: the sum of exp(-t/tau_k) - exp(-10 t/tau_k) over tau
+// of 10 ms to 1000 s is exp(-t/1000 s) - exp(-10 t/10 ms), 0.9997 at t = 0.3 s.
 TEST(MyrmexCreep, GrowsByItsShareADecade) {
   constexpr double creep = 0.1, at_first = 0.97;
   const auto sensor = cell({{"contact_resistance", 0.0}, {"creep", creep}, {"rate", 100.0}});
@@ -174,7 +179,8 @@ TEST(MyrmexCreep, GrowsByItsShareADecade) {
   EXPECT_NEAR((felt_at[2999] - felt_at[299]) / at_first, creep * 0.997, 1e-4) << "3 to 30 s";
 }
 
-// Boltzmann: 30 s of load and then none leave c sum_k (1 - exp(-30 s/tau_k)) exp(-t/tau_k) of f after t, which is forgotten as slowly as it came.
+// Boltzmann: 30 s of load, then none, leave c sum_k (1 - exp(-30 s/tau_k)) exp(-t/tau_k) of f after
+// t, which decays as slowly as it grew.
 TEST(MyrmexCreep, IsForgottenAsSlowlyAsItCame) {
   const auto sensor = cell({{"contact_resistance", 0.0}, {"creep", 0.1}, {"rate", 100.0}});
   for (int k = 0; k < 3000; ++k) felt(*sensor, 1.0);
@@ -204,7 +210,8 @@ TEST(MyrmexElectronics, ConverterRoundsToCounts) {
   EXPECT_EQ(read(*sensor, 1.0), std::nearbyint(full * (1.0 - 6.03 / 34.42)));
 }
 
-// At 1 kHz the image takes 0.526 of a sample: taxel v of 256 lags by 0.526 (255 - v)/256 samples, which is what it misses of a ramp.
+// At 1 kHz the image takes 0.526 of a sample: taxel v of 256 lags by 0.526 (255 - v)/256 samples,
+// which is its error on a ramp.
 TEST(MyrmexElectronics, ScanReadsOneTaxelAfterTheOther) {
   const auto sensor = array({{"contact_resistance", 0.0}, {"hysteresis", 0.0}}, {part("scan")});
   std::vector<float> ramp;
@@ -227,7 +234,8 @@ TEST(MyrmexElectronics, ScanReadsOneTaxelAfterTheOther) {
 }
 
 TEST(MyrmexElectronics, NoiseIsAsTheParameterSays) {
-  // 2,560 draws of 0.1 % of 4,095 counts: standard error of a mean square sqrt(2/2560) = 2.8 %. A float of 4,095 has steps of 0.0002.
+  // 2,560 draws of 0.1 % of 4,095 counts: the mean square has a standard error of sqrt(2/2560) =
+  // 2.8 %. A float of 4,095 has steps of 0.0002.
   double square = 0.0;
   for (std::uint64_t trial = 0; trial < 10; ++trial) {
     const auto sensor = array({{"noise", 0.001}}, {part("white_noise")}, trial);
@@ -238,7 +246,8 @@ TEST(MyrmexElectronics, NoiseIsAsTheParameterSays) {
 }
 
 TEST(MyrmexElectronics, NoiseIsThatOfTheComparableCell) {
-  // 2,560 draws: standard error of a mean square sqrt(2/2560) = 2.8 %. Neighbours know nothing of one another: 1/sqrt(2560).
+  // 2,560 draws: the mean square has a standard error of sqrt(2/2560) = 2.8 %. Neighbours are
+  // independent: 1/sqrt(2560).
   double square = 0.0, product = 0.0;
   for (std::uint64_t trial = 0; trial < 10; ++trial) {
     const auto sensor = array({}, {part("white_noise")}, trial);
@@ -259,10 +268,11 @@ TEST(MyrmexElectronics, SaturationIsCountedOfWhatIsReadAtTheLoadedEndAlone) {
   const auto sensor = array({{"hysteresis", 0.0}}, parts);
   for (int k = 0; k < 10; ++k) sensor->measure(pressed(256, 0.0));
   EXPECT_EQ(sensor->saturated(), 0u) << "at rest half of the noise is cut off at 4095";
-  // 2.5 N a taxel: R = 14.07 kOhm, 2340 counts, 65 sd of the noise from either end.
+  // 2.5 N per taxel: R = 14.07 kOhm, 2340 counts, 65 sd of the noise from either end.
   sensor->measure(pressed(256, 256.0 * 2.5));
   EXPECT_EQ(sensor->saturated(), 0u);
-  // 6.1 N a taxel: R = 6.061 kOhm, 21 counts, where the noise of 36 takes a reading to 0 with probability 0.28: none of 256 with 0.72^256 = 1e-36.
+  // 6.1 N per taxel: R = 6.061 kOhm, 21 counts; noise of 36 counts takes a reading to 0 with
+  // probability 0.28, and none of 256 with 0.72^256 = 1e-36.
   sensor->measure(pressed(256, 256.0 * 6.1));
   EXPECT_EQ(sensor->saturated(), 1u);
 }

@@ -26,7 +26,7 @@ inline std::unique_ptr<Sensor> array(const Changes& changes = {}, const std::vec
   return myrmex_sensor().create(parameters, parts, 7, trial, "pad");
 }
 
-// All taxels under one force [N], each pressed by the same share.
+// All taxels under a total force [N], shared equally.
 inline ContactFrame pressed(std::size_t taxels, double force) {
   ContactFrame truth;
   truth.force.setZero(3, static_cast<Eigen::Index>(taxels));

@@ -1,4 +1,4 @@
-// The nib pad's geometry, its capacitances by closed form, and what its clusters tell apart.
+// The nib pad's geometry, its capacitances by closed form, and the selectivity of its clusters.
 #include <array>
 #include <set>
 
@@ -29,7 +29,8 @@ TEST(NibPad, NibsStandInRowsFromNorthToSouth) {
   }
 }
 
-// 200 devices of 36 nibs: the sd has a relative standard error of 1/sqrt(2*7200) = 0.83 %, the mean one of sd/85; five of each.
+// 200 devices of 36 nibs: the sd has a relative standard error of 1/sqrt(2*7200) = 0.83 %, the mean
+// one of sd/85; five of each are allowed.
 TEST(NibPad, HeightsScatterByDevice) {
   double sum = 0.0, squares = 0.0;
   for (std::uint64_t device = 0; device < 200; ++device) {
@@ -73,12 +74,13 @@ TEST(NibPad, UniformPressureOfOneForceReadsAsThePlateCapacitorSays) {
   for (std::size_t v = 0; v < 36; ++v) EXPECT_EQ(values[v], counts(850.0, 4.0 * change)) << v;
   for (const std::size_t v : {fl, fl + 1}) EXPECT_EQ(values[v], counts(300.0, 36.0 * change));
   for (const std::size_t v : {fr, fr + 1}) EXPECT_EQ(values[v], counts(300.0, 48.0 * change));  // 12 electrodes of 4 nibs
-  // A converter of one bit less has counts of twice the size.
+  // A converter with one bit less has counts of twice the size.
   EXPECT_EQ(image(*make(at_once_and("bits", std::int64_t{12})), contact(0.4))[0],
             std::round(0.85 * 4095.0 + 0.5 * 850.0 * 4.0 * change));
 }
 
-// A tip 0.2 mm to the east tilts the fabric by 0.2/3.65: at 1.1 mm the gap is 60.3 um narrower in the east and wider in the west.
+// A tip 0.2 mm to the east tilts the fabric by 0.2/3.65: at 1.1 mm the gap is 60.3 um narrower in
+// the east, and wider by as much in the west.
 TEST(NibPad, ShearNarrowsTheGapOnTheSideLeanedTo) {
   const double closed = 1.1 * 0.2 / 3.65;
   const std::array<std::array<double, 2>, 4> ways{{{-1, 0}, {0, 1}, {1, 0}, {0, -1}}};  // W, N, E, S
@@ -93,8 +95,9 @@ TEST(NibPad, ShearNarrowsTheGapOnTheSideLeanedTo) {
   }
 }
 
-// 1/gap is convex: the same force on one nib of a taxel reads more than shared by its four. This is what makes a calibration under
-// uniform loads wrong under partial ones; with a linear capacitor there is no difference.
+// 1/gap is convex: a force on one nib of a taxel reads more than the same force shared by its four.
+// This makes a calibration under uniform loads wrong under partial ones; with a linear capacitor
+// there is no difference.
 TEST(NibPad, UnequalNibsReadMoreThanTheirMean) {
   ContactFrame shared = contact(), uneven = contact();
   for (const std::size_t nib : {0, 1, 6, 7}) shared.force(2, nib) = 0.4;  // taxel 0
@@ -103,15 +106,15 @@ TEST(NibPad, UnequalNibsReadMoreThanTheirMean) {
   const double mean = image(*sensor, shared)[0], one = image(*sensor, uneven)[0];
   EXPECT_EQ(mean, counts(850.0, 4.0 * risen(0.4 / 10.4)));
   EXPECT_EQ(one, counts(850.0, risen(1.6 / 10.4)));
-  EXPECT_GT((one - 6962.0) / (mean - 6962.0), 2.0);  // 58.8 over 27.3 counts: (1 - 0.04/0.254)/(1 - 0.16/0.254), about
+  EXPECT_GT((one - 6962.0) / (mean - 6962.0), 2.0);  // 58.8 over 27.3 counts: about (1 - 0.04/0.254)/(1 - 0.16/0.254)
 
   const auto linear = make(at_once_and("capacitor", std::string("linear")));
   EXPECT_EQ(image(*linear, shared)[0], image(*linear, uneven)[0]);
   EXPECT_EQ(image(*linear, shared)[0], counts(850.0, 4.0 * 0.045 * (0.4 / 10.4) / 0.254));
 }
 
-// The fabric's rim, 1.4 mm from the nib's axis, rests on the mask when it has come 0.224 mm down: a tilt of 0.16, 0.584 mm at the tip. What
-// leans further does so above the fabric. In any direction.
+// The fabric's rim, 1.4 mm from the nib's axis, touches the mask after 0.224 mm: a tilt of 0.16,
+// 0.584 mm at the tip. Further lean happens above the fabric. The same holds in any direction.
 TEST(NibPad, FabricRestsOnTheMask) {
   const auto sensor = make(at_once());
   const double landed = 1.1 * 0.224 / 1.4;
@@ -124,8 +127,8 @@ TEST(NibPad, FabricRestsOnTheMask) {
     EXPECT_EQ(diagonal[si(4, west)], counts(850.0, 4.0 * risen(-part)));
   }
   EXPECT_LT(image(*sensor, contact(0.0, 0.58e-3, 0.0))[si(4, east_side)], counts(850.0, 4.0 * risen(landed)));
-  // Pressed flat, at 10.4 N/mm times 0.224 mm = 2.33 N, it tilts no more, and four nibs read 1,142 counts above rest: less than the
-  // 1,229 that are left to full scale.
+  // Pressed flat, at 10.4 N/mm times 0.224 mm = 2.33 N, the fabric no longer tilts, and four nibs
+  // read 1,142 counts above the unloaded reading: less than the 1,229 left to full scale.
   const double flat = counts(850.0, 4.0 * risen(0.224));
   EXPECT_LT(flat, 8191.0);
   for (const double q : {0.0, 0.4e-3}) {
@@ -134,7 +137,8 @@ TEST(NibPad, FabricRestsOnTheMask) {
   }
 }
 
-// The reading of the north cluster when all nibs lean north until the fabric rests, under a total of `grip` [N].
+// Reading of the north cluster when all nibs lean north until the fabric's rim touches, under a
+// total of `grip` [N].
 double pulled_north(double grip) {
   const double u = grip / 36.0 / 10.4;
   return counts(300.0, 36.0 * risen(u + 1.1 * (0.224 - u) / 1.4));
@@ -155,7 +159,8 @@ TEST(NibPad, RotationClustersAreTwelveTangentialElectrodesEach) {
   std::set<std::pair<std::size_t, std::size_t>> ahead, behind;
   for (const Electrode& e : electrodes_of(fr_first)) ahead.emplace(taxel_of(e.nib), static_cast<std::size_t>(e.side));
   for (const Electrode& e : electrodes_of(fr_first + 1)) behind.emplace(taxel_of(e.nib), static_cast<std::size_t>(e.side));
-  // Taxels 0 1 2 / 3 4 5 / 6 7 8 from the north-west: what a counter-clockwise turn moves west in the north, south in the west, ...
+  // Taxels 0 1 2 / 3 4 5 / 6 7 8 from the north-west: a counter-clockwise turn moves nibs west in
+  // the north, south in the west, ...
   using enum Side;
   const std::set<std::pair<std::size_t, std::size_t>> expected{{0, west},       {0, south},     {1, west},       {2, west},
                                                                {2, north_side}, {3, south},     {5, north_side}, {6, south},
@@ -168,7 +173,8 @@ TEST(NibPad, RotationClustersAreTwelveTangentialElectrodesEach) {
   EXPECT_EQ(electrodes_of(fl_first).size(), 36U);
 }
 
-// All nibs dragged by a plate that turns by `angle` counter-clockwise about the pad's middle, pressed with 0.2 N.
+// All nibs under 0.2 N each, dragged by a plate that turns by `angle` counter-clockwise about the
+// pad's middle.
 ContactFrame turned(double angle) {
   ContactFrame frame = contact(0.2);
   for (std::size_t n = 0; n < 36; ++n) {
@@ -179,8 +185,9 @@ ContactFrame turned(double angle) {
   return frame;
 }
 
-// By the square's symmetry fr + is four times what the east taxel's N and the north-east taxel's N and W electrodes read: nibs at 5.7 and
-// 9.5 mm to the east, of which a turn lifts the gap's closing to r angle x/L; those of the corner's W electrode close by r angle y/L.
+// By the square's symmetry fr + is four times the east taxel's N and the north-east taxel's N and W
+// electrodes: nibs at 5.7 and 9.5 mm to the east, where a turn closes the gap by r angle x/L; at
+// the corner's W electrode it closes by r angle y/L.
 TEST(NibPad, RotationShowsInFrAndNotInFl) {
   const double angle = 0.02, u = 0.2 / 10.4;
   const auto rises = [&](double arm) { return risen(u + 1.1 * angle * arm / 3.65); };
@@ -209,8 +216,9 @@ TEST(NibPad, TranslationShowsInFlAlongItAndNotInFr) {
   EXPECT_EQ(eastwards[fr], eastwards[fr + 1]);
 }
 
-// Figure 6 of the paper: a hex wrench of 31 g, here along one row of nibs, 50.7 mN each. Of a taxel's 16 gaps eight narrow by 4.9 um: its
-// sum rises by 6.0 counts, where the noise of a sum of four after a mean of five is 1.5 sqrt(4/5) = 1.3 counts.
+// Figure 6 of the paper: a hex wrench of 31 g, here along one row of nibs, 50.7 mN each. Eight of a
+// taxel's 16 gaps narrow by 4.9 um: its sum rises by 6.0 counts, while the noise of a sum of four
+// after a mean of five is 1.5 sqrt(4/5) = 1.3 counts.
 TEST(NibPad, FeelsAHexWrench) {
   const double load = 0.031 * 9.81 / 6.0;
   ContactFrame wrench = contact();
@@ -232,7 +240,7 @@ TEST(NibPad, MaskNeedsRoomBelowTheFabric) {
               AllOf(HasSubstr("sensors.pad.mask_gap"), HasSubstr("0.3 mm"), HasSubstr("254 um")));
 }
 
-// The paper's criterion: the pull has moved the object by 2 mm, of which the nib's lean is a part.
+// The paper's criterion: the pull has moved the object by 2 mm, including the nib's lean.
 TEST(PaperLabel, CountsNibsOverWhichTheObjectHasMovedTwoMillimetres) {
   const auto sensor = make();
   ContactFrame truth = contact();

@@ -1,4 +1,4 @@
-// A nib pad at its defaults or with some changed, and contacts to show it.
+// A nib pad with default or changed parameters, and contacts for it.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@ inline std::unique_ptr<Sensor> make(const Changes& changes = {}, std::uint64_t t
   return nib_pad_sensor().create(parameters, {}, 7, trial, "pad");
 }
 
-// All read at one instant, unaveraged: what a closed form of one contact gives.
+// All values read at one instant without averaging, as in the closed forms.
 inline Changes at_once() { return {{"scan", std::string("simultaneous")}, {"average", std::int64_t{1}}}; }
 inline Changes at_once_and(const std::string& name, const Parameters::Value& value) {
   Changes changes = at_once();
@@ -42,11 +42,11 @@ inline ContactFrame contact(double force = 0.0, double qx = 0.0, double qy = 0.0
   return frame;
 }
 
-// Where nib n is [m].
+// Position of nib n [m].
 inline double east(std::size_t n) { return (static_cast<double>(n % 6) - 2.5) * 3.8e-3; }
 inline double north(std::size_t n) { return (2.5 - static_cast<double>(n / 6)) * 3.8e-3; }
 
-// The frame once an image of si is complete under a contact that stands still.
+// The frame after a complete image of si under a constant contact.
 inline std::vector<float> image(Sensor& sensor, const ContactFrame& truth) {
   std::vector<float> values;
   for (std::size_t k = 0; k < 9 * sensor.scans(); ++k) {
@@ -56,10 +56,12 @@ inline std::vector<float> image(Sensor& sensor, const ContactFrame& truth) {
   return values;
 }
 
-// Counts of a value at 13 bit whose capacitance has risen by `change` [pF]: 85 % of 8191 at rest.
+// Counts at 13 bit of a value whose capacitance has risen by `change` [pF]: 85 % of 8191 without
+// load.
 inline double counts(double per_picofarad, double change) { return std::round(0.85 * 8191.0 + per_picofarad * change); }
 
-// Capacitance of one electrode of one nib [pF] over a gap narrowed by `closed` [mm], less that at rest.
+// Increase of one nib's electrode capacitance [pF] over its unloaded value, for a gap narrowed by
+// `closed` [mm].
 inline double risen(double closed) { return 0.045 * (0.254 / (0.254 - closed) - 1.0); }
 
 enum Side : std::size_t { west, north_side, east_side, south };

@@ -1,4 +1,5 @@
-// The multiplexed scan: which value is read when, how si is averaged, and what a sensor carries from one reading to the next.
+// The multiplexed scan: the instant of each reading, the average of si, and the state carried
+// between readings.
 #include <algorithm>
 #include <functional>
 
@@ -11,7 +12,7 @@ namespace {
 
 constexpr double scan_time = 1.0 / 2400.0;
 
-// The frame after `readings` readings from t = 0 on of a contact that changes with time.
+// The frame after `readings` readings from t = 0 of a contact that changes with time.
 std::vector<float> after(Sensor& sensor, std::size_t readings, const std::function<ContactFrame(double)>& truth) {
   std::vector<float> values;
   for (std::size_t k = 0; k < readings; ++k) {
@@ -23,7 +24,7 @@ std::vector<float> after(Sensor& sensor, std::size_t readings, const std::functi
   return values;
 }
 
-// 20 N/s on every nib: a reading at t shows the gap of 20 t N.
+// 20 N/s on every nib: a reading at t shows the gap under 20 t N.
 double pressed(double t) { return 20.0 * t / 10.4; }
 ContactFrame ramp(double t) { return contact(20.0 * t); }
 
@@ -45,7 +46,7 @@ TEST(NibPadScan, EachValueIsReadAtItsOwnInstant) {
   }
 }
 
-// What the skew does: under a force that only presses, the first cluster reads less than the second.
+// Effect of the skew: under growing pressure the first cluster reads less than the second.
 TEST(NibPadScan, SkewLooksLikeShear) {
   const auto values = after(*make(), 80, ramp);
   EXPECT_LT(values[fl], values[fl + 1]);
@@ -54,7 +55,8 @@ TEST(NibPadScan, SkewLooksLikeShear) {
 }
 
 TEST(NibPadScan, ChannelsSayHowOldTheirValuesAre) {
-  // From the last reading back: fl by 7 and 6 readings; fr by 5 and 4; si from 67 (taxel 0, W) to 0 (taxel 8, S).
+  // Ages in readings before the last one: fl 7 and 6; fr 5 and 4; si from 67 (taxel 0, W) to 0
+  // (taxel 8, S).
   const auto multiplexed = make();
   EXPECT_NEAR(multiplexed->channels()[1].age, 6.5 * scan_time, 1e-15);
   EXPECT_NEAR(multiplexed->channels()[2].age, 4.5 * scan_time, 1e-15);
@@ -76,8 +78,8 @@ TEST(NibPadScan, SimultaneousImageIsThatOfTheNinthSample) {
   }
 }
 
-// A step of the force before the second image: after n images with it the mean of five is n/5 of the way, and while there are fewer than
-// five it is that of those there are.
+// A step of the force before the second image: after n images with the force the mean of five has
+// covered n/5 of the step. With fewer than five images it is their mean.
 TEST(NibPadScan, SiIsTheMeanOfTheLastFiveImages) {
   const double pressed_counts = counts(850.0, 4.0 * risen(0.4 / 10.4));
   const auto sensor = make();
@@ -100,7 +102,8 @@ TEST(NibPadScan, FrameChangesWhenItsSampleIsComplete) {
   EXPECT_EQ(frame.values[si(1, west)], 6962.0F);
 }
 
-// Carried over to another sensor in the middle of a sample, in the middle of an image, with some of the five read.
+// The state is moved to another sensor in the middle of a sample and an image, with fewer than five
+// images read.
 TEST(NibPadScan, MemoryIsAllThatIsCarried) {
   const auto one = make(), other = make();
   const auto push = [](double t) { return contact(5.0 * t, 1e-3 * t, -2e-3 * t); };
@@ -116,9 +119,10 @@ TEST(NibPadScan, MemoryIsAllThatIsCarried) {
   }
 }
 
-// Typical noise before rounding: white, sd 1.5 counts for si and 1.2 for clusters; rounding adds 1/12. Over 4,500 samples of two clusters,
-// and 500 images of 36 values: relative standard errors of an sd are 1/sqrt(2 n) = 0.75 % and 0.53 %, of a correlation from one reading to
-// the next 1/sqrt(n) = 1.1 % and 0.75 %; five of each.
+// Typical noise before rounding: white, sd 1.5 counts for si and 1.2 for clusters; rounding adds
+// 1/12. Over 4,500 samples of two clusters and 500 images of 36 values the relative standard errors
+// of an sd are 1/sqrt(2 n) = 0.75 % and 0.53 %, those of a correlation between successive readings
+// 1/sqrt(n) = 1.1 % and 0.75 %; five of each are allowed.
 TEST(NibPadScan, NoiseIsWhiteAndOfItsSize) {
   std::vector<Named> parts;
   for (const Entry& entry : nib_pad_sensor().electronics) {

@@ -1,4 +1,4 @@
-// Sensors of one's own inside whole trials: a library, and the PapillArray told in three ways.
+// Custom sensors in whole trials: a library, and the PapillArray defined in three ways.
 #include <cmath>
 #include <fstream>
 #include <vector>
@@ -36,7 +36,8 @@ std::string outcome(const std::string& sensor) {
   return at == std::string::npos ? said : said.replace(at, name.size(), "IT");
 }
 
-// Nine pillars in columns from +Y to -Y, each from +X to -X, 7 mm apart; those at the edges 0.2 mm shorter, at the corners 0.45 mm.
+// Nine pillars in columns from +Y to -Y, each from +X to -X, 7 mm apart; those at the edges 0.2 mm
+// shorter, at the corners 0.45 mm.
 const std::string nine_taxels =
     "type: taxels, rate: 1 kHz, k_normal: 7.1 N/mm, k_tangential: 3.9 N/mm, channels: {force: force}, places: ["
     "[7 mm, 7 mm, 0.45 mm], [0, 7 mm, 0.2 mm], [-7 mm, 7 mm, 0.45 mm], [7 mm, 0, 0.2 mm], [0, 0], [-7 mm, 0, 0.2 mm], "
@@ -60,7 +61,8 @@ TEST(OwnSensor, APapillArrayIsTheSameAsTaxelsAndAsALibrary) {
   }
 }
 
-// Noise of a library is uniform in +-0.1 N here: sd 0.1/sqrt(3), to 2 % with 27,000 draws, and another one in another trial.
+// The library's noise is uniform in +-0.1 N here: sd 0.1/sqrt(3), to 2 % with 27,000 draws, and
+// different in another trial.
 TEST(OwnSensor, DrawsAsTrialAndSeedSay) {
   const std::string pillars = "type: plugin, library: " + plugins + "/nine_pillars.so";
   const std::string noisy = pillars + ", parameters: {noise: 100 mN}";
@@ -101,7 +103,8 @@ TEST(OwnSensor, ThatCastsConstAwayChangesNoLabel) {
   EXPECT_EQ(truth("writes"), truth("none"));
 }
 
-// wrong.cc is a part of this program as well: as a bundled sensor it says and fails the same, under the scene's type.
+// wrong.cc is also built into this program: as a bundled sensor it gives the same values and
+// errors, under the scene's type.
 TEST(OwnSensor, OfTheProgramItselfIsCheckedAsALibrary) {
   static constexpr slipbench_note note{"What goes wrong.", "the test's", 0.0, 0.0,
                                        "none|refuses|rate|bare|soft|gap|mute|empty|times|nan|throws"};
@@ -122,7 +125,8 @@ TEST(OwnSensor, OfTheProgramItselfIsCheckedAsALibrary) {
   EXPECT_THAT(outcome("type: faulty, fault: nun"), mentions({"nun", "nan"}));
 }
 
-// Of four trials two run; the others fail, one with the line of the scene and one whose process crashes.
+// Two of four trials run; the others fail: one with an error at a line of the scene, one with a
+// crashed process.
 TEST(OwnSensor, EndsItsOwnTrialOnly) {
   const std::string scene = testing::TempDir() + "own_faults.yaml", data = testing::TempDir() + "own_faults.h5";
   std::ofstream(scene) << stage(wrong("none"), "sweep: {sensors.pad.parameters.fault: [none, nan, crashes, none]}\n").text();

@@ -1,4 +1,5 @@
-// The patch: its contact, its charge amplifier against closed forms, its electronics, and the paper's label.
+// The patch: its contact, its charge amplifier against closed forms, its electronics, and the
+// paper's label.
 #include "sensors/piezo_skin/piezo_skin.h"
 
 #include <algorithm>
@@ -29,7 +30,7 @@ std::unique_ptr<Sensor> skin(const Changes& changes = {}, bool typical = false, 
   return piezo_skin_sensor().create(parameters, parts, 7, trial, "pad");
 }
 
-// One unit that sticks under this force [N], on a stage at x [m].
+// One sticking unit under this force [N], on a stage at x [m].
 ContactFrame contact(const Eigen::Array3d& force, double x = 0.0) {
   ContactFrame truth;
   truth.force = force;
@@ -59,8 +60,10 @@ TEST(PiezoSkinPad, SharesItsStiffnessEquallyOnTheDisc) {
 }
 
 TEST(PiezoSkinPad, CarriesTheForceOfAnElasticFoundation) {
-  // R = 100 mm, a = 5 mm: from the deepest point to the rim a^2/2R = 125 um, the mean half of it above the deepest. Pressed by d below the mean,
-  // all touch from d = 62.5 um on and carry k d; by less a disc of r^2 = 2R (d + 62.5 um) touches and carries (k/2)(d + 62.5 um)^2/125 um.
+  // R = 100 mm, a = 5 mm: from the deepest point to the rim a^2/2R = 125 um; the mean is half of
+  // that above the deepest point. Pressed by d below the mean, all elements touch from d = 62.5 um
+  // on and carry k d; for smaller d a disc of r^2 = 2R (d + 62.5 um) touches and carries (k/2)(d +
+  // 62.5 um)^2/125 um.
   const auto sensor = skin({{"elements", std::int64_t{1000}}, {"tip_radius", 0.1}});
   const auto force = [&](double depth) {
     double sum = 0.0;
@@ -70,12 +73,13 @@ TEST(PiezoSkinPad, CarriesTheForceOfAnElasticFoundation) {
   EXPECT_NEAR(force(62.5e-6), 20e3 * 62.5e-6, 1e-9);
   EXPECT_NEAR(force(0.25e-3), 5.0, 1e-9);
   EXPECT_NEAR(force(0.5e-3), 10.0, 1e-9);
-  // The sum over n rings of equal area misses the integral by less than k 125 um/(8 n^2).
+  // The sum over n rings of equal area differs from the integral by less than k 125 um/(8 n^2).
   EXPECT_NEAR(force(0.0), 0.5 * 20e3 * 62.5e-6 * 62.5e-6 / 125e-6, 20e3 * 125e-6 / 8e6);
 }
 
 TEST(BandPass, OfAStepDecaysByItsCorner) {
-  // x rises by 1 straight over one sample, then stands: y = (1 - E)/a at the end of the rise, and decays by E a sample.
+  // x rises by 1 linearly over one sample, then is constant: y = (1 - E)/a at the end of the rise,
+  // and decays by E per sample.
   std::array<double, BandPass::memory_size> memory{};
   BandPass amplifier(3.0, inf, 1e4, memory);
   const double a = 2.0 * pi * 3.0 / 1e4;
@@ -85,7 +89,8 @@ TEST(BandPass, OfAStepDecaysByItsCorner) {
   }
 }
 
-// A ramp of 1/s gives (1 - exp(-w t))/w, at any rate of the samples: in the end the rate of the force over w.
+// A ramp of 1/s gives (1 - exp(-w t))/w at any sampling rate: in the end the rate of the force over
+// w.
 TEST(BandPass, OfARampTellsTheRate) {
   for (const double rate : {200.0, 10e3}) {
     std::array<double, BandPass::memory_size> memory{};
@@ -99,7 +104,8 @@ TEST(BandPass, OfARampTellsTheRate) {
 }
 
 TEST(BandPass, AntiAliasingIsALowPass) {
-  // With a corner next to nothing the high-pass lets the ramp pass, and the low-pass makes t - (1 - exp(-w t))/w of it.
+  // With a corner near 0 the high-pass passes the ramp, and the low-pass turns it into t - (1 -
+  // exp(-w t))/w.
   std::array<double, BandPass::memory_size> memory{};
   BandPass amplifier(1e-9, 100.0, 1e4, memory);
   const double w = 2.0 * pi * 100.0;
@@ -132,15 +138,18 @@ TEST(PiezoSkin, TypicalElectronicsAreNoiseOfSeventyCountsInWholeCounts) {
     sum += y / n;
     square += y * y / n;
   }
-  // 35 mN of 2,000 counts/N: variance 70^2 + 1/12 counts^2; standard error of an sd 1/sqrt(2n) = 0.5 %, of a mean 70/sqrt(n) = 0.49 counts.
+  // 35 mN at 2,000 counts/N: variance 70^2 + 1/12 counts^2; standard error of an sd 1/sqrt(2n) =
+  // 0.5 %, of a mean 70/sqrt(n) = 0.49 counts.
   EXPECT_NEAR(std::sqrt(square - sum * sum) / std::sqrt(4900.0 + 1.0 / 12.0), 1.0, 5.0 * std::sqrt(0.5 / n));
   EXPECT_LE(std::abs(sum), 5.0 * std::hypot(3.0, 0.49)) << "the offset has an sd of 3 counts";
 }
 
 TEST(PiezoSkin, CountsWhatLiesBeyondItsConverter) {
-  // A step of 20 N is 40,000 (1 - E)/a = 39,962 counts, a = 2 pi 3/10,000, and falls by E = exp(-a) a sample: above 32,767.5 for
-  // ln(39,962/32,767.5)/a = 105.3 more, 106 in all. There it falls by 62 counts a sample and the noise has an sd of 70: whether each of the samples
-  // around the end is beyond it is a draw p (1 - p), over all of which the sum is 70/62/sqrt(pi) = 0.64, an sd of 0.80. The offset shifts by 3/62.
+  // A step of 20 N is 40,000 (1 - E)/a = 39,962 counts, a = 2 pi 3/10,000, and falls by E = exp(-a)
+  // per sample: it stays above 32,767.5 for ln(39,962/32,767.5)/a = 105.3 more samples, 106 in all.
+  // There it falls by 62 counts per sample with a noise of sd 70: each sample near the end
+  // saturates with a probability p, so its variance is p (1 - p); their sum is 70/62/sqrt(pi) =
+  // 0.64, an sd of 0.80. The offset shifts the end by 3/62.
   const auto sensor = skin({}, true);
   read(*sensor, contact({0.0, 0.0, 0.0}));
   for (int i = 0; i < 200; ++i) read(*sensor, contact({0.0, 0.0, 20.0}));
@@ -164,8 +173,10 @@ TEST(PiezoSkin, GoesOnFromItsMemory) {
 }
 
 TEST(PaperLabelOfTheSkin, IsThatOfAPositionSensorAtAHundredHertz) {
-  // The stage stands for 25 ms, moves at 1.8 mm/s and stops at 55 ms. Read at 0, 10, 20 ms ..., it has moved by 9 um at 30 ms, which is not more
-  // than 10 um, by 18 um more at 40 and at 50 ms, and by the last 9 um at 60 ms. So slip is told from 40 to 60 ms, while the truth is 25 to 55 ms.
+  // The stage rests for 25 ms, moves at 1.8 mm/s and stops at 55 ms. Read at 0, 10, 20 ms ..., it
+  // has moved by 9 um at 30 ms, which is not more than 10 um, by another 18 um at 40 and at 50 ms,
+  // and by the last 9 um at 60 ms. So slip is reported from 40 to 60 ms, while it happens from 25
+  // to 55 ms.
   const auto sensor = skin();
   for (int k = 0; k < 1000; ++k) {
     const double t = k * 1e-4;

@@ -25,14 +25,15 @@ std::unique_ptr<Sensor> taxels(std::int64_t rows, std::int64_t columns, double p
 }
 
 const double none = std::nan("");
-// At x = i mm, flat, with the stiffness of all.
+// Taxel i at x = i mm, flat, with the default stiffness.
 NumberTable in_a_row(std::size_t count) {
   NumberTable places;
   for (std::size_t i = 0; i < count; ++i)
     places.rows.push_back({1e-3 * static_cast<double>(i), 0.0, none, none, none, none, none, none});
   return places;
 }
-// What a sensor reads of these forces, of taxels whose elements are pressed in by 0.1 mm and sheared by 0.02 mm along x.
+// Readings of a sensor under these forces, with elements pressed in by 0.1 mm and sheared by 0.02
+// mm along x.
 std::vector<float> read(Sensor& sensor, const std::vector<Eigen::Array3d>& forces, double time = 0.0) {
   ContactFrame truth;
   truth.time = time;
@@ -54,7 +55,7 @@ Pose at(double x, double z) {
   return pose;
 }
 
-// Steps to the pose and reads: force and displacement of taxel i, three values each.
+// Steps to the pose and reads. Force and displacement of taxel i, three values each.
 struct Reading {
   const SensorFrame& frame;
   std::size_t taxels;
@@ -71,7 +72,7 @@ Reading read(Sensor& sensor, Field& field, std::initializer_list<Pose> way) {
   return {sensor.measure(labels.frame()), field.size()};
 }
 
-// Next to half a turn, too, it is a rotation, and its z is against the axis.
+// The frame is a rotation even near half a turn, with its z against the axis.
 TEST(ElementFrame, LooksAgainstItsAxis) {
   for (const double aside : {0.0, 3e-8, 1e-6, 0.03, 1.0}) {
     const Eigen::Vector3d axis = Eigen::Vector3d(aside, 0.5 * aside, 1.0).normalized();
@@ -91,7 +92,8 @@ TEST(Taxels, StandInRowsFromTheTopLeft) {
   EXPECT_EQ(sensor->channels()[1].channel_names[5], "T1_DZ");
 }
 
-// Springs of 1,000 and 500 N/m, pressed by 0.1 mm and dragged by 0.02 mm, below mu f_n = 0.1 N: 0.1 N and 0.01 N against the drag.
+// Springs of 1,000 and 500 N/m, pressed by 0.1 mm and dragged by 0.02 mm, below mu f_n = 0.1 N: 0.1
+// N and 0.01 N against the drag.
 TEST(Taxels, ReadForceAndDisplacementOfSprings) {
   const auto sensor = taxels(4, 4, 4e-3);
   Field field(sensor->layout(), Plane{}, {1.0, 1.0});
@@ -104,9 +106,10 @@ TEST(Taxels, ReadForceAndDisplacementOfSprings) {
   }
 }
 
-// A small sphere under the middle of a half-space: at r the surface sinks by N/(4 pi G r) (Boussinesq), and under a small push T by
-// T/(2 pi G r) along it ahead, T/(4 pi G r) beside (Cerruti). A load spread over the contact, with squares of x and y of a^2/2 in the mean at most,
-// makes that up to 3/4 (a/r)^2 more, 0.75 % at r = 10 a.
+// A small sphere under the middle of a half-space: at r the surface sinks by N/(4 pi G r)
+// (Boussinesq), and under a small push T it moves by T/(2 pi G r) along the push ahead, T/(4 pi G
+// r) beside (Cerruti). A load spread over the contact, with mean squares of x and y of at most
+// a^2/2, increases that by up to 3/4 (a/r)^2, 0.75 % at r = 10 a.
 TEST(Taxels, ReadHowASkinMovesWhereNothingTouchesIt) {
   constexpr double pitch = 0.2e-3, radius = 20e-3, depth = 0.008e-3, g = 1e5;  // a = 0.4 mm
   const auto sensor = taxels(41, 41, pitch);
@@ -136,13 +139,14 @@ TEST(Taxels, StandWhereTheSceneSays) {
   EXPECT_EQ(layout.elements[4].axis, Eigen::Vector3d(0.0, 0.0, -1.0));
   EXPECT_DOUBLE_EQ(layout.elements[3].k_normal, 500.0);      // a quarter of its own
   EXPECT_DOUBLE_EQ(layout.elements[4].k_tangential, 125.0);  // of the 500 N/m of all
-  // A face of 4 mm has its four points 1 mm beside its middle, the turned one along (0, 0.8, -0.6).
+  // A face of 4 mm has its four points 1 mm from its middle, the tilted one along (0, 0.8, -0.6).
   EXPECT_TRUE(layout.elements[4].tip.isApprox(Eigen::Vector3d(-1e-3, -1e-3, 0.0)));
   EXPECT_TRUE(layout.elements[3].tip.isApprox(Eigen::Vector3d(2e-3, 2.8e-3, 2.4e-3)));
 }
 
-// A taxel that looks along (-0.6, 0, -0.8) has z = (0.6, 0, 0.8), x = (0.8, 0, -0.6), y as the pad: of (1, 2, 3) N it reads 0.6 + 2.4 = 3 N along z,
-// 0.8 - 1.8 = -1 N and 2 N of shear, and over 4 mm by 4 mm 187.5 kPa. Pressed in by 0.1 mm it has moved by 0.1 mm against its direction.
+// A taxel with direction (-0.6, 0, -0.8) has z = (0.6, 0, 0.8), x = (0.8, 0, -0.6), y as the pad.
+// For (1, 2, 3) N it reads 0.6 + 2.4 = 3 N along z, 0.8 - 1.8 = -1 N and 2 N of shear, and over 4
+// mm by 4 mm 187.5 kPa. Pressed in by 0.1 mm it has moved by 0.1 mm against its direction.
 TEST(Taxels, ReadInTheirOwnFrames) {
   NumberTable places{"", {{0.0, 0.0, 0.0, -3.0, 0.0, -4.0, none, none}}};
   const auto sensor =
@@ -157,8 +161,8 @@ TEST(Taxels, ReadInTheirOwnFrames) {
   EXPECT_EQ(sensor->channels()[1].channel_names, (std::vector<std::string>{"T0_SX", "T0_SY"}));
 }
 
-// Signals (2 z_0 + x_1, z_1 - z_0) = (2.5, 2) N; the curve through (0, 0), (2, 10), (4, 40) makes that 10 + 0.5*15 = 17.5 and 10. At -1 the first stretch
-// goes on: -5.
+// Signals (2 z_0 + x_1, z_1 - z_0) = (2.5, 2) N; the curve through (0, 0), (2, 10), (4, 40) turns
+// them into 10 + 0.5*15 = 17.5 and 10. At -1 the first segment is extended: -5.
 TEST(Taxels, SignalsGoThroughMatrixAndCurve) {
   NumberTable matrix{"", {{0.0, 0.0, 2.0, 1.0, 0.0, 0.0}, {0.0, 0.0, -1.0, 0.0, 0.0, 1.0}}},
       curve{"", {{0.0, 0.0}, {2.0, 10.0}, {4.0, 40.0}}};
@@ -171,7 +175,8 @@ TEST(Taxels, SignalsGoThroughMatrixAndCurve) {
   EXPECT_THAT(read(*plain, {{9.0, 9.0, -1.0}, {9.0, 9.0, 3.0}}), ElementsAre(-5.0F, 25.0F));
 }
 
-// 8 bits over -10 to 10 N are steps of 20/255 N: 2.01 N is code 153.1 and so 2 N; 12 N saturates at 10 N, -12 N at -10 N.
+// 8 bits over -10 to 10 N are steps of 20/255 N: 2.01 N is code 153.1 and reads 2 N; 12 N saturates
+// at 10 N, -12 N at -10 N.
 TEST(Taxels, SaturateAtTheEndsOfTheConverter) {
   Parameters bits;
   bits.set("bits", std::int64_t{8});
@@ -184,7 +189,8 @@ TEST(Taxels, SaturateAtTheEndsOfTheConverter) {
   EXPECT_EQ(sensor->saturated(), 1U);
 }
 
-// A force that grows by 1 N a sample, and a scan that takes all of it: taxel number k of N in the scan is read (N - 1 - k)/N of a sample earlier.
+// A force that grows by 1 N per sample, and a scan that takes the whole sample: taxel k of N in the
+// scan is read (N - 1 - k)/N of a sample earlier.
 TEST(Taxels, AreReadInTheOrderOfTheScan) {
   Parameters scan;
   scan.set("duration", 0.01);
