@@ -1,4 +1,4 @@
-// What holds for every controller of the catalogue.
+// Requirements on every controller of the catalogue.
 
 #include <cmath>
 #include <limits>
@@ -10,14 +10,15 @@
 namespace slipbench::controllers {
 namespace {
 
-// All controllers that read a PapillArray's forces. That of a user's library, and reorient, which reads a nib pad, have tests of their own.
+// All controllers that read a PapillArray's forces. The user's library and reorient, which reads a
+// nib pad, have tests of their own.
 std::vector<ControllerKind> built_in() {
   std::vector<ControllerKind> kinds = controller_catalogue();
   std::erase_if(kinds, [](const ControllerKind& kind) { return kind.about.name == "plugin" || kind.about.name == "reorient"; });
   return kinds;
 }
 
-// The message that the declaration of `controller`.`key` has for `text`.
+// The error that the declaration of `controller`.`key` gives for `text`.
 std::string refused_value(const std::string& controller, const std::string& key, const std::string& text) {
   return refusal_of<std::invalid_argument>([&] { (void)named(controller, {{key, text}}); });
 }
@@ -61,7 +62,7 @@ TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
   }
 }
 
-// The channel of forces need not be the first.
+// The channel of forces is not always the first.
 TEST(Controllers, FindTheForcesInTheFrame) {
   const std::vector<Channel> channels{{"temperature", "K", {2}, {}}, {"force", "N", {1, 3}, {}}};
   const std::vector<float> values{300.0F, 301.0F, 0.0F, 0.0F, 3.9F};
@@ -98,7 +99,7 @@ TEST(Controllers, CommandTheSameForTheSameInputs) {
   for (const ControllerKind& kind : built_in()) {
     const auto one = make(kind.about.name);
     const auto other = make(kind.about.name);
-    const auto between = make(kind.about.name);  // nothing is shared between instances
+    const auto between = make(kind.about.name);  // instances share nothing
     for (int tick = 0; tick < 200; ++tick) {
       const PillarFrame frame = PillarFrame::of_forces(5.0 + 4.0 * std::sin(0.7 * tick), 1.0 + std::sin(0.3 * tick));
       const ControlInput input = input_of(frame, 40 + tick % 5, tick % 7 == 0 ? PadState::gross : PadState::non_slip, tick);

@@ -40,7 +40,7 @@ TEST(ForcePid, LetsTheDeadBandBe) {
   EXPECT_EQ(command_at(*controller, 5.0, 50, 4), 50);
 }
 
-// A stalled motor: F = 0 for 20 s adds no more than the lead, and the first excess takes a count off:
+// A stalled motor: F = 0 for 20 s adds no more than the lead, and the first excess removes a count:
 // -0.1 * 8 N - 4 N * 20/150 = -1.33 N, -0.83 counts.
 TEST(ForcePid, DoesNotWindUp) {
   const auto controller = make("force_pid");
@@ -60,8 +60,8 @@ TEST(ForcePid, KeepsWithinTheRegister) {
   EXPECT_EQ(command_at(*opening, 50.0, 1, 100), 0);
 }
 
-// A motor that moves at once 50 ms after the write: the update k + 3 reads what the update k commands. Counts of 10 mN, so that rounding
-// is small beside the error of 50 counts it starts with.
+// A motor that moves instantly 50 ms after the write: the update k + 3 reads the command of update
+// k. Counts of 10 mN make rounding small compared with the initial error of 50 counts.
 struct FineLoop {
   double last_error;  // counts, largest of the last 50 of 600 updates
   double overshoot;   // counts
@@ -90,22 +90,23 @@ FineLoop fine_loop(double integral_gain) {
   return result;
 }
 
-// z^3 - z^2 + k = 0 has its roots inside the unit circle for k < 2 sin(pi/10) = 0.618. At 0.55 the slowest is 0.972 (0.972^550 = 2e-7),
-// so that only rounding is left; at 0.68 it grows by 1.022 an update, to the ends of what the position and the force can be.
+// z^3 - z^2 + k = 0 has its roots inside the unit circle for k < 2 sin(pi/10) = 0.618. At 0.55 the
+// slowest is 0.972 (0.972^550 = 2e-7), so that only rounding is left; at 0.68 it grows by 1.022 per
+// update, to the limits of position and force.
 TEST(ForcePid, IsStableUpToTheGainOfItsDelay) {
   EXPECT_LE(fine_loop(0.55).last_error, 3.0);
   EXPECT_GE(fine_loop(0.68).last_error, 50.0);
 }
 
-// A double root at z = 2/3 for k = 4/27 = 0.148: no overshoot but for rounding to a count. At 0.3 the pair of roots has
-// |z| = 0.79 and overshoots.
+// A double root at z = 2/3 for k = 4/27 = 0.148: no overshoot except rounding to a count. At 0.3
+// the pair of roots has |z| = 0.79 and overshoots.
 TEST(ForcePid, DoesNotOvershootBelowTheDoubleRoot) {
   EXPECT_LE(fine_loop(0.147).overshoot, 1.0);
   EXPECT_GE(fine_loop(0.3).overshoot, 5.0);
 }
 
-// The real loop: whole counts, 19 ms for each, 60 ms until they are seen. Wherever the contact and however soft the fingers, the defaults
-// come to rest within the dead band, and never beyond it.
+// The real loop: whole counts, 19 ms each, visible after 60 ms. For any contact position and finger
+// stiffness the defaults settle within the dead band, and never exceed it.
 TEST(ForcePid, ComesToRestOnWholeCounts) {
   for (const double per_count : {0.4, 0.8, 1.2, 1.6}) {
     for (const double preset : {2.0, 3.3, 4.0, 7.9, 12.0}) {
@@ -127,8 +128,9 @@ TEST(ForcePid, ComesToRestOnWholeCounts) {
   }
 }
 
-// 3 N on the pad, believed mu 0.5, margin 0.8: 3/(0.5 * 0.8) = 7.5 N, for which 1.2 N counts give 8.4 N. Without load: the preset, 4.8 N,
-// which holds the load meanwhile, as the real mu is 0.8.
+// 3 N on the pad, assumed mu 0.5, margin 0.8: 3/(0.5 * 0.8) = 7.5 N, for which counts of 1.2 N give
+// 8.4 N. Without load the target is the preset, 4.8 N, which holds the load in the meantime because
+// the real mu is 0.8.
 TEST(ForceRatio, GripsInProportionToTheLoad) {
   ToyPlant plant;
   plant.load = 6.0;
@@ -141,7 +143,8 @@ TEST(ForceRatio, GripsInProportionToTheLoad) {
   EXPECT_DOUBLE_EQ(plant.grip(), 7 * 1.2);
 }
 
-// Counts of 0.4 N that are taken for 1.6 N: ceil((4 - F)/1.6) counts at a time, 0 + 3, 3 + 2, and then ones up to 10 of them.
+// Counts of 0.4 N that the controller takes for 1.6 N: ceil((4 - F)/1.6) counts at a time, 0 + 3, 3
+// + 2, then single ones up to 10.
 TEST(ForceRatio, ReachesTheTargetFromBelowWhereACountIsWorthLess) {
   ToyPlant plant;
   plant.per_count = 0.4;
@@ -149,7 +152,8 @@ TEST(ForceRatio, ReachesTheTargetFromBelowWhereACountIsWorthLess) {
   EXPECT_EQ(plant.position, 20);
 }
 
-// Beyond what the friction carries the load that is felt is mu F = 0.3 F, for which 0.3 F/(0.5 * 0.8) = 0.75 F would do.
+// Beyond the friction limit the measured load is mu F = 0.3 F, for which 0.3 F/(0.5 * 0.8) = 0.75 F
+// would suffice.
 TEST(ForceRatio, DropsTheBoxWhenItBelievesInTooMuchFriction) {
   ToyPlant plant;
   plant.load = 6.0;
@@ -160,9 +164,10 @@ TEST(ForceRatio, DropsTheBoxWhenItBelievesInTooMuchFriction) {
   EXPECT_DOUBLE_EQ(plant.grip(), 4.8);
 }
 
-// Seven pillars of 1 N and 0.1 N, one of 0.5 N and 0.3 N, one of 0.04 N and 0.04 N, which does not count as touching.
-// largest: F = 7.54 N, ratio 0.6, target 7.54 * 0.6/0.4 = 11.31 N: ceil(3.77/1.6) = 3 counts.
-// sum: 1.04 N, target 1.04/0.4 = 2.6 N, below the preset of 4 N: none.
+// Seven pillars of 1 N and 0.1 N, one of 0.5 N and 0.3 N, one of 0.04 N and 0.04 N, which does not
+// count as touching. largest: F = 7.54 N, ratio 0.6, target 7.54 * 0.6/0.4 = 11.31 N:
+// ceil(3.77/1.6) = 3 counts. sum: 1.04 N, target 1.04/0.4 = 2.6 N, below the preset of 4 N: no
+// counts.
 TEST(ForceRatio, TakesTheLargestRatioOrTheSum) {
   PillarFrame frame = PillarFrame::of_forces(9.0, 0.9);
   frame.set_force(3, 0.5, 0.3);
@@ -186,13 +191,13 @@ TEST(ForceRatio, NeverExceedsTheCeiling) {
   EXPECT_DOUBLE_EQ(most, 9 * 1.2);
 }
 
-// 10.3 N where 4 N are wanted and a count is 1.2 N: floor(6.3/1.2) = 5 counts may go.
+// The grip is 10.3 N, the target 4 N, a count 1.2 N: floor(6.3/1.2) = 5 counts are too many.
 TEST(ForceFollower, OpensOnlyWhenTold) {
   const PillarFrame tight = PillarFrame::of_forces(10.3);
   EXPECT_EQ(make("force_ratio", {{"force_per_count", "1.2 N"}})->update(input_of(tight, 30)).position, 30);
   const auto loose = make("force_ratio", {{"force_per_count", "1.2 N"}, {"loosen", "true"}});
   EXPECT_EQ(loose->update(input_of(tight, 30)).position, 25);
-  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(9.1), 29)).position, 25);  // on its way: floor(5.1/1.2) = 4 of 29
+  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(9.1), 29)).position, 25);  // in motion: floor(5.1/1.2) = 4 of 29
   EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(5.1), 25)).position, 25);  // less than a count too much
   EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(3.9), 24)).position, 25);
 }
@@ -212,8 +217,8 @@ TEST(ForceFollower, StaysClosedAtTheLastPosition) {
   EXPECT_EQ(make("force_ratio", {{"loosen", "true"}})->update(input_of(PillarFrame::of_forces(50.0), 3)).position, 0);
 }
 
-// F = 9 N, preset 4 N, gain 12 N, 1.6 N a count. s = 6/9: target 8 N, none. s = 3/9: 12 N, ceil(3/1.6) = 2 counts; s = 1/9: 14.67 N,
-// ceil(5.67/1.6) = 4; s = 0: 16 N, ceil(7/1.6) = 5.
+// F = 9 N, preset 4 N, gain 12 N, 1.6 N per count. s = 6/9: target 8 N, no counts. s = 3/9: 12 N,
+// ceil(3/1.6) = 2 counts; s = 1/9: 14.67 N, ceil(5.67/1.6) = 4; s = 0: 16 N, ceil(7/1.6) = 5.
 TEST(StuckFraction, GripsInProportionToThePillarsThatSlide) {
   const auto controller = make("stuck_fraction");
   const PillarFrame frame = PillarFrame::of_forces(9.0);
@@ -224,7 +229,7 @@ TEST(StuckFraction, GripsInProportionToThePillarsThatSlide) {
   }
 }
 
-// s = 1: 4 N are wanted of 9 N, floor(5/1.6) = 3 counts may go.
+// s = 1: the target is 4 N, the grip 9 N: floor(5/1.6) = 3 counts are too many.
 TEST(StuckFraction, OpensOnlyWhenTold) {
   const PillarFrame frame = PillarFrame::of_forces(9.0);
   ControlInput input = input_of(frame, 30);

@@ -11,7 +11,7 @@ const std::string folder = SLIPBENCH_TEST_PLUGINS;
 
 std::string file(const std::string& name) { return folder + "/" + name + ".so"; }
 
-// A PapillArray on the finger that feels, and a sensor of one value.
+// A PapillArray on the sensing finger, and a sensor with one value.
 GripSource two_sensors(const std::vector<Channel>& channels = papillarray_channels()) {
   GripSource source{.channels = channels, .preset = 4.0};
   source.sensors = {{"pad", "papillarray", 1000.0, channels}, {"skin", "piezo_skin", 500.0, {{"signal", "counts", {1}, {}}}}};
@@ -25,7 +25,7 @@ std::unique_ptr<Controller> load(const std::string& path, const ParameterMap& pa
   return make_controller(controller, source);
 }
 
-// What the loop does at an instant at which the gripper is read: every sample, then the update.
+// The loop's calls when the gripper is read: every sample, then the update.
 GripCommand update(Controller& controller, const ControlInput& input) {
   controller.listener()->hear(0, input.frame);
   return controller.update(input);
@@ -37,7 +37,8 @@ std::string refused(const std::string& path, const ParameterMap& parameters = {}
 
 const ParameterMap echo_parameters{{"gain", "2.5 mm"}, {"flag", "true"}, {"word", "4 mm"}};
 
-// One count on slip, and no other before the measured position has followed: a gripper that takes three updates moves a count each three.
+// One count on slip, then none until the measured position has followed: a gripper that takes three
+// updates moves one count per three updates.
 TEST(Plugin, RunsTheExample) {
   const auto controller = load(file("step_and_wait"));
   const PillarFrame frame = PillarFrame::of_forces(4.1);

@@ -1,4 +1,4 @@
-// Algorithms 2 and 3 of the nib pad's paper, step by step: what is commanded for what is felt.
+// Algorithms 2 and 3 of the nib pad's paper, step by step: commands as a function of what is felt.
 #include <limits>
 
 #include "tests/controllers/rig.h"
@@ -15,12 +15,13 @@ GripSource nib_source() {
   return source;
 }
 
-// A gripper that is where it was told to be a period ago, and a pad whose clusters and features a test sets.
+// A gripper that is where it was commanded a period ago, and a pad whose clusters and features a
+// test sets.
 class Hand {
  public:
   explicit Hand(const Settings& settings = {}) : controller_(make_controller(named("reorient", settings), nib_source())) {}
 
-  double clusters = 0.0;  // counts, the sum over all four beyond that at rest
+  double clusters = 0.0;  // counts, the sum over all four above the unloaded value
   double fl = 0.0, fr = 200.0, fr_fast = 0.0, normal = 5.0, moment = 0.05;
 
   const GripCommand& update() {
@@ -49,7 +50,7 @@ class Hand {
   int position_ = 50, updates_ = 0;
 };
 
-// A hand that has touched the box at 1 s, and its position there.
+// Brings the hand into contact at 1 s; returns its position.
 int touched(Hand& hand) {
   hand.run_to(1.0);
   hand.clusters = 500.0;
@@ -75,7 +76,7 @@ TEST(Reorient, WaitsForItsTareAndClosesUntilItTouches) {
   EXPECT_EQ(hand.command().position, stopped);
 }
 
-// Algorithm 2: one count for each time that FL is above its threshold, and then TIME_SETTLE.
+// Algorithm 2: one count each time FL is above its threshold, then TIME_SETTLE.
 TEST(Reorient, TightensWhileItSlipsLinearly) {
   Hand hand({{"adjust_speed", "3 mm/s"}, {"fl_slip", "60"}, {"settle", "0.5 s"}});
   const int first = touched(hand);
@@ -94,7 +95,8 @@ TEST(Reorient, TightensWhileItSlipsLinearly) {
   EXPECT_EQ(hand.command().position, first + 5);
 }
 
-// 20 mm at 3 mm/s end 6.67 s after the touch at 1 s. Then Algorithm 3, 10 mm/s up: looser while it does not turn.
+// 20 mm at 3 mm/s end 6.67 s after the contact at 1 s. Then Algorithm 3, 10 mm/s up: looser while
+// the box does not turn.
 TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
   Hand hand({{"adjust_speed", "3 mm/s"},
              {"midpoint", "20 mm"},
@@ -125,12 +127,13 @@ TEST(Reorient, LoosensWhileItDoesNotTurnAndStopsWhereItTurnsFast) {
   EXPECT_EQ(hand.command().arm->sideways, 10e-3);
 }
 
-// Without a time of quiet a single spectrum below the threshold loosens, but none above it, and none while the last count settles.
+// Without fr_quiet a single spectrum below the threshold loosens, but none does while the last
+// count settles, nor one above the threshold.
 TEST(Reorient, LoosensAtOnceWhatIsQuietWhereNoTimeIsAskedFor) {
   Hand hand({{"adjust_speed", "3 mm/s"}, {"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "0 s"}, {"settle", "0.4 s"}});
   const int first = touched(hand);
   hand.fr = 61.0;
-  hand.run_to(4.0);  // it turns from 2 s on
+  hand.run_to(4.0);  // turns from 2 s on
   EXPECT_EQ(hand.command().position, first);
   hand.fr = 59.0;
   hand.run_to(4.3);
@@ -139,12 +142,13 @@ TEST(Reorient, LoosensAtOnceWhatIsQuietWhereNoTimeIsAskedFor) {
   EXPECT_EQ(hand.command().position, first - 2);
 }
 
-// One spectrum above the threshold is a turn: quiet is what stays below it for fr_quiet on end, and anew after each count's wait.
+// One spectrum above the threshold is a turn: the box is quiet if spectra stay below it for
+// fr_quiet, counted anew after each count's wait.
 TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
   Hand hand({{"adjust_speed", "3 mm/s"}, {"midpoint", "3 mm"}, {"fr_slip", "60"}, {"fr_quiet", "1 s"}, {"settle", "0.4 s"}});
   const int first = touched(hand);
   hand.fr = 59.0;
-  hand.run_to(2.9);  // it turns from 2 s on
+  hand.run_to(2.9);  // turns from 2 s on
   hand.fr = 61.0;
   hand.update();  // at 2.9 s
   hand.fr = 59.0;
@@ -156,12 +160,13 @@ TEST(Reorient, LoosensOnlyWhatHasNotTurnedForAWhile) {
   EXPECT_EQ(hand.command().position, first - 1);
   hand.run_to(5.4);
   EXPECT_EQ(hand.command().position, first - 2);
-  hand.fr = std::numeric_limits<double>::quiet_NaN();  // says nothing, so nothing is known to be at rest
+  hand.fr = std::numeric_limits<double>::quiet_NaN();  // no estimate, so the box is not known to be at rest
   hand.run_to(7.0);
   EXPECT_EQ(hand.command().position, first - 2);
 }
 
-// What does not turn fast is let go at TargetPoint. Then a count every release_wait, until force and moment are gone.
+// A box that does not turn fast is released at TargetPoint: one count every release_wait, until
+// force and moment are gone.
 TEST(Reorient, ReleasesGentlyAtTheTargetPoint) {
   Hand hand({{"adjust_speed", "3 mm/s"},
              {"midpoint", "3 mm"},
@@ -175,7 +180,7 @@ TEST(Reorient, ReleasesGentlyAtTheTargetPoint) {
   EXPECT_EQ(hand.command().arm->up, 10e-3);
   hand.run_to(4.1);
   EXPECT_EQ(hand.command().arm->up, 0.0);
-  const double released = 4.04;  // the first update at which 23 mm are reached is that or its neighbour
+  const double released = 4.04;  // 23 mm are reached in this update or a neighbouring one
   hand.run_to(released + 0.4 + 3 * 0.2 - 0.1);
   EXPECT_EQ(hand.command().position, first - 3);
   hand.normal = 0.1;

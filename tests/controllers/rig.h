@@ -1,4 +1,4 @@
-// What a controller is tested with: hand-made inputs, and a toy plant whose every number has a closed form.
+// Test rig of the controllers: artificial inputs, and a toy plant with closed forms.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline std::vector<Channel> papillarray_channels() {
   return {vector_channel_of("force", "N"), vector_channel_of("displacement", "m")};
 }
 
-// A PapillArray in a grasp that takes the box with 4 N, and a detector.
+// A PapillArray in a grasp with a preset of 4 N, and a detector.
 inline GripSource papillarray_source() { return {.channels = papillarray_channels(), .preset = 4.0, .detected = true}; }
 
 // The declaration of the controller `name`.
@@ -36,7 +36,7 @@ inline const Entry& about(const std::string& name) {
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
-// The controller `name` at its defaults but for `settings`, written as in a scene.
+// The controller `name` with its defaults changed by `settings`, written as in a scene.
 inline Named named(const std::string& name, const Settings& settings = {}) {
   Named result{name, defaults_of(about(name).parameters)};
   for (const auto& [key, text] : settings) {
@@ -61,7 +61,7 @@ class PillarFrame {
  public:
   PillarFrame() : values_(2 * pillars * 3) {}
 
-  // Each pillar carries a ninth of `normal` and of `tangential`, the latter along x.
+  // Shares `normal` and `tangential` (along x) equally among the nine pillars.
   static PillarFrame of_forces(double normal, double tangential = 0.0) {
     PillarFrame frame;
     for (std::size_t i = 0; i < pillars; ++i) frame.set_force(i, normal / pillars, tangential / pillars);
@@ -79,7 +79,8 @@ class PillarFrame {
   std::vector<float> values_;
 };
 
-// What a controller is handed in the update `tick`: of the pillars all stick, half do, or none does, as `state` has it. Refers to `frame`, which must outlive it.
+// Input of the update `tick`: all pillars stick, half or none, depending on `state`. Refers to
+// `frame`, which must outlive it.
 inline ControlInput input_of(const PillarFrame& frame, int position, PadState state = PadState::non_slip, int tick = 0) {
   const double time = period * tick;
   ControlInput input;
@@ -91,9 +92,10 @@ inline ControlInput input_of(const PillarFrame& frame, int position, PadState st
   return input;
 }
 
-// A self-locking gripper on a box that hangs between two equal pads, without masses, in whole milliseconds. F = per_count (position -
-// contact), not below 0; each pad carries half the load. The box is held while load <= 2 mu F. The state is told from the same
-// statics: gross beyond that, incipient beyond 0.9 of it.
+// A self-locking gripper on a box that hangs between two equal pads, without masses, in whole
+// milliseconds. F = per_count (position - contact), not below 0; each pad carries half the load.
+// The box is held while load <= 2 mu F. The same statics give the state: gross beyond that,
+// incipient beyond 0.9 of it.
 class ToyPlant {
  public:
   double per_count = 1.2;  // N
@@ -102,7 +104,7 @@ class ToyPlant {
   double load = 0.0;       // N
   double mu = 0.4;
   int load_from = 0;      // update from which the load hangs on the pads
-  int false_alarm = -1;   // update in which the state is incipient whatever the statics say
+  int false_alarm = -1;   // update in which the state is incipient regardless of the statics
   int write = 10;         // ms from the read to the write
   int latency = 20;       // ms from the write until the motor obeys
   int ms_per_count = 19;  // of the motor; 0: at once
@@ -113,7 +115,7 @@ class ToyPlant {
     int command = 0;     // counts
   };
 
-  // `updates` periods of the loop with `controller`.
+  // Runs `updates` periods of the loop with `controller`.
   std::vector<Update> run(Controller& controller, int updates) {
     std::vector<Update> history;
     for (int tick = 0; tick < updates; ++tick) {
@@ -160,7 +162,7 @@ class ToyPlant {
   }
 
   std::deque<std::pair<int, int>> written_;  // ms at which the motor obeys, position
-  int target_ = -1;                          // before the first command: none
+  int target_ = -1;                          // -1: no command yet
   int under_way_ = 0;                        // ms spent on the count under way
   int direction_ = 1;
 };

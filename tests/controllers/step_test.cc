@@ -9,8 +9,9 @@ namespace {
 
 constexpr PadState stick = PadState::non_slip;
 
-// A count takes 60 ms: read at 0, written at 10, obeyed at 30, there at 49, read at 60 ms. So the three updates from 3n on read the same
-// position: they command 9 + n, until 4 counts beyond the contact at 10 make 4.8 N >= 4 N, which the update 3 * 6 reads.
+// A count takes 60 ms: read at 0, written at 10, obeyed at 30, done at 49, read at 60 ms. So the
+// three updates from 3n on read the same position and command 9 + n, until 4 counts beyond the
+// contact at 10 give 4.8 N >= 4 N, which the update 3 * 6 reads.
 TEST(StepControllers, CloseOneCountIn60MillisecondsToThePreset) {
   for (const char* name : {"constant_force", "hold_preset", "step_on_slip"}) {
     ToyPlant plant;
@@ -55,7 +56,7 @@ TEST(HoldPreset, TightensBelowThePresetAndNeverOnSlip) {
   EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(4.1), 20, PadState::incipient)).position, 20);
   EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 20)).position, 21);
   EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(4.1), 20)).position,
-            21);  // the count that is on its way is not taken back
+            21);  // a count under way is not undone
   EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 21)).position, 22);
 }
 
@@ -71,8 +72,9 @@ TEST(HoldPreset, DropsWhatThePresetDoesNotHold) {
   }
 }
 
-// Taken at 14 counts, as constant_force does above. Then 3 counts more at 1 s, and from 1.4 s on 4 counts less in 0.4 s: one in 0.1 s, rounded, so
-// that the change from 3 to 2 comes at 1.45 s, which the update at 1.46 s sees, and so on; -1 from 1.76 s on.
+// The box is taken at 14 counts, as by constant_force above. Then 3 counts more at 1 s, and from
+// 1.4 s on 4 counts less in 0.4 s: one per 0.1 s, rounded, so that the change from 3 to 2 comes at
+// 1.45 s, which the update at 1.46 s sees, and so on; -1 from 1.76 s on.
 TEST(TimedGrip, TakesTheBoxAndThenFollowsItsTable) {
   Named controller = named("timed_grip");
   controller.parameters.set("changes", NumberTable{"", {{1.0, 0.0}, {1.0, 3.0}, {1.4, 3.0}, {1.8, -1.0}}});
@@ -107,7 +109,8 @@ TEST(StepOnSlip, StepsWhileTheClassIsIncipientOrGross) {
   EXPECT_EQ(controller->update(input_of(held, 21, PadState::no_contact)).position, 21);
 }
 
-// Slip ends when load <= 0.9 * 2 mu F: 6 N and mu 0.4 ask for 6/(0.9 * 0.8) = 8.33 N, which 7 counts of 1.2 N give.
+// Slip ends when load <= 0.9 * 2 mu F: 6 N and mu 0.4 need 6/(0.9 * 0.8) = 8.33 N, which 7 counts
+// of 1.2 N give.
 TEST(StepOnSlip, TightensUntilNothingSlips) {
   for (const char* idle : {"measured_position", "last_command"}) {
     ToyPlant plant;
@@ -116,15 +119,16 @@ TEST(StepOnSlip, TightensUntilNothingSlips) {
     const auto history = plant.run(*make("step_on_slip", {{"idle", idle}}), 100);
     EXPECT_EQ(plant.position, 17) << idle;
     EXPECT_TRUE(plant.holds());
-    // From the 4 counts of the preset: the updates 31 to 33 say 15, 34 to 36 say 16, from 37 on 17.
+    // From the 4 counts of the preset: updates 31 to 33 command 15, 34 to 36 command 16, from 37 on
+    // 17.
     for (std::size_t tick = 31; tick < 100; ++tick) {
       EXPECT_EQ(history[tick].command, std::min(15 + (static_cast<int>(tick) - 31) / 3, 17)) << idle << " update " << tick;
     }
   }
 }
 
-// The loop's delay is three updates, and the idle command is the position as read: one update that says slip sends a count round the
-// loop for ever. Commanding the last position again keeps that count instead.
+// The loop's delay is three updates, and the idle command is the measured position: one update with
+// slip sends a count round the loop for ever. Repeating the last command keeps the count instead.
 TEST(StepOnSlip, OneSlipCirculatesWhenTheIdleCommandIsTheMeasuredPosition) {
   for (const bool as_published : {true, false}) {
     ToyPlant plant;
@@ -154,7 +158,7 @@ TEST(StepOnSlip, DebounceDoesNotDelayThePreset) {
   EXPECT_EQ(controller->update(input_of(PillarFrame::of_forces(3.9), 20)).position, 21);
 }
 
-// A load that no force holds: 1.2 N counts stop at 6.0 N, because 7.2 N > 7 N.
+// A load that no force holds: counts of 1.2 N stop at 6.0 N, because 7.2 N > 7 N.
 TEST(StepOnSlip, NeverExceedsTheCeiling) {
   for (const char* idle : {"measured_position", "last_command"}) {
     ToyPlant plant;

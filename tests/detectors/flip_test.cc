@@ -14,7 +14,7 @@ namespace {
 
 constexpr double untold = std::numeric_limits<double>::quiet_NaN();
 
-// Says the same of every frame.
+// Returns the same estimate for every frame.
 class Saying final : public Detector {
  public:
   explicit Saying(PadState state, double stuck_fraction = untold) {
@@ -44,9 +44,9 @@ std::vector<PadState> told(PadState state, double probability, std::uint64_t see
   return states;
 }
 
-// Each of the other two classes is said in n p/2 of n estimates, the right one in n (1 - p), with the standard deviation sqrt(n q (1 - q)) of
-// a binomial count of probability q.
-// Six of them are exceeded by chance once in 5e8.
+// Each of the other two classes is returned for n p/2 of n estimates, the right one for n (1 - p),
+// with the standard deviation sqrt(n q (1 - q)) of a binomial count of probability q. Six of these
+// are exceeded by chance once in 5e8.
 TEST(Flip, ReplacesEachClassByTheOthersAlike) {
   constexpr int n = 20'000;
   for (const double p : {0.1, 0.5}) {
@@ -62,8 +62,9 @@ TEST(Flip, ReplacesEachClassByTheOthersAlike) {
   }
 }
 
-// A detector that is right with a = 0.8: of n estimates there remain n (a (1 - p) + (1 - a) p/2), since a wrong one is put right by half of its
-// flips. p = 0.3: 0.56 + 0.03 = 0.59. Given which ones were right the count is a sum of independent trials, whose variance is at most n/4.
+// A detector with accuracy a = 0.8: n (a (1 - p) + (1 - a) p/2) of n estimates are right, because
+// half of the flips of a wrong estimate correct it. p = 0.3: 0.56 + 0.03 = 0.59. Given which ones
+// were right the count is a sum of independent trials, whose variance is at most n/4.
 TEST(Flip, LowersAnAccuracyByTheStatedAmount) {
   constexpr int n = 50'000;
   int right = 0;
@@ -96,7 +97,7 @@ TEST(Flip, LeavesNoContactAlone) {
   for (const PadState state : told(PadState::no_contact, 1.0, 1, 2, 100)) ASSERT_EQ(state, PadState::no_contact);
 }
 
-// A frame of the same time: the estimate is an old one, and stays what it was made.
+// A frame of the same time repeats an old estimate, which keeps its replacement.
 TEST(Flip, DrawsOnceAnEstimate) {
   const auto detector = with_flips(std::make_unique<Saying>(PadState::gross), 0.5, source_of(1, 2));
   const std::vector<PadState> each = told(PadState::gross, 0.5, 1, 2, 100);

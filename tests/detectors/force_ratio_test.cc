@@ -15,14 +15,15 @@ std::unique_ptr<Detector> detector(double ratio, const FrameSource& source) {
 
 PadState state_of(Detector& detector, const std::vector<float>& values) { return detector.update({0.0, values}).state; }
 
-// Two units; ratio 0.5, so that f_t = 3 N at an angle (hypot(1.8, 2.4)) is beyond f_n = 5.9 N and within 6.1 N.
+// Two units; ratio 0.5, so that f_t = 3 N at an angle (hypot(1.8, 2.4)) slips at f_n = 5.9 N and
+// sticks at 6.1 N.
 TEST(ForceRatio, CountsTheUnitsThatTouchAndThoseThatSlip) {
   const auto two = detector(0.5, vector_source({"force"}, 2, 1000.0));
   EXPECT_EQ(state_of(*two, {0, 0, 0, 0, 0, 0}), PadState::no_contact);
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, 6.1F, 1.8F, -2.4F, 6.1F}), PadState::non_slip);
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, 5.9F, 1.8F, -2.4F, 6.1F}), PadState::incipient);
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, 5.9F, 1.8F, -2.4F, 5.9F}), PadState::gross);
-  // Below 0.05 N a unit does not touch, whatever its ratio.
+  // Below 0.05 N a unit does not touch, at any ratio.
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, 0.049F, 0, 0, 6.1F}), PadState::non_slip);
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, 0.051F, 0, 0, 6.1F}), PadState::incipient);
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, -6.0F, 0, 0, 0}), PadState::no_contact);
@@ -37,15 +38,16 @@ TEST(ForceRatio, TellsTheShareThatSticks) {
   EXPECT_EQ(two->update({0.3, none}).stuck_fraction, 0.0);
 }
 
-// Units under f_n = 2 N and 4 N on springs k_t = 4 N/mm, dragged at 5 mm/s from t = 0: f_t = k_t v t = 20 N/s * t. The ratio 0.4 is
-// passed at t = 0.4 f_n / (k_t v) = 40 ms and 80 ms, so first seen in the frames at 41 ms and 81 ms.
+// Units under f_n = 2 N and 4 N on springs k_t = 4 N/mm, dragged at 5 mm/s from t = 0: f_t = k_t v
+// t = 20 N/s * t. The ratio 0.4 is exceeded at t = 0.4 f_n / (k_t v) = 40 ms and 80 ms, so slip
+// appears first in the frames at 41 ms and 81 ms.
 TEST(ForceRatio, SeesTheOnsetInTheFirstFrameAfterTheRatioIsPassed) {
   const auto two = detector(0.4, vector_source({"force"}, 2, 1000.0));
   double incipient = 0.0;
   double gross = 0.0;
   for (int tick = 0; tick < 200; ++tick) {
     const double time = 1e-3 * tick;
-    // Just less than the ratio at 40 ms and 80 ms, so that rounding to float does not decide.
+    // Slightly below the ratio at 40 ms and 80 ms, so that rounding to float does not decide.
     const auto shear = static_cast<float>(20.0 * time - 1e-6);
     const std::array<float, 6> values{shear, 0.0F, 2.0F, 0.0F, -shear, 4.0F};
     const SlipEstimate& estimate = two->update({time, values});

@@ -1,4 +1,4 @@
-// Frames of a sensor that a test makes up.
+// Artificial sensor frames for tests.
 #pragma once
 
 #include <algorithm>
@@ -11,20 +11,21 @@
 
 namespace slipbench {
 
-// Channels {units, 3}, as a PapillArray has them.
+// Channels {units, 3}, as in a PapillArray.
 inline FrameSource vector_source(const std::vector<std::string>& channels, std::size_t units, double rate) {
   FrameSource source{"pad", "papillarray", rate, {}};
   for (const std::string& name : channels) source.channels.push_back({name, "", {units, 3}, {}});
   return source;
 }
 
-// Units as springs on a Coulomb cone, on a surface that moves along x. Frames hold "force" and then "displacement".
+// Units as springs with a Coulomb cone, on a surface that moves along x. Frames hold "force", then
+// "displacement".
 struct CoulombPad {
   std::vector<double> normal;  // N, of each unit
   double stiffness = 4e3;      // N/m, tangential
   double friction = 0.5;
 
-  // The frame after the surface has moved by `path` [m] from where nothing was loaded, one way.
+  // The frame after the surface has moved one way by `path` [m] from the unloaded state.
   [[nodiscard]] std::vector<float> after(double path) const {
     std::vector<float> values(6 * normal.size());
     for (std::size_t i = 0; i < normal.size(); ++i) {
@@ -39,7 +40,7 @@ struct CoulombPad {
   [[nodiscard]] FrameSource source(double rate) const { return vector_source({"force", "displacement"}, normal.size(), rate); }
 };
 
-// What a detector tells from one frame to the next at 1 kHz.
+// Feeds a detector with frames at 1 kHz.
 class Told {
  public:
   explicit Told(Detector& detector) : detector_(detector) {}
@@ -57,7 +58,8 @@ class Told {
   int tick_ = 0;
 };
 
-// Three units let go one after the other on a surface at 5 mm/s: the k-th slip is told `told_at[k]` [ms] after the beginning, and the last is gross.
+// Three units slip one after the other on a surface at 5 mm/s: the k-th slip is reported
+// `told_at[k]` [ms] after the beginning, and the last is gross.
 inline void expect_slips_told(Detector& detector, const CoulombPad& pad, const std::array<int, 3>& told_at) {
   Told told(detector);
   for (int tick = 1; tick <= 250; ++tick) {

@@ -12,7 +12,8 @@ std::unique_ptr<Detector> detector(const DetectorKind& kind) {
   return kind.create(defaults_of(kind.about.parameters), gel);
 }
 
-// Four markers at the corners of a square of 100 px, 0.5 mm deep, that have moved along x and y by these [um].
+// Four markers at the corners of a square of 100 px, 0.5 mm deep, that have moved along x and y by
+// `moved` [um].
 PadState told(Detector& detector, const std::array<float, 8>& moved, float depth = 5e-4F) {
   std::vector<float> values;
   for (std::size_t i = 0; i < 4; ++i) values.insert(values.end(), {1e-6F * moved[2 * i], 1e-6F * moved[2 * i + 1], depth});
@@ -20,9 +21,10 @@ PadState told(Detector& detector, const std::array<float, 8>& moved, float depth
   return detector.update({0.0, values}).state;
 }
 
-// A shift by (300, 100) um and a turn by which the corners move 50 um along x and y each are rigid; picture rows run down.
-// One marker less 100 um along x then lies off the best motion: its own residual is 100 (1 - 1/4 - 50^2/20,000) um = 62.5 um, that of the others
-// below 38 um; less 70 um: 44 um.
+// A shift by (300, 100) um and a turn that moves the corners by 50 um along x and y each are rigid;
+// picture rows run down. With one marker 100 um less along x, its residual from the best motion is
+// 100 (1 - 1/4 - 50^2/20,000) um = 62.5 um, and the others' are below 38 um; with 70 um less it is
+// 44 um.
 TEST(MarkerDeviation, TellsMarkersThatLeaveTheRigidMotion) {
   const auto deviation = detector(marker_deviation_detector());
   EXPECT_EQ(told(*deviation, {}, 0.5e-4F), PadState::no_contact);
@@ -32,10 +34,10 @@ TEST(MarkerDeviation, TellsMarkersThatLeaveTheRigidMotion) {
   EXPECT_EQ(told(*deviation, {260, 70, 260, 170, 360, 70, 260, 170}), PadState::incipient);
   EXPECT_EQ(told(*deviation, {300, 0, 0, 0, 0, 0, 300, 0}), PadState::gross);  // all 150 um off the mean
   EXPECT_EQ(told(*deviation, {}, 0.5e-4F), PadState::no_contact);
-  EXPECT_EQ(told(*deviation, {300, 0, 0, 0, 0, 0, 300, 0}), PadState::non_slip);  // a new touch counts anew
+  EXPECT_EQ(told(*deviation, {300, 0, 0, 0, 0, 0, 300, 0}), PadState::non_slip);  // a new touch starts anew
 }
 
-// Bins of 30 um: four markers in two bins have 1 bit, in four 2 bits, the threshold.
+// Bins of 30 um: four markers in two bins have 1 bit; in four bins 2 bits, the threshold.
 TEST(MarkerEntropy, TellsUnevenMotion) {
   const auto entropy = detector(marker_entropy_detector());
   EXPECT_EQ(told(*entropy, {}), PadState::non_slip);

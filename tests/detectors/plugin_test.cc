@@ -13,7 +13,7 @@ namespace {
 
 std::string file(const std::string& name) { return SLIPBENCH_TEST_PLUGINS "/" + name + ".so"; }
 
-// A pad of 1 kHz, and beside it a skin of one value.
+// A pad of 1 kHz and a skin with one value.
 FrameSource two_sensors() {
   FrameSource source = vector_source({"force", "displacement"}, 9, 1000.0);
   source.sensors = {{"skin", "piezo_skin", 4000.0, {{"signal", "counts", {1}, {}}}},
@@ -28,7 +28,7 @@ std::unique_ptr<Detector> load(const std::string& path, const ParameterMap& para
   return plugin_detector().create(given, two_sensors());
 }
 
-// What comes of a trial of four samples, if not "accepted".
+// Returns "accepted" for a trial of four samples, or the error.
 std::string outcome(const std::string& path, const ParameterMap& parameters = {}) {
   const std::vector<float> zeros(54);
   return refusal_of([&] {
@@ -38,7 +38,7 @@ std::string outcome(const std::string& path, const ParameterMap& parameters = {}
   });
 }
 
-// wrong.so as a new file: a name that is loaded already is not loaded again.
+// Copies wrong.so to a new file, because the loader does not load a known name again.
 class FreshLibrary {
  public:
   explicit FreshLibrary(const std::string& wrong) {
@@ -60,7 +60,7 @@ class FreshLibrary {
   std::string path_;
 };
 
-// The message for a library that is wrong as `wrong` asks for, without the library's name.
+// The error for a library with the fault `wrong`, without the library's name.
 std::string outcome_of(const std::string& wrong, const ParameterMap& parameters = {}) {
   const FreshLibrary library(wrong);
   std::string message = outcome(library.path(), parameters);
@@ -75,7 +75,7 @@ TEST(PluginDetector, RunsTheExample) {
   const auto state_at = [&](double time, double ratio) {
     for (std::size_t i = 0; i < 9; ++i) {
       values[3 * i] = static_cast<float>(0.6 * ratio);
-      values[3 * i + 1] = static_cast<float>(0.8 * ratio);  // together as long as `ratio`
+      values[3 * i + 1] = static_cast<float>(0.8 * ratio);  // with x, a vector of length `ratio`
       values[3 * i + 2] = 1.0F;
     }
     return detector->update({.time = time, .values = values}).state;
@@ -91,7 +91,8 @@ TEST(PluginDetector, RunsTheExample) {
   detector->finish();
 }
 
-// A skin of 4 kHz beside a pad of 1 kHz, and an update at every second sample of the pad: eight samples of the one and two of the other.
+// A skin of 4 kHz and a pad of 1 kHz, with an update at every second sample of the pad: eight
+// samples of the skin and two of the pad.
 TEST(PluginDetector, HearsEverySampleOfEverySensor) {
   const auto detector = load(file("ears"), {{"sensor", "skin"}, {"threshold", "7.5"}, {"rate", "0.5 kHz"}});
   const std::vector<float> zeros(54);
@@ -127,7 +128,7 @@ TEST(PluginDetector, RefusesWhatIsNoDetector) {
 TEST(PluginDetector, RefusesAnotherBuild) {
   EXPECT_EQ(outcome_of(""), "accepted");
   EXPECT_THAT(outcome_of("version=7"), refused_at("detector.library", {"IT", "version 7", "1"}));
-  // Sizes on a machine of 64 bits: pointers, doubles and size_t of 8 bytes.
+  // Sizes on a 64-bit machine: pointers, doubles and size_t of 8 bytes.
   const std::array<std::pair<std::string, std::string>, 8> sizes{{{"slipbench_parameter", "40"},
                                                                   {"slipbench_channel", "48"},
                                                                   {"slipbench_sensor", "48"},
@@ -183,7 +184,7 @@ TEST(PluginDetector, ThatThrowsIsNamedWithItsFunction) {
   }
 }
 
-// The loader would take it for the one that it knows by that name.
+// The loader would return the library that it knows by that name.
 TEST(PluginDetector, ThatIsBuiltAnewNeedsAnotherStart) {
   const std::string path = testing::TempDir() + "rebuilt_" + std::to_string(::getpid()) + ".so";
   std::filesystem::copy_file(file("ratio_gate"), path, std::filesystem::copy_options::overwrite_existing);
@@ -195,7 +196,8 @@ TEST(PluginDetector, ThatIsBuiltAnewNeedsAnotherStart) {
   std::filesystem::remove(path);
 }
 
-// Five hundred libraries whose structures hold any numbers: each is accepted or refused with a message that names it.
+// Five hundred libraries whose structures hold arbitrary numbers: each is accepted, or refused with
+// an error that names it.
 TEST(PluginDetector, SurvivesFiveHundredWrongLibraries) {
   std::mt19937 random(18);
   const auto pick = [&](const std::vector<std::string>& values) { return values[random() % values.size()]; };

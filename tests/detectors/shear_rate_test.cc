@@ -7,7 +7,8 @@
 namespace slipbench::shear_rate_test {
 namespace {
 
-// A window of 20 frames. 0.525 lies between what two frames tell, so that rounding decides nothing.
+// A window of 20 frames. 0.525 lies between the values of two frames, so that rounding decides
+// nothing.
 std::unique_ptr<Detector> detector(const FrameSource& source, double release = 0.9) {
   Parameters parameters = defaults_of(shear_rate_detector().about.parameters);
   parameters.set("following", 0.525);
@@ -17,21 +18,22 @@ std::unique_ptr<Detector> detector(const FrameSource& source, double release = 0
 
 constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s
 
-// `values` under normal forces `factor` times as large.
+// Returns `values` with normal forces multiplied by `factor`.
 std::vector<float> firmer(std::vector<float> values, std::size_t units, float factor) {
   for (std::size_t i = 0; i < units; ++i) values[3 * i + 2] *= factor;
   return values;
 }
 
-// Units under 2, 4 and 6 N let go at mu f_n / (k_t v) = 50, 100 and 150 ms. After x of the window's 20 ms the rate is
-// k_t v (1 - x / 20 ms): less than 0.525 k_t v first at x = 10 ms.
+// Units under 2, 4 and 6 N begin to slip at mu f_n / (k_t v) = 50, 100 and 150 ms. After x of the
+// window's 20 ms the rate is k_t v (1 - x / 20 ms): first below 0.525 k_t v at x = 10 ms.
 TEST(ShearRate, TellsEachSlipAfterItsShareOfTheWindow) {
   const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
   expect_slips_told(*three, pad, {60, 110, 160});
 }
 
-// Friction that falls from 0.5 to 0.4 as the unit lets go at 100 ms: 0.4 N of 2 N, in a window in which 19 frames gave 0.38 N. Told at once.
+// Friction falls from 0.5 to 0.4 when the unit begins to slip at 100 ms: 0.4 N of 2 N, in a window
+// whose other 19 frames added 0.38 N. Slip is reported at once.
 TEST(ShearRate, TellsADropAtOnce) {
   CoulombPad pad{.normal = {4.0}};
   const auto one = detector(pad.source(1000.0));
@@ -41,7 +43,7 @@ TEST(ShearRate, TellsADropAtOnce) {
   EXPECT_EQ(told.next(pad.after(per_tick * 101)).state, PadState::gross);
 }
 
-// f_t stays, f_n times 1.1 and 1.12: f_t/f_n is 0.909 and 0.893 of what it was.
+// f_t is constant, f_n grows by 1.1 and 1.12: f_t/f_n falls to 0.909 and 0.893 of its value.
 TEST(ShearRate, AFirmerGripReleasesIt) {
   const CoulombPad pad{.normal = {2.0, 4.0}};
   const auto two = detector(pad.source(1000.0));
@@ -54,7 +56,8 @@ TEST(ShearRate, AFirmerGripReleasesIt) {
   EXPECT_EQ(told.after(100, rest), PadState::non_slip) << "its loading has ended";
 }
 
-// Twice the normal force after 200 ms of sliding: the shear grows again, and has 0.525 of its rate in the window 11 ms later.
+// Twice the normal force after 200 ms of sliding: the shear grows again, and reaches 0.525 of its
+// rate over the window 11 ms later.
 TEST(ShearRate, AUnitThatFollowsAgainSticks) {
   const CoulombPad pad{.normal = {2.0}};
   const auto one = detector(pad.source(1000.0), 0.1);
@@ -67,8 +70,8 @@ TEST(ShearRate, AUnitThatFollowsAgainSticks) {
   }
 }
 
-// A surface that stops at f_t/f_n = 0.3 looks like one that slips, the declared limit; at 0.15, below least_friction, it does not. 2 N and
-// 20 mN a frame: 30 and 15 frames.
+// A surface that stops at f_t/f_n = 0.3 looks like slip, the declared limit; at 0.15, below
+// least_friction, it does not. 2 N and 20 mN per frame: 30 and 15 frames.
 TEST(ShearRate, ALoadThatStopsGrowingIsTakenForASlipAboveTheLeastFriction) {
   for (const auto& [stop, state] : {std::pair(30, PadState::gross), std::pair(15, PadState::non_slip)}) {
     const CoulombPad pad{.normal = {2.0}};
@@ -80,8 +83,9 @@ TEST(ShearRate, ALoadThatStopsGrowingIsTakenForASlipAboveTheLeastFriction) {
   }
 }
 
-// f_n from 2 N to 4 N over 40 frames takes f_t along from 0.6 N to 0.9 N, 150 mN a window, and both stop: f_t/f_n went from 0.3 to 0.225, away
-// from any cone. With f_n as it was the same is a slip.
+// f_n from 2 N to 4 N over 40 frames raises f_t from 0.6 N to 0.9 N, 150 mN per window, and both
+// stop: f_t/f_n fell from 0.3 to 0.225, away from any cone. With constant f_n the same shear is a
+// slip.
 TEST(ShearRate, ShearThatAClosingGripBringsIsNoLoad) {
   for (const auto& [growth, state] : {std::pair(2.0F, PadState::non_slip), std::pair(0.0F, PadState::gross)}) {
     const auto one = detector(vector_source({"force"}, 1, 1000.0));
@@ -93,7 +97,7 @@ TEST(ShearRate, ShearThatAClosingGripBringsIsNoLoad) {
   }
 }
 
-// 20 mN a window is the least that counts as loading; 0.9 mN a frame are 18 mN.
+// 20 mN per window is the least that counts as loading; 0.9 mN per frame are 18 mN.
 TEST(ShearRate, AnUnloadedUnitDoesNotSlip) {
   const CoulombPad pad{.normal = {0.06}};
   const auto one = detector(pad.source(1000.0));

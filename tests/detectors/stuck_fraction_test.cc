@@ -7,7 +7,8 @@
 namespace slipbench::stuck_fraction_test {
 namespace {
 
-// A window of 20 frames. The shares and speeds lie between what two frames tell, so that rounding decides nothing.
+// A window of 20 frames. The shares and speeds lie between the values of two frames, so that
+// rounding decides nothing.
 std::unique_ptr<Detector> detector(const FrameSource& source) {
   Parameters parameters = defaults_of(stuck_fraction_detector().about.parameters);
   parameters.set("stuck_share", 0.525);
@@ -17,16 +18,18 @@ std::unique_ptr<Detector> detector(const FrameSource& source) {
 
 constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s
 
-// Units under 2, 4 and 6 N let go at mu f_n / (k_t v) = 50, 100 and 150 ms. One that slid for x of the window's 20 ms has the speed
-// v (1 - x / 20 ms): less than 0.525 v first at x = 10 ms, and less than 0.4 mm/s of 5 mm/s first at x = 19 ms, which is when the last unit is
-// told by the friction of the others.
+// Units under 2, 4 and 6 N begin to slip at mu f_n / (k_t v) = 50, 100 and 150 ms. A unit that has
+// slid for x of the window's 20 ms has the speed v (1 - x / 20 ms): first below 0.525 v at x = 10
+// ms, and first below 0.4 mm/s of 5 mm/s at x = 19 ms, when the last unit is judged by the friction
+// of the others.
 TEST(StuckFraction, TellsEachSlipAfterItsShareOfTheWindow) {
   const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
   expect_slips_told(*three, pad, {60, 110, 169});
 }
 
-// At rest in a slide f_t/f_n is mu: gross, until the grip has brought it below 0.9 mu. f_t stays, f_n times 1.1 and 1.12: 0.4545, 0.4464.
+// At rest within a slide f_t/f_n is mu: gross, until a firmer grip brings it below 0.9 mu. f_t is
+// constant, f_n grows by 1.1 and 1.12: 0.4545, 0.4464.
 TEST(StuckFraction, AtRestGoesByTheFrictionOfThoseThatSlid) {
   CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
@@ -43,7 +46,7 @@ TEST(StuckFraction, AtRestGoesByTheFrictionOfThoseThatSlid) {
   EXPECT_EQ(told.after(1, firmer(1.12F)), PadState::non_slip);
 }
 
-// One that no unit has slid on before tells no friction: the declared limit of what tips tell.
+// Before any unit has slid no friction is known: the declared limit of a detector based on tips.
 TEST(StuckFraction, TakesAPadThatSlidesAsAWholeForOneAtRest) {
   const CoulombPad pad{.normal = {4.0, 4.0}};
   const auto two = detector(pad.source(1000.0));
@@ -57,7 +60,7 @@ TEST(StuckFraction, HearsNothingBelowTheLeastFrictionOrWithoutTouch) {
   Told on_smooth(*low);
   for (int tick = 1; tick <= 200; ++tick) ASSERT_EQ(on_smooth.next(smooth.after(per_tick * tick)).state, PadState::non_slip);
 
-  // A unit under 0.04 N does not touch: of the other two the lighter one slips, half of them.
+  // A unit under 0.04 N does not touch: of the other two the lighter one slips, so half.
   const CoulombPad light{.normal = {2.0, 0.04, 4.0}};
   const auto one_off = detector(light.source(1000.0));
   Told on_two(*one_off);

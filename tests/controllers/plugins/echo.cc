@@ -1,5 +1,6 @@
-// Answers with what it was handed, so that a test sees each field arrive: position, of 13 values those that are as the test has them; speed
-// and force, the samples of the second sensor that are new, and ten times the newest of its values.
+// Returns its input, so that a test sees each field arrive. position: number of 13 values that are
+// as the test set them; speed and force: number of new samples of the second sensor, and ten times
+// its newest value.
 #include <cmath>
 #include <cstring>
 
@@ -34,7 +35,8 @@ const slipbench_parameter slipbench_controller_parameters[] = {SLIPBENCH_A_TEXT(
 
 const slipbench_abi slipbench_controller_abi = SLIPBENCH_CONTROLLER_BUILD;
 
-// Works with two channels, the second of them displacements {9, 3} in m, beside a sensor `skin` of one value.
+// Requires two channels, the second one displacements {9, 3} in m, and a sensor `skin` with one
+// value.
 void slipbench_make_controller(const slipbench_source* source, slipbench_controller* controller) {
   const slipbench_sensor& pad = source->sensors[source->sensor];
   if (pad.channel_count != 2) return;

@@ -1,4 +1,5 @@
-// A library that lacks what its build does not define: VERSION, the version it claims to be built for, and MAKES, a controller.
+// A library without the parts that its build does not define: VERSION, the version it claims to be
+// built for, and MAKES, a controller.
 #include "controllers/plugin_abi.h"
 
 #ifdef VERSION

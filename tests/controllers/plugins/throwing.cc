@@ -1,4 +1,5 @@
-// A library that breaks the rule not to throw: in the update, or with MAKES already when it is asked for a controller.
+// A library that throws although it must not: in the update, or with MAKES when it makes a
+// controller.
 #include <stdexcept>
 
 #include "controllers/plugin_abi.h"

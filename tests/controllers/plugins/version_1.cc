@@ -1,4 +1,4 @@
-// A library of the interface's first version, which exported its version alone.
+// A library of the interface's first version, which exported only its version.
 #include <cstddef>
 
 extern "C" {

@@ -10,7 +10,7 @@
 namespace slipbench::hd {
 namespace {
 
-// A frame [m] in which one value is not zero.
+// A frame [m] with a single value other than zero.
 std::vector<float> frame_with(std::size_t pillar, std::size_t axis, float value) {
   std::vector<float> displacement(27);
   displacement[3 * pillar + axis] = value;
@@ -24,7 +24,7 @@ std::string refusal(std::size_t pillar, std::size_t axis, float value) {
   return refusal_of([&] { to_fixed(frame_with(pillar, axis, value)); });
 }
 
-// The nearest of the 21 levels as the paper says it, in floating point.
+// The nearest of the 21 levels as defined by the paper, in floating point.
 int nearest_level(const FixedVector& d) {
   const double t = std::hypot(d[0], d[1]), all = std::hypot(t, d[2]);
   return all == 0.0 ? 0 : static_cast<int>(std::lround(20.0 * t / all));
@@ -53,7 +53,8 @@ TEST(Features, LevelsStartWhereTheHardwareStartsThem) {
 }
 
 TEST(Features, ContextsAreThePapersIntervals) {
-  // [0, 0.75], (0.75, 1], (1, 1.125] mm and above, on a grid of 1/8 mm; a pulled pillar is in the first.
+  // [0, 0.75], (0.75, 1], (1, 1.125] mm and above, on a grid of 1/8 mm; a pulled pillar is in the
+  // first.
   const std::vector<std::pair<int, int>> expected{{-32768, 0}, {-1, 0}, {0, 0},  {6, 0},    {7, 1},
                                                   {8, 1},      {9, 2},  {10, 3}, {32767, 3}};
   for (const auto& [compression, context] : expected) {
@@ -119,11 +120,12 @@ TEST(Features, NothingMovedIsLevelZero) {
 }
 
 TEST(Features, AFrameOfThePad) {
-  // Centre pressed by 1 mm, and its tip dragged by 0.75 mm: 8 and 6 units, ratio 0.6, context (0.75, 1].
+  // Centre pressed by 1 mm with its tip dragged by 0.75 mm: 8 and 6 units, ratio 0.6, context
+  // (0.75, 1].
   std::vector<float> displacement(27);
   displacement[12] = 0.75e-3F;  // values 12 to 14 are the centre's
   displacement[14] = 1e-3F;
-  displacement[22] = -0.25e-3F;  // an edge pillar that is dragged and not pressed
+  displacement[22] = -0.25e-3F;  // an edge pillar that is dragged but not pressed
   Frame expected;
   expected.level[4] = 12;  // code 76 lies in 72 to 79; 0.6 = 12 * 0.05
   expected.level[7] = 20;
@@ -148,7 +150,7 @@ TEST(Features, ExactIsTheNearestLevelOfTheRoundedDisplacement) {
 
 TEST(Features, UnroundedSeesWhatTheGridLoses) {
   std::vector<float> displacement(27);
-  displacement[0] = displacement[2] = 0.05e-3F;  // 0.4 units each: nothing on the grid, and a ratio of sqrt(1/2) = 14.1 * 0.05
+  displacement[0] = displacement[2] = 0.05e-3F;  // 0.4 units each: zero on the grid, and a ratio of sqrt(1/2) = 14.1 * 0.05
   EXPECT_EQ(quantise(displacement, Quantiser::exact).level[0], 0);
   EXPECT_EQ(quantise(displacement, Quantiser::unrounded).level[0], 14);
 }

@@ -24,7 +24,7 @@ Parameters published_parameters() {
 
 using Values = std::array<float, 6 * pillar_count>;
 
-// A frame whose centre pillar is compressed by `compression` [m], and whose forces would be something else.
+// A frame whose centre pillar is compressed by `compression` [m]; its forces hold other values.
 Values pressed(double compression) {
   Values values;
   values.fill(7.0F);
@@ -33,7 +33,8 @@ Values pressed(double compression) {
   return values;
 }
 
-// At 1000 Hz every tenth frame is classified: 0, 10, 20. What a frame is told by is the compression of its centre pillar.
+// At 1000 Hz every tenth frame is classified: 0, 10, 20. The compression of the centre pillar
+// identifies a frame.
 TEST(HdDetector, TakesEveryKthFrame) {
   std::vector<float> seen;
   const auto classify = [&seen](std::span<const float> displacement) -> Classified {
@@ -52,7 +53,8 @@ TEST(HdDetector, TakesEveryKthFrame) {
   EXPECT_EQ(seen, (std::vector{0.0F, 10.0F, 20.0F}));
 }
 
-// Slip is said from the second of two frames in a row that slip, of the class of the latest, until three in a row do not.
+// Slip is reported from the second of two consecutive frames of slip, with the latest class, until
+// three consecutive frames are not slip.
 TEST(HdDetector, SaysSlipByItsAlarm) {
   constexpr PadState none = PadState::no_contact, hold = PadState::non_slip, part = PadState::incipient, all = PadState::gross;
   const std::vector<PadState> called{none, part, hold, part, all, hold, hold, part, hold, hold, hold, all};
@@ -119,7 +121,7 @@ TEST(HdDetector, SaysWhereItLookedForMemories) {
               HasSubstr("detector.memories: /no/such/folder/AM.hex: "));
 }
 
-// What no displacement can be reaches no engine.
+// Values that are not finite do not reach an engine.
 TEST(HdDetector, RefusesWhatIsNotFinite) {
   const auto detector = gst_hd_detector().create(published_parameters(), papillarray);
   Values values = pressed(0.0);

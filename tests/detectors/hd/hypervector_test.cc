@@ -52,7 +52,7 @@ TEST_P(Algebra, DistanceCountsBits) {
   other.set(0, !other.bit(0));
   other.set(GetParam() - 1, !other.bit(GetParam() - 1));
   EXPECT_EQ(hamming(a_, other), 2U);
-  // bind(a, -1) is the opposite of a, and differs from it everywhere.
+  // bind(a, -1) is the opposite of a and differs from it in every bit.
   EXPECT_EQ(hamming(bind(a_, Hypervector(GetParam())), a_), GetParam());
 }
 
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(Dimensions, Algebra, testing::Values(8, 63, 64, 65, 100
 TEST(Hypervector, TheFirstDigitHoldsTheHighestBits) {
   const Hypervector vector = from_hex("81", 8);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(vector.bit(i), i == 0 || i == 7) << i;
-  EXPECT_EQ(to_hex(rotate(vector)), "c0");  // to the right as written: 10000001 becomes 11000000
+  EXPECT_EQ(to_hex(rotate(vector)), "c0");  // to the right in hexadecimal: 10000001 becomes 11000000
   EXPECT_EQ(to_hex(from_hex("1aF", 9)), "1af");
 }
 

@@ -1,4 +1,4 @@
-// The kernel against the reference, to the last bit.
+// The kernel against the reference, bit by bit.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -34,7 +34,8 @@ std::string text(const Model& model) {
          std::to_string(static_cast<int>(model.ties)) + ", compat " + std::to_string(static_cast<int>(model.compat));
 }
 
-// Everything that an engine and an encoder say, with a reset before frame `restart`. No query: an empty vector.
+// All results of an engine and an encoder, with a reset before frame `restart`. An empty vector
+// stands for no query.
 struct Outcome {
   std::vector<Decision> decisions;
   std::vector<Hypervector> queries;
@@ -62,7 +63,7 @@ TEST_P(KernelAgainstReference, SameDecisionsAndQueriesOnRandomFramesThroughReset
   for (const Model& model : all_models(dimension, window)) {
     const Memories memories = random_memories(model, ++seed);
     const std::vector<Frame> frames = random_frames(2 * model.frames() + 8, seed);
-    const std::size_t restart = model.frames() + 2;  // in a full window; the next is not full for N - 1 frames
+    const std::size_t restart = model.frames() + 2;  // in a full window; then no window is full for N - 1 frames
     const Outcome expected = outcome(*make_reference(model, memories), *make_reference_encoder(model, memories), frames, restart);
     for (const KernelPath path : kernel_paths()) {
       const Outcome got =
@@ -75,14 +76,15 @@ TEST_P(KernelAgainstReference, SameDecisionsAndQueriesOnRandomFramesThroughReset
   }
 }
 
-// Dimensions below a word, at its edges, at the edge of 512 bits and above; windows shorter and longer than a short vector and than a word.
+// Dimensions below a word, at its edges, at the edge of 512 bits and above; windows shorter and
+// longer than a short vector and than a word.
 INSTANTIATE_TEST_SUITE_P(Shapes, KernelAgainstReference,
                          testing::Combine(testing::Values(8, 11, 63, 64, 65, 512, 1000, 1024), testing::Values(1, 2, 15)));
 INSTANTIATE_TEST_SUITE_P(LongVectors, KernelAgainstReference, testing::Combine(testing::Values(2000), testing::Values(15)));
 INSTANTIATE_TEST_SUITE_P(LongWindows, KernelAgainstReference,
                          testing::Combine(testing::Values(9, 65, 130), testing::Values(64, 140)));
 
-// Every rotation up to D - 1 occurs, and the rows that they read are longer than a block.
+// Every rotation up to D - 1 occurs, and rotated rows are longer than a block.
 TEST(Kernel, AWindowAsLongAsTheVector) {
   for (const Compat compat : {Compat::paper, Compat::published_core}) {
     const Model model{.dimension = 577, .window = 577, .compat = compat};

@@ -1,4 +1,4 @@
-// How memories are made by chance, and how prototypes are made from query vectors.
+// Random memories, and prototypes from query vectors.
 #include "detectors/hd/memories.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,8 @@ TEST(Memories, ItemsAreBalancedAndNearlyOrthogonal) {
   for (std::size_t i = 0; i < 12; ++i) {
     EXPECT_EQ(ones(memories.item[i]), 500U);
     for (std::size_t j = 0; j < i; ++j) {
-      // Distances of random balanced vectors: mean 500, standard deviation sqrt(1000)/2 = 15.8; six of these are 95.
+      // Distances of random balanced vectors: mean 500, standard deviation sqrt(1000)/2 = 15.8; six
+      // standard deviations are 95.
       EXPECT_NEAR(static_cast<double>(hamming(memories.item[i], memories.item[j])), 500.0, 95.0);
     }
   }
@@ -58,8 +59,9 @@ TEST(Memories, ShapesAreChecked) {
   EXPECT_THROW(check({.dimension = 8}, memories, true), InputError);  // not trained
 }
 
-// All levels are +1. The two graphs with edges then give +10 times their names, here +1 and -1, and cancel; the third gives its name, +1.
-// With `plus` pillars named +1 the sum is 1 + plus - (9 - plus) = 2 plus - 8.
+// All levels are +1. The two graphs with edges then give +10 times their names, here +1 and -1, and
+// cancel; the third gives its name, +1. With `plus` pillars named +1 the sum is 1 + plus - (9 -
+// plus) = 2 plus - 8.
 TEST(Bundle, IsTheMajorityAndTiesFollowTheRule) {
   for (const Ties ties : {Ties::one, Ties::zero}) {
     for (const std::size_t plus : {3U, 4U, 5U}) {
@@ -127,7 +129,7 @@ TEST_F(Training, RefusesWhatIsNoClass) {
   EXPECT_THROW(prototypes.add(bits("00"), 4, PadState::gross), std::out_of_range);
 }
 
-// Frames that are levels of a class, give or take one: the nearest prototype is that of the class.
+// Frames have the levels of a class within one: the nearest prototype is that of the class.
 TEST(Classifier, TellsApartWhatItWasTrainedOn) {
   const Model model;
   Memories memories = generate(model, 3);
@@ -156,7 +158,7 @@ TEST(Classifier, TellsApartWhatItWasTrainedOn) {
     engine->reset();
     for (int t = 0; t < 114; ++t) right += engine->update(frame_of(state)).state == static_cast<PadState>(state) ? 1U : 0U;
   }
-  EXPECT_EQ(right, 300U);  // 114 frames, of which 14 fill the window, of three classes
+  EXPECT_EQ(right, 300U);  // 114 frames, 14 of which fill the window, for three classes
 }
 
 }  // namespace

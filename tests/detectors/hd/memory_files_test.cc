@@ -31,7 +31,7 @@ struct MemoryFiles : testing::Test {
     for (const std::string& line : all) stream << line << "\n";
   }
 
-  // What load() says after `change` was made to the lines of `file`, without the folder's name.
+  // Returns the error of load() after `change` of the lines of `file`, without the folder's name.
   std::string refusal(const std::string& file, const std::function<void(std::vector<std::string>&)>& change) const {
     save(folder_, saved_);
     std::vector<std::string> all = lines(file);
@@ -57,7 +57,7 @@ TEST_F(MemoryFiles, WhatIsSavedIsLoaded) {
   EXPECT_EQ(lines("IM.hex")[11], to_hex(saved_.memories.item[11]));
 }
 
-// Whatever bytes have changed or are missing: a classifier that fits together, or a refusal that names the file.
+// Any changed or missing bytes give a consistent classifier, or an error that names the file.
 TEST_F(MemoryFiles, DamagedMemoriesAreRefusedOrFit) {
   save(folder_, saved_);
   for (std::size_t step = 0; step < 500; ++step) {
@@ -108,7 +108,7 @@ TEST_F(MemoryFiles, ALinkToAFolderIsNotReplaced) {
   EXPECT_THAT(refusal_of([&] { save(root_ + "/link", saved_); }), mentions({"link", "folder"}));
 }
 
-// The second of two renames fails, as nothing is there to move: the first is undone.
+// The second of two renames fails because its source does not exist; the first is undone.
 TEST_F(MemoryFiles, AReplacementThatFailsLeavesWhatStoodThere) {
   save(folder_, saved_);
   EXPECT_THROW(replace_folder(root_ + "/nowhere", folder_, root_ + "/stale"), std::system_error);
@@ -126,7 +126,7 @@ TEST_F(MemoryFiles, ShortLongAndGarbledMemoriesAreRefusedWithTheirLine) {
   EXPECT_THAT(refusal("AM.hex", [](auto& all) { all.pop_back(); }), refused_at("AM.hex:3", {"2 lines", "3"}));
   EXPECT_THAT(refusal("CIM.hex", [](auto& all) { all.clear(); }), refused_at("CIM.hex:1", {"0 lines", "21"}));
   EXPECT_THAT(refusal("CM.hex", [](auto& all) { all.push_back(all[0]); }), refused_at("CM.hex:5", {"line", "4"}));
-  // 65 bits are 17 digits, the first of which holds one bit.
+  // 65 bits are 17 digits; the first digit holds one bit.
   EXPECT_THAT(refusal("CIM.hex", [](auto& all) { all[20].pop_back(); }),
               refused_at("CIM.hex:21", {"16 digits", "65 bits", "17"}));
   EXPECT_THAT(refusal("IM.hex", [](auto& all) { all[4] += "0"; }), refused_at("IM.hex:5", {"18 digits", "65 bits", "17"}));
@@ -155,7 +155,7 @@ TEST_F(MemoryFiles, GarbledDescriptionsAreRefusedWithTheirLine) {
   EXPECT_THAT(refusal("model.txt", [](auto& all) { all.push_back("tie: one"); }), mentions({"model.txt:10", "tie", "ties"}));
 }
 
-// The dimension is that of the other lines, wherever the short one stands: 68 bits are 17 digits.
+// The dimension comes from the other lines, wherever the short one is: 68 bits are 17 digits.
 TEST_F(MemoryFiles, WithoutADescriptionTheLineThatDiffersIsBlamed) {
   saved_.model.dimension = 68;
   saved_.memories = random_memories(saved_.model, 1);
@@ -180,13 +180,14 @@ TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
   const SavedModel published = load(published_folder, published_model("A"));
   EXPECT_EQ(published.model, published_model("A"));
   EXPECT_EQ(published.memories.item.size(), 12U);
-  // The published level memory: 25 bits a level.
+  // The published level memory: 25 bits per level.
   for (std::size_t level = 0; level < level_count; ++level) {
     EXPECT_EQ(hamming(published.memories.level[0], published.memories.level[level]), 25 * level);
   }
 }
 
-// What was chosen stands in model.txt, and nothing does where every frame is for itself.
+// A chosen operating point is stored in model.txt; nothing is stored if each frame counts for
+// itself.
 TEST_F(MemoryFiles, KeepTheOperatingPoint) {
   save(folder_, saved_);
   const std::size_t without = lines("model.txt").size();
@@ -203,8 +204,9 @@ TEST_F(MemoryFiles, KeepTheOperatingPoint) {
 TEST_F(MemoryFiles, AreKnownByNameWhereTheyShip) {
   EXPECT_EQ(memories_folder(default_memories), shipped_memories(default_memories));
   EXPECT_EQ(memories_folder(learnt_memories), shipped_memories(learnt_memories));
-  EXPECT_EQ(memories_folder("any/learn_gst_hd"), "any/learn_gst_hd");  // a path that leads nowhere is an error, and nothing else
-  // A folder of that name has to be asked for as a path: a scene, a detector's word and a digest mean the same one.
+  EXPECT_EQ(memories_folder("any/learn_gst_hd"), "any/learn_gst_hd");  // a path that does not exist is an error, never a name
+  // A folder of that name must be given as a path, so that a scene, a detector's name and a digest
+  // mean the same classifier.
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::create_directory(root_ + "/" + default_memories);
   std::filesystem::current_path(root_);

@@ -1,4 +1,4 @@
-// Whether the engines do what the published hardware does.
+// The engines against the published hardware.
 #include "tests/detectors/hd/published.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ void expect_published(Engine& engine, const std::string& column) {
   ASSERT_EQ(rows.size(), 300U);
   for (const PublishedRow& row : rows) {
     const Decision decision = engine.update(published_frame(row));
-    Decision expected;  // -1 in the file while the window of 15 is not full
+    Decision expected;  // -1 in the file until the window of 15 is full
     if (row.at(column + "_state") >= 0) {
       expected.state = static_cast<PadState>(row.at(column + "_state"));
       for (std::size_t k = 0; k < class_count; ++k) {

@@ -1,4 +1,4 @@
-// What a network's metadata may say, and what is said of the rest.
+// Valid metadata of a network, and the errors for the rest.
 
 #include <string>
 #include <utility>
@@ -18,7 +18,7 @@ constexpr const char* full = R"({"format": 1,
   "classes": [{"name": "hold", "state": "non_slip"}, {"name": "slip", "state": "gross"}],
   "threshold": 0.75, "alarm": {"on": 2, "off": 5, "least": 9}, "trained": {"recipe": "fft-gru"}})";
 
-// `full` with one text for another, which it must hold.
+// Returns `full` with `from`, which it must contain, replaced by `to`.
 std::string with(const std::string& from, const std::string& to) {
   std::string text = full;
   const std::size_t at = text.find(from);
@@ -82,7 +82,7 @@ TEST(Description, IsReadAsItWasWritten) {
     const std::string written = description_text(parse_description(text, "net.onnx"));
     EXPECT_EQ(description_text(parse_description(written, "net.onnx")), written);
   }
-  // Every digit of a number: 0.1 is the double nearest to it, and nothing rounder.
+  // Numbers keep every digit: 0.1 is the double nearest to it, not rounded further.
   Description d = parse_description(full, "net.onnx");
   d.input.offset = {0.1, 1.0 / 3.0};
   EXPECT_EQ(parse_description(description_text(d), "net.onnx").input.offset, d.input.offset);

@@ -1,4 +1,5 @@
-// A network as a detector: what it says frame by frame is what the same network says outside.
+// A network as a detector: its estimates equal the output of the same network outside, frame by
+// frame.
 
 #include <algorithm>
 #include <array>
@@ -35,7 +36,8 @@ Parameters parameters(const std::string& model, double threshold = 0.0, double l
   return values;
 }
 
-// The force of pillar 0 in sample n; the other pillars, which no network here reads, have another.
+// The force of pillar 0 in sample n; the other pillars, which no network here reads, have other
+// values.
 std::vector<float> sample(int n) {
   std::vector<float> values(27, 99.0F);
   values[0] = 0.125F * static_cast<float>(n % 7);
@@ -46,7 +48,7 @@ std::vector<float> sample(int n) {
 
 double probability(double hold, double slip) { return std::exp(slip) / (std::exp(hold) + std::exp(slip)); }
 
-// ctest runs each test in a process of its own; by hand this one is the first.
+// ctest runs each test in a separate process; run by hand this test comes first.
 TEST(NetworkDetector, LoadsItsLibraryWithTheFirstNetwork) {
   ASSERT_FALSE(openvino_is_loaded());
   EXPECT_THROW(network_detector().create(parameters("none"), papillarray()), SceneValueError);
@@ -59,7 +61,8 @@ TEST(NetworkDetector, SaysWhatItsNetworkSaysOfTheLastFrames) {
   const auto detector = network_detector().create(parameters(shipped("mlp13.onnx")), papillarray());
   ASSERT_EQ(detector->features().size(), 1u);
   EXPECT_EQ(detector->features()[0].name, "slip_probability");
-  // A frame of one sample every 5, (x - 0.5) 2 of it, the last two of them.
+  // A frame of one sample, every 5 samples, scaled as (x - 0.5) 2; the input is the last two
+  // frames.
   std::deque<float> fed;
   int changes = 0;
   double last = 0.0;
@@ -117,7 +120,8 @@ std::string refusal(const Parameters& values, const FrameSource& source) {
   return scene_refusal_of([&] { network_detector().create(values, source); });
 }
 
-// A network of any number of frames that is exported with that number left open, whose description asks for another.
+// A network exported with the number of frames left open, whose description asks for another
+// number.
 TEST(NetworkDetector, SaysThatAnOpenExtentIsOne) {
   std::string bytes = bytes_of(shipped("mlp13.onnx"));
   const std::string two = "\"history\": 2";

@@ -1,4 +1,4 @@
-// Networks in ONNX files: what they say, and which files are refused.
+// Networks in ONNX files: their output, and the files that are refused.
 
 #include <array>
 #include <filesystem>
@@ -28,7 +28,7 @@ onnx::ModelProto model_of(const std::string& name) {
   return model;
 }
 
-// A file that is gone at the end.
+// A file that is removed at the end.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
@@ -45,7 +45,7 @@ std::string refusal_of(const std::string& path) {
   return slipbench::refusal_of([&] { load_engine(path); });
 }
 
-// What is said of `name` once it is changed so.
+// Returns the error for the network `name` after `change`.
 std::string refusal_of(const std::string& name, const std::function<void(onnx::ModelProto&)>& change) {
   onnx::ModelProto model = model_of(name);
   change(model);
@@ -170,7 +170,7 @@ TEST(Engine, RefusesWhatNeedNotEndOrTakesAnyMemory) {
   EXPECT_THAT(refusal_of("mlp13.onnx", tile), mentions({"tensor", "67108864"}));
 }
 
-// mlp13.onnx with `type` in place of its Relu, of the inputs of the Relu and `inputs`.
+// mlp13.onnx with `type` in place of its Relu; its inputs are the Relu's and `inputs`.
 std::string refusal_of_hidden(
     const std::string& type, const std::vector<std::string>& inputs = {},
     const std::function<void(onnx::ModelProto&)>& more = [](onnx::ModelProto&) {}) {
@@ -206,7 +206,8 @@ TEST(Engine, RefusesWhatIsRandom) {
   EXPECT_EQ(refusal_of_hidden("Dropout"), "accepted");
 }
 
-// The 4 hidden values become 4 x `side` x `side` ones, less than a tensor may have, and are multiplied with each other: 4 side^3 multiply-adds.
+// The 4 hidden values become 4 x `side` x `side` values, fewer than a tensor may have, which are
+// multiplied with each other: 4 side^3 multiply-adds.
 TEST(Engine, RefusesWhatTakesAnyTime) {
   const auto squared = [](std::int64_t side) {
     return refusal_of("mlp13.onnx", [&](onnx::ModelProto& m) {
@@ -222,7 +223,8 @@ TEST(Engine, RefusesWhatTakesAnyTime) {
       integers("square", {4, side, side});
       integers("sides", {1, 2});
       integers("row", {1, 4});
-      // hidden [1, 4] -> [4, 1, 1] -> [4, side, side] -> its square -> a mean of each of the 4 -> [1, 4] relu
+      // hidden [1, 4] -> [4, 1, 1] -> [4, side, side] -> its square -> mean of each of the 4 -> [1,
+      // 4] relu
       onnx::NodeProto last = graph.node(3);
       graph.mutable_node()->RemoveLast();
       graph.mutable_node()->RemoveLast();
@@ -247,12 +249,12 @@ TEST(Engine, RefusesWhatTakesAnyTime) {
     });
   };
   EXPECT_EQ(squared(8), "accepted");
-  // 4 x 2000^3 = 3.2e10, and some 1e7 values that are read and made.
+  // 4 x 2000^3 = 3.2e10, plus some 1e7 values read and made.
   EXPECT_THAT(squared(2000), HasSubstr(" 3.20"));
   EXPECT_THAT(squared(2000), mentions({"multiply-adds", "10000000000"}));
 }
 
-// OpenVINO repeats the name of what it does not know, here 200 words of three letters.
+// OpenVINO repeats unknown names, here 200 words of three letters.
 TEST(Engine, CutsALongReasonBetweenWords) {
   std::string words;
   for (int i = 0; i < 200; ++i) words += i == 0 ? "odd" : " odd";
@@ -289,7 +291,8 @@ TEST(Engine, RefusesTensorsThatAreNotWhatTheySay) {
               mentions({"W1", "type 8"}));
 }
 
-// A weight of nan need not be heard: behind it a ReLU says 0. The bits are those of the formats, lowest byte first.
+// A weight of nan can stay hidden: behind it a ReLU gives 0. The bits are those of the formats,
+// lowest byte first.
 TEST(Engine, RefusesWeightsThatAreNoNumbers) {
   using onnx::TensorProto;
   struct Case {
@@ -323,7 +326,7 @@ TEST(Engine, RefusesWeightsThatAreNoNumbers) {
   EXPECT_THAT(refusal_of("mlp13.onnx", attribute), mentions({"alpha", "nan"}));
 }
 
-// Two frames of three values are what mlp13.onnx is made for; where it leaves the two open, one is taken.
+// mlp13.onnx takes two frames of three values; if it leaves the two open, one is taken.
 TEST(Engine, SaysThatAnOpenTimeIsTakenAsOne) {
   const auto open = [](onnx::ModelProto& m) {
     m.mutable_graph()->mutable_input(0)->mutable_type()->mutable_tensor_type()->mutable_shape()->mutable_dim(1)->set_dim_param(
@@ -332,7 +335,8 @@ TEST(Engine, SaysThatAnOpenTimeIsTakenAsOne) {
   EXPECT_THAT(refusal_of("mlp13.onnx", open), mentions({"frames", "open", "1"}));
 }
 
-// W1 is made for five values, and six come: OpenVINO says so behind the condition that failed and its place in the sources.
+// W1 expects five values but gets six: OpenVINO's message has the failed condition and its place in
+// the sources.
 TEST(Engine, GivesTheReasonWithoutItsCondition) {
   const auto narrow = [](onnx::ModelProto& m) {
     onnx::TensorProto* const weights = m.mutable_graph()->mutable_initializer(0);
@@ -369,7 +373,8 @@ TEST(Engine, WhatIsNoNumberIsAnError) {
   std::array<float, 6> input{};
   input[0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(engine->run(input), InputError);
-  // The first row of the first layer is (-5, 2, -2, 5, 1, -3)/8: of these it makes 2.25 times 3e38, more than a float32 can hold.
+  // The first row of the first layer is (-5, 2, -2, 5, 1, -3)/8: for these inputs it gives 2.25
+  // times 3e38, beyond a float32.
   input = {-3e38F, 3e38F, -3e38F, 3e38F, 3e38F, -3e38F};
   EXPECT_THROW(engine->run(input), InputError);
 }

@@ -1,4 +1,4 @@
-// Frames of signals whose features are known.
+// Frames of signals with known features.
 
 #include <cmath>
 #include <cstdlib>
@@ -16,7 +16,7 @@ thread_local std::size_t allocations = 0;
 
 }  // namespace
 
-// Inlined, GCC would see memory of `new` freed by free().
+// Not inlined, because GCC would otherwise see memory of `new` freed by free().
 [[gnu::noinline]] void* operator new(std::size_t size) {
   if (counting) ++allocations;
   if (void* const memory = std::malloc(size)) return memory;
@@ -120,7 +120,7 @@ TEST(Frames, TheMedianIsOfThoseSamplesThatThereAre) {
     ASSERT_TRUE(frames.push(only(x)));
     medians.push_back(frames.latest()[0]);
   }
-  // Of 5; of 5 1, the mean of the two; of 5 1 9; of 1 9 2; of 9 2 2.
+  // Medians of 5; 5 1 (the mean of the two); 5 1 9; 1 9 2; 9 2 2.
   EXPECT_THAT(medians, ElementsAre(5.0F, 3.0F, 5.0F, 2.0F, 2.0F));
 }
 
@@ -138,7 +138,7 @@ TEST(Frames, CentreTakesTheWindowsMeanOff) {
   input.centre = true;
   Frames frames = frames_of(input);
   for (const float x : {100.0F, 1.0F, 2.0F, 6.0F}) frames.push(sample(x));
-  // 1 2 6 less 3; the second value, 1 more than the first, has the same deviations.
+  // 1 2 6 minus 3; the second value, 1 more than the first, has the same deviations.
   EXPECT_THAT(latest(frames), ElementsAre(-2.0F, -2.0F, -1.0F, -1.0F, 3.0F, 3.0F));
 }
 
@@ -168,7 +168,7 @@ double sine(int n) { return 40.0 + 3.0 * std::sin(2.0 * std::numbers::pi * 2.0 *
 TEST(Frames, AmplitudeIsTheMagnitudeOfTheTransform) {
   Input input = spectrum_of({{"force", {0}}}, 0.0, 300.0);
   Frames frames = frames_of(input);
-  for (int n = 0; n < 17; ++n) frames.push(only(sine(n)));  // a window that does not begin with the sine does as well
+  for (int n = 0; n < 17; ++n) frames.push(only(sine(n)));  // a window that does not begin with the sine works as well
   // |X_0| = N 40, |X_2| = N 3/2.
   ASSERT_EQ(frames.size(), 4u);
   EXPECT_NEAR(frames.latest()[0], 400.0, 1e-4);
@@ -179,7 +179,7 @@ TEST(Frames, AmplitudeIsTheMagnitudeOfTheTransform) {
 
 TEST(Frames, HannHalvesALineAndGivesAQuarterToEachNeighbour) {
   Input input = spectrum_of({{"force", {0}}}, 100.0, 300.0);
-  input.centre = true;  // of 40, which would leak into bin 1
+  input.centre = true;  // removes 40, which would leak into bin 1
   input.hann = true;
   Frames frames = frames_of(input);
   for (int n = 0; n < 10; ++n) frames.push(only(sine(n)));
@@ -209,8 +209,9 @@ Input moving(Transform transform, std::vector<std::size_t> spans, double floor, 
   return input;
 }
 
-// Values 3 k + 1 and 5 at sample k. Of n samples the variance of 0 to n - 1 is (n^2 - 1)/12, and a straight line's slope is its own: spreads
-// 3 sqrt((n^2 - 1)/12) and 0, drifts 3 n and 0. The first frame has two samples, fewer than either span; the third has four.
+// Values 3 k + 1 and 5 at sample k. The variance of 0 to n - 1 is (n^2 - 1)/12, and the
+// least-squares slope of a line is its own: spreads 3 sqrt((n^2 - 1)/12) and 0, drifts 3 n and 0.
+// The first frame has two samples, fewer than either span; the third has four.
 TEST(Frames, SpreadsAreOfTheLatestSamplesThereAreWhateverTheLevel) {
   const Input input = moving(Transform::spreads, {3, 4}, 0.5, {{"force", {0, 1}}});
   Frames frames = frames_of(input);
@@ -232,8 +233,8 @@ TEST(Frames, SpreadsAreOfTheLatestSamplesThereAreWhateverTheLevel) {
   }
 }
 
-// Values 3 - 2 k and 5 at sample k: the mean of the latest two is 3 - 2 (k - 1/2), and over n samples they change by -2 n and 0. The first frame has
-// two samples, fewer than the longer span.
+// Values 3 - 2 k and 5 at sample k: the mean of the latest two is 3 - 2 (k - 1/2), and over n
+// samples they change by -2 n and 0. The first frame has two samples, fewer than the longer span.
 TEST(Frames, LevelsAreMeansAndChangesWithTheirSigns) {
   Frames frames = frames_of(moving(Transform::levels, {2, 5}, 0.5, {{"force", {0, 1}}}));
   const auto of = [](double x) { return static_cast<float>(std::asinh(x / 0.5)); };
@@ -246,8 +247,9 @@ TEST(Frames, LevelsAreMeansAndChangesWithTheirSigns) {
   }
 }
 
-// Unit 0 is pulled by 0.3 k along (3, 4)/5 while z falls by 0.1 a sample: of the latest two samples of 9 the shear is 0.3 x 8.5 and z is 2 - 0.85. Over n
-// samples the pull changes by 0.3 n, all of it along the shear, and z by -0.1 n. Unit 1 rests at (0, 0, 1).
+// Unit 0 is pulled by 0.3 k along (3, 4)/5 while z falls by 0.1 per sample: over the latest two of
+// 9 samples the mean shear is 0.3 x 8.5 and the mean z is 2 - 0.85. Over n samples the pull changes
+// by 0.3 n, all of it along the shear, and z by -0.1 n. Unit 1 is constant at (0, 0, 1).
 TEST(Frames, UnitsAreLevelsAndRatesOfEachUnitsForce) {
   Input input = moving(Transform::units, {2, 5}, 0.01, {{"force", {}}});
   Frames frames = frames_of(input);
@@ -307,7 +309,7 @@ TEST(Frames, ASampleCostsNoMemory) {
   EXPECT_EQ(allocations, 0u);
 }
 
-// 1004 us from sample to sample: a recorder's clock.
+// 1004 us between samples: a recorder's clock.
 TEST(Frames, TakeARateWithinOnePerCent) {
   for (const double hertz : {990.0, 1e6 / 1004.0, 999.001, 1000.0, 1010.0})
     EXPECT_EQ(refusal(input_of({{"force", {0}}}), "papillarray", hertz), "accepted") << hertz;

@@ -11,7 +11,7 @@
 
 namespace slipbench::network {
 
-// Whether this process has loaded a library of that name.
+// True if this process has loaded a library of that name.
 inline bool openvino_is_loaded() { return bytes_of("/proc/self/maps").find("openvino") != std::string::npos; }
 
 inline std::string shipped(const std::string& name) {
@@ -36,8 +36,9 @@ inline std::array<double, 2> mlp(std::span<const float, 6> input) {
   return {row(28, hidden, 36), row(32, hidden, 37)};
 }
 
-// gru21.onnx: W [6, 3] from 0, R [6, 2] from 18, W's and R's B [6] each from 30, W2 [2, 2] from 42, B2 from 46; the rows of W, R and B are those of
-// the update gate z, the reset gate r and the candidate n.
+// gru21.onnx: W [6, 3] from 0, R [6, 2] from 18, W's and R's B [6] each from 30, W2 [2, 2] from 42,
+// B2 from 46. The rows of W, R and B belong to the update gate z, the reset gate r and the
+// candidate n.
 class Gru {
  public:
   // Probabilities.

@@ -1,4 +1,4 @@
-// What a network's output means.
+// Meaning of a network's output.
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace slipbench::network {
 namespace {
 
-// Three classes, of which two slip.
+// Three classes, two of which slip.
 Description three(Output output) {
   Description d;
   d.output = output;
@@ -19,7 +19,7 @@ Description three(Output output) {
 }
 
 TEST(SlipProbability, OfLogitsIsTheirSoftmax) {
-  // exp of 0, log 2, log 5: weights 1, 2, 5, so that slip has 7 of 8.
+  // exp of 0, log 2, log 5: weights 1, 2, 5, so that slip has 7/8.
   const std::vector<float> logits{0.0F, std::log(2.0F), std::log(5.0F)};
   EXPECT_NEAR(slip_probability(three(Output::logits), logits), 0.875, 1e-7);
 }
@@ -33,7 +33,8 @@ TEST(SlipProbability, OfProbabilitiesIsTheirSum) {
   EXPECT_NEAR(slip_probability(three(Output::probabilities), std::vector<float>{0.5F, 0.125F, 0.375F}), 0.5, 1e-7);
 }
 
-// Two in a row begin it; it lasts four frames at least and until three in a row are below.
+// Two consecutive frames begin slip; it lasts at least four frames and until three consecutive ones
+// are below.
 TEST(AlarmGate, BeginsAndEndsByFramesInARow) {
   AlarmGate gate({.on = 2, .off = 3, .least = 4});
   std::string said;
@@ -46,7 +47,8 @@ TEST(AlarmGate, BeginsAndEndsByFramesInARow) {
 }
 
 TEST(StateOf, IsTheMostProbableOfThoseThatSlipWhereSlipIsSaid) {
-  // Of those that slip creep has more, though holding is more probable than either.
+  // Among the classes that slip, creep is more probable, although holding is more probable than
+  // either.
   const std::vector<float> output{0.5F, 0.375F, 0.125F};
   EXPECT_EQ(state_of(three(Output::probabilities), output, true), PadState::incipient);
   EXPECT_EQ(state_of(three(Output::probabilities), output, false), PadState::non_slip);

@@ -1,5 +1,6 @@
-// What is read from frames: tare, touch, bands, and what is refused. Normal load, shear and curl of made-up images, and spectra, against closed forms:
-// Hamming's transform, the line that is taken away, bands and hops.
+// Features from frames: tare, touch, bands and refusals. Normal load, shear and curl of artificial
+// images, and spectra, against closed forms: Hamming's transform, the subtracted line, bands and
+// hops.
 #include "detectors/nib/features.h"
 
 #include <algorithm>
@@ -25,7 +26,8 @@ std::string refusal(const FrameSource& source, const char* name = "", double val
   return refusal_of([&] { reader(source, name, value); });
 }
 
-// 300 ms are 90 frames. Taxels with changes W 1, N 7, E 3, S 2: normal 13, shear (2, 5), nine of them.
+// 300 ms are 90 frames. Taxels with changes W 1, N 7, E 3, S 2: normal 13, shear (2, 5), for each
+// of nine.
 TEST(Features, AreChangesAgainstTheUnloadedPad) {
   FeatureReader features = reader();
   NibFrames frames;
@@ -34,7 +36,7 @@ TEST(Features, AreChangesAgainstTheUnloadedPad) {
     features.update(frames.next());
   }
   features.update(frames.next());
-  EXPECT_FALSE(features.touching());  // tared, and nothing there
+  EXPECT_FALSE(features.touching());  // tared, without contact
   EXPECT_EQ(features.features().normal, 0.0);
   frames.load({1, 7, 3, 2});
   features.update(frames.next());
@@ -44,7 +46,7 @@ TEST(Features, AreChangesAgainstTheUnloadedPad) {
   EXPECT_NEAR(features.features().curl, 0.0, 1e-15);
 }
 
-// Of a channel that is new every ninth sample the first eight are no image yet.
+// If a channel is new every ninth sample, the first eight are not a whole image.
 TEST(Features, WaitForTheFirstWholeImage) {
   FrameSource source = nib_source();
   source.channels[0].every = 9;
@@ -57,8 +59,9 @@ TEST(Features, WaitForTheFirstWholeImage) {
   EXPECT_EQ(features.features().normal, 0.0);
 }
 
-// A tone of A counts at 4 Hz: means of 0.25 N A/2 over 0 to 6 Hz and 0.115 N A/2 over 6 to 8 Hz (stft_test), N = 150; what the line
-// takes of a cosine that is not even about the window's middle is at most some percent.
+// A tone of A counts at 4 Hz: means of 0.25 N A/2 over 0 to 6 Hz and 0.115 N A/2 over 6 to 8 Hz
+// (stft_test), N = 150. The line removes at most some percent of a cosine that is not even about
+// the window's middle.
 TEST(Features, HaveTheBandsOfBothModes) {
   FeatureReader features = reader();
   NibFrames frames;
@@ -72,9 +75,11 @@ TEST(Features, HaveTheBandsOfBothModes) {
   EXPECT_NEAR(features.features().fr_fast, 0.5 * features.features().fl_fast, 1e-2);
 }
 
-// Gains of 2 and 5 counts/N, taxels 7.6 mm apart. Nine taxels with N + E + S + W = 20: 90 N. The shear of each taxel is 5 counts, 1 N, and
-// turns about the centre: 4 at 7.6 mm, 4 at 7.6 sqrt 2 mm, and the centre's own. With the capacitor's law, 1/(1 - x): an electrode of C = 100
-// counts whose gap closes by the share x counts 100 x/(1 - x) more, which must be undone: without that 5 counts would be 5.3 and more.
+// Gains of 2 and 5 counts/N, taxels 7.6 mm apart. Nine taxels with N + E + S + W = 20: 90 N. The
+// shear of each taxel is 5 counts, 1 N, and circulates about the centre: four at 7.6 mm, four at
+// 7.6 sqrt 2 mm, and the centre's own. By the capacitor's law, 1/(1 - x), an electrode of C = 100
+// counts whose gap closes by the share x reads 100 x/(1 - x) more. That must be inverted: otherwise
+// 5 counts would be 5.3 and more.
 TEST(Features, HandOnForcesAndTheMoment) {
   FrameSource source = nib_source();
   Parameters parameters = defaults_of(feature_specs());
@@ -102,7 +107,7 @@ TEST(Features, HandOnForcesAndTheMoment) {
   features.hand_on(told);
   EXPECT_TRUE(std::isnan(told[0]));  // no window is full yet
   EXPECT_NEAR(told[5], 90.0, 1e-3);
-  EXPECT_NEAR(told[6], 1.0, 1e-3);  // the turn cancels, and the centre's is left
+  EXPECT_NEAR(told[6], 1.0, 1e-3);  // the circulation cancels, and the centre's shear is left
   EXPECT_NEAR(told[7], 7.6e-3 * (4.0 + 4.0 * std::sqrt(2.0)), 1e-5);
 }
 
@@ -116,7 +121,7 @@ TEST(Features, RefuseWhatTheyCannotBeMadeOf) {
   EXPECT_NE(refusal(nib_source(10.0)).find("at least twice"), std::string::npos);
 }
 
-// The field of a function of place, in taxel distances east and north of the centre.
+// A field as a function of position, in taxel distances east and north of the centre.
 ShearField field_of(const std::function<Eigen::Vector2d(double, double)>& shear) {
   ShearField field;
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
@@ -146,7 +151,8 @@ TEST(Curl, OfATranslationIsNothing) {
   EXPECT_EQ(normalised_curl(ShearField{}), 0.0);
 }
 
-// F = w (-y, x) has curl 2 w. Its vectors have the lengths w (four of them), sqrt(2) w (four) and 0.
+// F = w (-y, x) has curl 2 w. Its vectors have the lengths w (four of them), sqrt(2) w (four) and
+// 0.
 TEST(Curl, OfARigidRotationIsTwiceItsRate) {
   for (const double w : {12.5, -3.0}) {
     const ShearField field = field_of([w](double x, double y) { return Eigen::Vector2d(-w * y, w * x); });
@@ -155,21 +161,23 @@ TEST(Curl, OfARigidRotationIsTwiceItsRate) {
   }
 }
 
-// About a centre that is off by c the rotation has a translation more, whose curl is nothing: the counts stay, their share falls.
+// A rotation about a centre that is off by c adds a translation, whose curl is zero: the counts are
+// equal, their share falls.
 TEST(Curl, OfARotationAboutAnotherPointIsTheSameInCounts) {
   const ShearField field = field_of([](double x, double y) { return Eigen::Vector2d(-5.0 * y, 5.0 * (x + 100.0)); });
   EXPECT_NEAR(curl(field), 10.0, 1e-10);
   EXPECT_NEAR(normalised_curl(field), 10.0 / 500.0, 1e-5);  // the mean length is 500 (1 + order 1e-4/3)
 }
 
-// A spread, F = (x, y), a shear with no rotation, F = (y, x), and a saddle, F = (x, -y), have none.
+// A spread, F = (x, y), a shear without rotation, F = (y, x), and a saddle, F = (x, -y), have no
+// curl.
 TEST(Curl, SeesNoSpreadAndNoStrain) {
   EXPECT_NEAR(curl(field_of([](double x, double y) { return Eigen::Vector2d(x, y); })), 0.0, 1e-12);
   EXPECT_NEAR(curl(field_of([](double x, double y) { return Eigen::Vector2d(y, x); })), 0.0, 1e-12);
   EXPECT_NEAR(curl(field_of([](double x, double y) { return Eigen::Vector2d(x, -y); })), 0.0, 1e-12);
 }
 
-// Tangential shear at the corners alone: sum r F/6 over 4 F/9 is sqrt(2) 9/6, the most that there is.
+// Tangential shear at the corners alone: sum r F/6 over 4 F/9 is sqrt(2) 9/6, the maximum.
 TEST(Curl, HasABound) {
   const ShearField field =
       field_of([](double x, double y) { return x != 0.0 && y != 0.0 ? Eigen::Vector2d(-y, x) : Eigen::Vector2d(0.0, 0.0); });
@@ -179,7 +187,8 @@ TEST(Curl, HasABound) {
 constexpr std::size_t window = 150;
 constexpr double rate = 300.0, size = 150.0;
 
-// A cosine with `k` whole periods in the window, even about its middle: its mean and its slope are zero, so that the line takes nothing.
+// A cosine with `k` whole periods in the window, even about its middle: its mean and slope are
+// zero, so that the line removes nothing.
 std::vector<double> tone(double k, double amplitude) {
   std::vector<double> samples(window);
   for (std::size_t n = 0; n < window; ++n) {
@@ -188,8 +197,8 @@ std::vector<double> tone(double k, double amplitude) {
   return samples;
 }
 
-// The window's three lines in frequency are 0.54 and twice -0.23, so the tone's own bin has 0.54 N A/2, its neighbours 0.23 N A/2 and
-// all others nothing.
+// The window's three lines in frequency are 0.54 and twice -0.23, so the tone's own bin has 0.54 N
+// A/2, its neighbours 0.23 N A/2 and all others 0.
 TEST(WindowSpectrum, OfAToneHasHammingsCoherentGain) {
   WindowSpectrum spectrum(window, rate);
   EXPECT_EQ(spectrum.bin_width(), 2.0);
@@ -206,11 +215,11 @@ TEST(WindowSpectrum, OfAStraightLineIsNothing) {
   WindowSpectrum spectrum(window, rate);
   std::vector<double> line(window);
   for (std::size_t n = 0; n < window; ++n) line[n] = 6960.0 - 2.5 * static_cast<double>(n);
-  // Each of N terms is rounded to a part in 2^53 of what it was computed from.
+  // Each of N terms is rounded to one part in 2^53 of its inputs.
   for (const double magnitude : spectrum.magnitudes(line)) EXPECT_LT(magnitude, size * 7000.0 * 0x1p-52);
 }
 
-// A ramp under a tone changes nothing: the ramp of a pull must not look like slip.
+// A ramp under a tone changes nothing, because the ramp of a pull must not look like slip.
 TEST(WindowSpectrum, SeesAToneThroughARamp) {
   WindowSpectrum spectrum(window, rate);
   std::vector<double> samples = tone(2.0, 3.0);
@@ -237,14 +246,15 @@ TEST(SlidingSpectrum, IsDueWhenTheWindowIsFullAndThenEveryHop) {
 
 TEST(SlidingSpectrum, IsThatOfTheLatestWindow) {
   SlidingSpectrum sliding(window, 30, rate);
-  for (int n = 0; n < 180; ++n) sliding.push(1e3 * n * n);  // what has gone by
+  for (int n = 0; n < 180; ++n) sliding.push(1e3 * n * n);  // older samples
   const std::vector<double> latest = tone(5.0, 7.0);
   for (const double sample : latest) sliding.push(sample);  // ends at 330, where a spectrum is due
   WindowSpectrum alone(window, rate);
   EXPECT_TRUE(std::ranges::equal(sliding.magnitudes(), alone.magnitudes(latest)));
 }
 
-// A tone at 4 Hz, bin 2: bins 0, 2, 4 and 6 Hz have 0, 0.23, 0.54 and 0.23 of N A/2, a mean of 0.25; 6 and 8 Hz have 0.23 and 0.
+// A tone at 4 Hz, bin 2: bins 0, 2, 4 and 6 Hz have 0, 0.23, 0.54 and 0.23 of N A/2, a mean of
+// 0.25; 6 and 8 Hz have 0.23 and 0.
 TEST(SlidingSpectrum, TakesTheMeanOfABand) {
   SlidingSpectrum sliding(window, 30, rate);
   EXPECT_EQ(sliding.band_mean(0.0, 6.0), 0.0);

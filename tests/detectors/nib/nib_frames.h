@@ -1,4 +1,4 @@
-// Frames of a nib pad that a test makes up, at 300 Hz.
+// Artificial frames of a nib pad at 300 Hz.
 #pragma once
 
 #include <array>
@@ -16,16 +16,16 @@ inline FrameSource nib_source(double rate = 300.0) {
       "pad", "nib_pad", rate, {{"si", "counts", {taxels, electrodes}, {}}, {"fl", "counts", {2}, {}}, {"fr", "counts", {2}, {}}}};
 }
 
-// A pad whose electrodes all read 6960 counts, and what is added to them.
+// A pad whose electrodes all read 6960 counts, plus changes.
 class NibFrames {
  public:
   NibFrames() { values_.fill(baseline); }
 
-  // Every taxel changes alike, in the order W, N, E, S.
+  // Changes all taxels alike, in the order W, N, E, S.
   void load(const std::array<float, electrodes>& change) {
     for (std::size_t i = 0; i < taxels * electrodes; ++i) values_[i] = baseline + change[i % electrodes];
   }
-  // The differences of the clusters from now on: a cosine of `amplitude` [counts] at 4 Hz.
+  // Sets the differences of the clusters from now on: a cosine of `amplitude` [counts] at 4 Hz.
   void vibrate(double linear, double rotational) {
     linear_ = linear;
     rotational_ = rotational;

@@ -1,4 +1,5 @@
-// Algorithm 1, replayed by hand, and the detector around it; no slip, linear, rotational: what the features say, and the state that is made of it.
+// Algorithm 1 replayed by hand, and the detector around it; then the kinds of slip and the
+// resulting state.
 #include "detectors/nib/slip_detectors.h"
 
 #include <memory>
@@ -26,13 +27,13 @@ TEST(FlagCounter, CountsAsAlgorithmOneDoes) {
            Row{0.1, 50.0, 0.1, 1, false},   // a flag; the limit is 3
            Row{0.2, 40.0, 0.1, 1, false},   // not above the threshold; the last flag is 0.1 s ago
            Row{0.3, 10.0, 0.1, 1, false},   // 0.2 s ago
-           Row{0.4, 10.0, 0.1, 0, false},   // 0.3 s ago: one off
-           Row{0.5, 10.0, 0.9, 0, false},   // not below 0; the limit is not below 1, or this were slip
+           Row{0.4, 10.0, 0.1, 0, false},   // 0.3 s ago: minus one
+           Row{0.5, 10.0, 0.9, 0, false},   // not below 0; the limit is at least 1, otherwise this were slip
            Row{0.6, 50.0, 0.1, 1, false},   //
            Row{0.7, 50.0, 0.1, 2, false},   //
            Row{0.8, 50.0, 0.05, 3, false},  // the limit is 3.5
-           Row{0.9, 10.0, 0.1, 3, true},    // no flag, but the limit has come down to 3
-           Row{2.0, 10.0, 0.0, 2, true},    // detected once, and that was it
+           Row{0.9, 10.0, 0.1, 3, true},    // no flag, but the limit has fallen to 3
+           Row{2.0, 10.0, 0.0, 2, true},    // once detected, slip stays detected
        }) {
     EXPECT_EQ(counter.update(row.time, row.magnitude, row.ratio), row.detected) << row.time;
     EXPECT_EQ(counter.count(), row.count) << row.time;
@@ -48,7 +49,8 @@ std::unique_ptr<Detector> detector(const char* ratio) {
   return nib_linear_slip_detector().create(parameters, nib_source());
 }
 
-// The frame in which slip is first told of a pad that vibrates with `amplitude` counts and is loaded when the tare has ended, at frame 91.
+// Returns the frame in which slip is first reported for a pad that vibrates with `amplitude` counts
+// and is loaded after the tare, at frame 91.
 int detection(Detector& detector, double amplitude, const std::array<float, electrodes>& load) {
   NibFrames frames;
   frames.vibrate(amplitude, 0.0);
@@ -61,20 +63,22 @@ int detection(Detector& detector, double amplitude, const std::array<float, elec
   return 0;
 }
 
-// 4 counts at 4 Hz are a mean of 75, above 40. Spectra end at frames 150, 180, ...; the k-th flag so at 150 + 30 (k - 1).
+// 4 counts at 4 Hz have a mean of 75, above 40. Spectra end at frames 150, 180, ...; so the k-th
+// flag is at 150 + 30 (k - 1).
 TEST(LinearSlip, WaitsForAsManyFlagsAsTheRatioAsks) {
-  // No shear: nine flags.
+  // Without shear: nine flags.
   EXPECT_EQ(detection(*detector("forces"), 4.0, {10, 10, 10, 10}), 150 + 30 * 8);
-  // Counts 9*(18 - 2) along y over 9*40: 0.4, which leaves 5. In newtons a third of it, 0.1333: 7.67, so 8.
+  // 9*(18 - 2) counts along y over 9*40: 0.4, which leaves 5. In newtons a third of that, 0.1333:
+  // 7.67, so 8.
   EXPECT_EQ(detection(*detector("counts"), 4.0, {10, 18, 10, 2}), 150 + 30 * 4);
   EXPECT_EQ(detection(*detector("forces"), 4.0, {10, 18, 10, 2}), 150 + 30 * 7);
-  // The pull may be either way.
+  // The pull may have either sign.
   EXPECT_EQ(detection(*detector("counts"), 4.0, {10, 2, 10, 18}), 150 + 30 * 4);
   // Shear across the pull does not count.
   EXPECT_EQ(detection(*detector("counts"), 4.0, {2, 10, 18, 10}), 150 + 30 * 8);
-  // 2 counts are a mean of 37.5: no flag.
+  // 2 counts have a mean of 37.5: no flag.
   EXPECT_EQ(detection(*detector("forces"), 2.0, {10, 10, 10, 10}), 0);
-  // A pad that touches nothing slips on nothing.
+  // A pad without contact does not slip.
   EXPECT_EQ(detection(*detector("forces"), 4.0, {0, 0, 0, 0}), 0);
 }
 
@@ -104,7 +108,8 @@ TEST(SlipKind, IsReadOffThreeFeatures) {
   EXPECT_EQ(kind(41.0, 0.0, -0.9), SlipKind::rotational);  // either way round
 }
 
-// 4 counts at 4 Hz are a mean of 75 in their mode, above the bound of 40; seen when the first window is full.
+// 4 counts at 4 Hz have a mean of 75 in their mode, above the bound of 40; seen when the first
+// window is full.
 TEST(SlipKind, IsSlipForTheLoopWhateverItsKind) {
   for (const bool linear : {true, false}) {
     const auto detector = nib_slip_kind_detector().create(defaults_of(nib_slip_kind_detector().about.parameters), nib_source());

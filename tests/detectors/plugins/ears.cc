@@ -1,6 +1,6 @@
-// Listens to the sensor that the parameter `sensor` names: gross where its newest first value is over `threshold`, incipient where it has
-// said nothing yet. The share of sticking units is a tenth of its samples that are new, the latency a thousandth of the number of those of
-// its own sensor.
+// Reads the sensor named by the parameter `sensor`: gross while its newest first value is above
+// `threshold`, incipient before its first sample. The stuck fraction is a tenth of its number of
+// new samples, the latency a thousandth of the number of new samples of its own sensor.
 #include <cstring>
 
 #include "detectors/plugin_abi.h"
@@ -19,7 +19,7 @@ void update(void* self, const slipbench_detector_input* input, slipbench_estimat
   estimate->state = other.latest == nullptr ? 2 : static_cast<double>(other.latest[0]) > ears.threshold ? 3 : 1;
   estimate->stuck_fraction = 0.1 * static_cast<double>(other.count);
   estimate->latency = 1e-3 * static_cast<double>(own.count);
-  // The samples are whole and in order.
+  // Samples are complete and in order.
   for (size_t i = 1; i < other.count; ++i) {
     if (!(other.times[i] > other.times[i - 1])) estimate->state = -2;
   }
@@ -39,7 +39,7 @@ const slipbench_parameter slipbench_detector_parameters[] = {SLIPBENCH_A_TEXT("s
 
 const slipbench_abi slipbench_detector_abi = SLIPBENCH_DETECTOR_BUILD;
 
-// Works with a sensor of one value.
+// Requires a sensor with one value.
 void slipbench_make_detector(const slipbench_source* source, slipbench_detector* detector) {
   for (size_t i = 0; i < source->sensor_count; ++i) {
     const slipbench_sensor& sensor = source->sensors[i];

@@ -1,5 +1,6 @@
-// A library that does everything right but for what the environment variable SLIPBENCH_WRONG asks for when it is loaded: words joined by
-// commas, each a key and a number. So one library stands for any number of wrong ones.
+// A library that is correct except for the faults in the environment variable SLIPBENCH_WRONG at
+// load time: words joined by commas, each a key and a number. So one library stands for any number
+// of faulty ones.
 //   version=7  size3=40  rows=1 (each value a fault of the parameter table)  make=1 (no function)  rate=7  state=9  latency=-1  stuck=2
 //   crash=1 (CRASH) in=1 (IN)
 #include <cmath>
@@ -10,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-// The library sets these while it is loaded, so they cannot be the constants of the header.
+// The library sets these at load time, so they cannot be the header's constants.
 #define slipbench_detector_abi declared_abi
 #define slipbench_detector_parameters declared_parameters
 #include "detectors/plugin_abi.h"

@@ -1,4 +1,4 @@
-// Spectra of signals whose spectra are known.
+// Spectra of signals with known spectra.
 
 #include <cmath>
 #include <complex>
@@ -54,7 +54,7 @@ TEST(SpectralFeatures, AFrameEndsAfterTheWindowAndThenEveryHop) {
 }
 
 TEST(SpectralFeatures, ASineInABinHasItsPowerThere) {
-  // A^2/2 over 50 Hz in the bin of 250 Hz; the mean of 40 is gone.
+  // A^2/2 over 50 Hz in the bin of 250 Hz; the mean of 40 is removed.
   SpectralFeatures features{SpectralLayout{}};
   for (std::size_t n = 0; n < 500; ++n) features.push(static_cast<float>(40.0 + 3.0 * sine(250.0, n)));
   for (std::size_t b = 0; b < features.bins(); ++b) {
@@ -88,7 +88,7 @@ Parameters with(std::initializer_list<std::pair<const char*, double>> values) {
   return parameters;
 }
 
-// What it says after 300 samples of a sine of 200 Hz and this rms.
+// Returns the state after 300 samples of a sine of this rms.
 PadState after(Detector& detector, double rms, double frequency = 200.0) {
   PadState state{};
   for (std::size_t n = 0; n < 300; ++n) {

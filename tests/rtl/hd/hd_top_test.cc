@@ -1,4 +1,5 @@
-// The board's view: frames on a UART, bit by bit, at eight clocks a bit, with the published memories read from their files.
+// The board's interface: frames on a UART, bit by bit, at eight clocks per bit, with the published
+// memories read from their files.
 #include <VTop.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +62,7 @@ Bytes reply_of(std::uint8_t status, const Decision& decision = {}) {
   return with_crc(0x5A, body);
 }
 
-// The board with both ends of its line.
+// The board and both ends of its line.
 struct HdTop : testing::Test {
   HdTop() {
     top_->uart_rx_i = 1;
@@ -78,7 +79,7 @@ struct HdTop : testing::Test {
     bit_ = 0;
   }
 
-  // Sends bytes, the last one without its stop bit if so wished.
+  // Sends bytes; with `break_last` the last one has no stop bit.
   void send(const Bytes& bytes, bool break_last = false) {
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       line(false);
@@ -88,13 +89,14 @@ struct HdTop : testing::Test {
     top_->uart_rx_i = 1;
   }
 
-  // The line at rest, for as long as so many bytes take and then so many clocks.
+  // Keeps the line idle for `bytes` byte times and `clocks` clocks.
   void wait(unsigned bytes, unsigned clocks = 0) {
     for (unsigned i = 0; i < 10 * bytes; ++i) line(true);
     for (unsigned i = 0; i < clocks; ++i) clock();
   }
 
-  // What has come since, after time enough for a pause to be noticed (three bytes) and for two replies.
+  // Returns the bytes received since the last call, after time for a pause to be noticed (three
+  // bytes) and for two replies.
   Bytes received() {
     wait(3 + 2 * reply_bytes + 1);
     return std::exchange(received_, {});
@@ -113,7 +115,7 @@ struct HdTop : testing::Test {
     return reply_of(static_cast<std::uint8_t>(decision.state), decision);
   }
 
-  // Enough good samples to fill the window, each answered as it should be.
+  // Sends enough good samples to fill the window and checks each answer.
   void fill() {
     for (std::size_t i = 0; i < saved_.model.window; ++i) {
       const FixedFrame displacement = sample();
@@ -124,7 +126,7 @@ struct HdTop : testing::Test {
 
   void expect_error(std::uint8_t status) {
     EXPECT_EQ(received(), reply_of(status));
-    // The window has not noticed.
+    // The window is unchanged.
     const FixedFrame displacement = sample();
     send(request_of(displacement));
     EXPECT_EQ(received(), answer_of(displacement));
@@ -147,7 +149,7 @@ struct HdTop : testing::Test {
     listen(top_->uart_tx_o != 0);
   }
 
-  // Samples what the board sends in the middle of each bit.
+  // Samples the board's output in the middle of each bit.
   void listen(bool level) {
     if (bit_ == 0) {
       if (level) return;
@@ -245,7 +247,7 @@ TEST_F(HdTop, SaysWhenAFlagIsUnknown) {
   expect_error(0x82);
 }
 
-// Two bytes at rest are no pause, one clock more is one; before the last byte, and before another.
+// Two idle bytes are not a pause, one clock more is; before the last byte, and before another one.
 TEST_F(HdTop, TakesAPauseOfTwoBytesWithinAFrame) {
   fill();
   for (const std::ptrdiff_t before : {request_bytes - 1, request_bytes - 20}) {
@@ -267,7 +269,7 @@ TEST_F(HdTop, GivesUpAfterAPauseOfMore) {
   expect_error(0x81);
 }
 
-// Marks among zeros, in which a receiver is soon in step again.
+// Marks among zeros, where a receiver soon finds the start of a frame again.
 FixedFrame full_of_marks() {
   FixedFrame frame;
   frame.fill({0, 0, 0xA5});

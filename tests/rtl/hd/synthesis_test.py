@@ -1,4 +1,6 @@
-"""The report's synthesis at a tenth of the dimension: it must go through, without latches, and use what the smallest core is made of."""
+"""Synthesis of the report at a tenth of the dimension: it must succeed without latches and use the
+smallest core's cells.
+"""
 
 import json
 import subprocess
@@ -15,11 +17,12 @@ with tempfile.TemporaryDirectory() as folder:
     figures = json.loads(result.read_text(encoding="utf-8"))["unrollings"]["smallest"]
 
 assert figures["latches"] == 0, figures
-# One pillar a cycle: the squares of x, y and z.
+# One pillar per cycle: the squares of x, y and z.
 assert figures["dsp"] == 3, figures
-# At least the query vector, in flip-flops or in shift registers of 20 bits, and the sample that waits for its turn: 8 pillars of 48 bits.
+# At least the query vector, in flip-flops or in shift registers of 20 bits, and the waiting sample:
+# 8 pillars of 48 bits.
 assert figures["ff"] + 20 * figures["cells"].get("SRLC32E", 0) >= 100 + 8 * 48, figures
-# Nine ports of CIM, two to a block RAM of two ports, and the history.
+# Nine ports of CIM, two per block RAM, and the history.
 assert figures["bram36"] == (5 + 1) / 2, figures
 assert figures["latency_cycles"] == 1 * 9 + 20 + 8, figures
 assert sum(figures["longest_path"].values()) == figures["levels"] > 0, figures

@@ -1,4 +1,5 @@
-// The core pin by pin: a stream with back-pressure, gaps and resets against the golden model, and its timing.
+// The core pin by pin: a stream with back-pressure, gaps and resets against the golden model, and
+// its timing.
 #include "rtl/verilated/rtl_engine.h"
 
 #include <deque>
@@ -26,7 +27,8 @@ Frame random_frame(RandomStream& random) {
   return frame;
 }
 
-// Over the whole range, around zero where the contexts are and ratios are coarse, and the ends of the range.
+// Samples over the whole range, around zero where contexts change and ratios are coarse, and at the
+// ends of the range.
 FixedFrame random_sample(RandomStream& random) {
   FixedFrame sample;
   for (FixedVector& displacement : sample) {
@@ -43,7 +45,8 @@ FixedFrame random_sample(RandomStream& random) {
   return sample;
 }
 
-// Drives a core for `ticks` accepted inputs and compares what leaves it, in order, with what the golden model makes of what entered.
+// Drives a core for `ticks` accepted inputs and compares its outputs, in order, with the golden
+// model's.
 class Stream {
  public:
   Stream(Unrolling unrolling, const Model& model)
@@ -55,7 +58,8 @@ class Stream {
   }
 
  private:
-  // Whether an input was accepted. One in 4,096 cycles resets the core; a stretch of 64 cycles has its own pace on either side.
+  // Returns true if an input was accepted. One in 4,096 cycles resets the core; each stretch of 64
+  // cycles has its own pace at either side.
   bool cycle() {
     if (core_->cycle() % 64 == 0) {
       source_pace_ = random_.integer(4);
@@ -70,7 +74,7 @@ class Stream {
       golden_->reset();
       return false;
     }
-    // What is offered stays until it is taken: valid does not wait for ready.
+    // An offered input stays until it is accepted: valid does not wait for ready.
     const bool offers = offered_.sample_valid || offered_.frame_valid;
     if (!offers && may_offer() && random_.integer(source_pace_ + 1) == 0) offer();
     CoreInputs inputs = offered_;
@@ -83,7 +87,8 @@ class Stream {
     return accepted;
   }
 
-  // Samples and frames come in runs of one kind, with the core drained in between: a frame would overtake the samples before it.
+  // Samples and frames come in runs of one kind, with the core drained in between, because a frame
+  // would overtake the samples before it.
   bool may_offer() {
     if (random_.integer(512) == 0) draining_ = true;
     if (draining_ && expected_.empty()) {
@@ -142,7 +147,7 @@ const char* name_of(const testing::TestParamInfo<Unrolling>& test) {
 }
 INSTANTIATE_TEST_SUITE_P(Core, Unrolled, testing::ValuesIn(unrollings), name_of);
 
-// So many ticks over all unrollings and both rules for ties.
+// `ticks` inputs in total, over all unrollings and both rules for ties.
 TEST_P(Unrolled, StreamsAsTheGoldenModelDoes) {
   Model model;
   for (const Ties ties : {Ties::one, Ties::zero}) {
@@ -151,7 +156,8 @@ TEST_P(Unrolled, StreamsAsTheGoldenModelDoes) {
   }
 }
 
-// Offered a sample at exactly its interval, the core never makes one wait, and no decision is late.
+// A core that is offered a sample at exactly its interval never delays one, and no decision is
+// late.
 TEST_P(Unrolled, TakesASampleEveryIntervalAndDecidesAfterItsLatency) {
   const auto core = make_core(GetParam(), Model{}, random_memories(Model{}, seed));
   RandomStream random(seed, 0, "rtl timing");
@@ -172,14 +178,15 @@ TEST_P(Unrolled, TakesASampleEveryIntervalAndDecidesAfterItsLatency) {
   }
 }
 
-// The published core takes 42 cycles; the bar of the fastest is 10 at a sample a cycle.
+// The published core takes 42 cycles; the limit for the fastest one is 10, at a sample per cycle.
 TEST(Core, KeepsItsBarsOfLatency) {
   EXPECT_LE(core_latency(Unrolling::fastest), 10U);
   EXPECT_EQ(core_interval(Unrolling::fastest), 1U);
   EXPECT_LE(core_latency(Unrolling::smallest), 42U);
 }
 
-// A sample in every stage, then a reset: nothing of them comes out, and the next window is counted from its own first sample.
+// A sample in every stage, then a reset: none of them produces an output, and the next window
+// starts with its own first sample.
 TEST_P(Unrolled, ForgetsAllAtAReset) {
   const auto core = make_core(GetParam(), Model{}, random_memories(Model{}, seed));
   const auto golden = make_reference(Model{}, random_memories(Model{}, seed));

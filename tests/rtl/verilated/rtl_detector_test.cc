@@ -23,7 +23,7 @@ Parameters published_parameters() {
   return parameters;
 }
 
-// A pad pressed deeper and deeper that is dragged to and fro: every class and every context comes.
+// A pad pressed deeper and deeper and dragged to and fro: every class and every context occurs.
 std::array<float, 6 * pillar_count> frame_at(std::size_t i) {
   std::array<float, 6 * pillar_count> values{};
   const double t = 1e-3 * static_cast<double>(i);
@@ -68,7 +68,7 @@ TEST_P(RtlDetector, SaysWhatTheSoftwareSaysAfterTheCoresCycles) {
 INSTANTIATE_TEST_SUITE_P(Unrollings, RtlDetector, testing::Values("fastest", "middle", "smallest"),
                          [](const auto& info) { return info.param; });
 
-// The memory that learnt from scenes/learn, whose model.txt has an operating point.
+// The memory trained on scenes/learn, whose model.txt has an operating point.
 TEST(RtlDetector, SaysWhatTheSoftwareSaysByItsAlarm) {
   Parameters software = defaults_of(gst_hd_detector().about.parameters), hardware = published_parameters();
   for (Parameters* parameters : {&software, &hardware}) parameters->set("memories", std::string("learn_gst_hd"));
@@ -130,7 +130,7 @@ TEST(RtlDetector, WritesTheWaveformOfItsTrialAlone) {
   run(0, 310);
   const auto size = std::filesystem::file_size(file);
   EXPECT_GT(size, 0U);
-  run(0, 4000);  // replaces its own
+  run(0, 4000);  // replaces its own file
   EXPECT_EQ(std::filesystem::file_size(file), size) << "goes on after 0.3 s";
 
   parameters.set("waveform_to", 0.199);
@@ -143,7 +143,8 @@ TEST(RtlDetector, WritesTheWaveformOfItsTrialAlone) {
   EXPECT_THAT(refusal_of<SceneValueError>([&] { run(0, 1); }), mentions({"rtl_detector.fst", "waveform"}));
 }
 
-// Of the frames at 0.00, 0.01, ... 0.39 s of a trial of 0.4 s the last begins a waveform; behind it there is none.
+// The trial of 0.4 s has frames at 0.00, 0.01, ... 0.39 s: a waveform can begin with the last one,
+// but not later.
 TEST(RtlDetector, RefusesAWaveformBehindTheTrialsEnd) {
   Parameters parameters = published_parameters();
   parameters.set("waveform", (std::filesystem::path(testing::TempDir()) / "rtl_behind.fst").string());
@@ -170,7 +171,7 @@ TEST(RtlDetector, RefusesAWaveformOfATrialThatIsNotRun) {
               mentions({"detector.waveform_trial", "3", "0", "2"}));
 }
 
-// At 100 Hz: 20 cycles a sample make 2 kHz, 4 make 400 Hz, 1 makes 100 Hz.
+// At 100 Hz: 20 cycles per sample need 2 kHz, 4 need 400 Hz, 1 needs 100 Hz.
 TEST(RtlDetector, RefusesAClockThatDoesNotKeepUp) {
   for (const auto& [unrolling, clock, least] :
        {std::tuple("smallest", 2000.0, "2 kHz"), std::tuple("middle", 400.0, "400 Hz"), std::tuple("fastest", 100.0, "100 Hz")}) {

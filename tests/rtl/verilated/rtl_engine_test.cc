@@ -18,7 +18,7 @@ constexpr std::array unrollings{Unrolling::fastest, Unrolling::middle, Unrolling
 
 SavedModel published(const std::string& column = "P1") { return load(published_folder, published_model(column)); }
 
-// -1 stands in the file while the window of 15 is not full.
+// The file has -1 until the window of 15 is full.
 Decision published_decision(const PublishedRow& row, const std::string& column) {
   Decision decision;
   if (row.at(column + "_state") < 0) return decision;
@@ -49,7 +49,8 @@ TEST(RtlEngine, StatesTheCyclesOfItsLastDecision) {
     const auto engine = make_rtl_engine(saved.model, saved.memories, {.unrolling = unrolling});
     engine->update(FixedFrame{});
     EXPECT_EQ(engine->cycles(), core_latency(unrolling));
-    // A frame spares the feature's four cycles, and those in which its other pillars wait for their turn.
+    // A frame skips the feature's four cycles, and those in which its other pillars wait for their
+    // turn.
     engine->update(Frame{});
     EXPECT_EQ(engine->cycles(), (unrolling == Unrolling::fastest ? 1U : unrolling == Unrolling::middle ? 4U : 20U) + 5U);
   }
@@ -64,7 +65,7 @@ TEST(RtlEngine, StartsAWindowAfterReset) {
   for (std::size_t i = 0; i < 20; ++i) ASSERT_EQ(engine->update(published_frame(rows[i])), published_decision(rows[i], "P1"));
 }
 
-// Without contexts the prototypes stand alone, whatever the context memory holds.
+// Without contexts the prototypes are used alone, whatever the context memory holds.
 TEST(RtlEngine, LeavesOutContextsWhereTheModelDoes) {
   SavedModel saved = published();
   saved.model.context_driven = false;
@@ -83,7 +84,8 @@ TEST(RtlEngine, RefusesLevelsAndContextsThatDoNotExist) {
   EXPECT_THROW(engine->update(frame), std::out_of_range);
 }
 
-// The golden model of a memory with one bit changed, in the prototype of gross slip: its distance differs by one, in the first decision.
+// The golden model has one bit changed in the prototype of gross slip: its distance differs by one
+// in the first decision.
 TEST(RtlEngine, ReportsTheFirstDifferenceFromTheGoldenModelOnce) {
   const SavedModel saved = published();
   Memories changed = saved.memories;
@@ -98,7 +100,8 @@ TEST(RtlEngine, ReportsTheFirstDifferenceFromTheGoldenModelOnce) {
     engine->update(published_frame(row));
     FAIL() << "no difference was reported";
   } catch (const std::logic_error& error) {
-    // Each frame takes 25 cycles to its decision and one in which that is taken; the decision is there in cycle 14 * 26 + 25.
+    // Each frame takes 25 cycles to its decision and one to take it; so this decision is in cycle
+    // 14 * 26 + 25.
     const std::string text = error.what();
     EXPECT_EQ(text.find("rtl core: cycle 389, update 14: expected class "), 0U) << text;
     const std::string distances = "distances " + std::to_string(row.at("P1_d1")) + " " + std::to_string(row.at("P1_d2")) + " ";
@@ -110,7 +113,8 @@ TEST(RtlEngine, ReportsTheFirstDifferenceFromTheGoldenModelOnce) {
   EXPECT_NO_THROW(engine->update(published_frame(rows[full + 1])));
 }
 
-// An FST file begins with a block type and a length, then the first and the last time in it, eight bytes each, most significant first.
+// An FST file begins with a block type and a length, then its first and last time, eight bytes
+// each, most significant first.
 std::array<std::uint64_t, 2> times_of(const std::filesystem::path& fst) {
   std::ifstream file(fst, std::ios::binary);
   std::array<char, 25> head{};
@@ -133,7 +137,8 @@ TEST(RtlEngine, WritesAWaveformOfTheChosenUpdates) {
     EXPECT_FALSE(std::filesystem::exists(fst));
     for (int i = 0; i < 8; ++i) engine->update(Frame{});
   }
-  // A frame takes six cycles and one in which its decision is taken, of 10 ns; the last dump is at the rising edge in the middle of a cycle.
+  // A frame takes six cycles and one to take its decision, of 10 ns each; the last dump is at the
+  // rising edge in the middle of a cycle.
   const auto [first, last] = times_of(fst);
   EXPECT_EQ(last - first, 3 * 70U - 5U);
   EXPECT_THROW(make_rtl_engine(saved.model, saved.memories, {.trace = "/no/such/folder/x.fst"})->update(Frame{}), InputError);

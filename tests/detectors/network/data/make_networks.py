@@ -52,7 +52,8 @@ write(
     {"format": 1, "input": force | {"stride": 5, "history": 2, "offset": [0.5], "scale": [2.0]}, "classes": classes},
 )
 
-# A frame of three values -> GRU of 2 as PyTorch has it (linear_before_reset), its state carried -> 2 probabilities.
+# A frame of three values -> GRU of 2 as PyTorch has it (linear_before_reset), its state carried ->
+# 2 probabilities.
 write(
     "gru21.onnx",
     helper.make_graph(
