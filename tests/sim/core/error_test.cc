@@ -23,7 +23,7 @@ TEST(Printable, EscapesWhatATerminalObeys) {
   EXPECT_EQ(printable("a\x1b[31m\x07\x7f\n"), R"(a\x1b[31m\x07\x7f\x0a)");
   EXPECT_EQ(printable("one\ntwo\t", true), "one\ntwo\\x09");
   EXPECT_EQ(printable("\xc2\x9b"), R"(\xc2\x9b)");                           // U+009B, the one-byte form of ESC [
-  EXPECT_EQ(printable("\xc2\xb5m \xe2\x82\xac"), "\xc2\xb5m \xe2\x82\xac");  // letters stay
+  EXPECT_EQ(printable("\xc2\xb5m \xe2\x82\xac"), "\xc2\xb5m \xe2\x82\xac");  // letters are kept
 }
 
 TEST(NearestName, IsGivenOnlyWhenATypingErrorIsLikely) {
@@ -33,7 +33,7 @@ TEST(NearestName, IsGivenOnlyWhenATypingErrorIsLikely) {
   EXPECT_EQ(nearest_name("colour", names), "");
   EXPECT_EQ(nearest_name("xy", std::array<std::string_view, 1>{"ab"}), "");  // a word of two letters may differ in one
   EXPECT_EQ(nearest_name("st", names), "");                                  // stop is two insertions away
-  EXPECT_EQ(nearest_name("N", std::array<std::string_view, 1>{"%"}), "");    // one letter tells nothing
+  EXPECT_EQ(nearest_name("N", std::array<std::string_view, 1>{"%"}), "");    // one letter is no evidence
   EXPECT_EQ(nearest_name("", names), "");
   EXPECT_EQ(nearest_name(std::string(1'000'000, 's'), names), "");
 }

@@ -30,7 +30,7 @@ std::string refusal(const std::string& path, std::uintmax_t most) {
 
 TEST(RegularFile, RefusesWhatIsNone) {
   const std::string name = testing::TempDir() + "slipbench_regular_" + std::to_string(getpid());
-  EXPECT_EQ(refusal(name, 3), "accepted");  // nothing there: opening it says so
+  EXPECT_EQ(refusal(name, 3), "accepted");  // no such file: opening it reports that
   ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
   EXPECT_THAT(refusal(name, 3), refused_at(name, {"pipe"}));
   std::filesystem::remove(name);

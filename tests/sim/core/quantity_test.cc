@@ -131,7 +131,7 @@ TEST(FormatQuantity, ReadsBackAsTheSameDouble) {
   }
 }
 
-// At the ends of a double's range a unit other than SI's own may hold no such value; the text is then in SI.
+// At the ends of a double's range units other than SI may not hold a value; the text is then in SI.
 TEST(FormatQuantity, ReadsBackAtTheEndsOfTheRange) {
   using Limits = std::numeric_limits<double>;
   for (int i = 0; i <= static_cast<int>(Quantity::pressure); ++i) {

@@ -40,14 +40,14 @@ TEST(RandomStream, EveryPartOfTheKeyMatters) {
     add(1000 ^ (std::uint64_t{1} << bit) ^ (std::uint64_t{1} << 63 >> (bit / 2)), 1001, "bits of the seed");
     add(1001, 1000 ^ (std::uint64_t{1} << bit), "bits of the trial");
   }
-  // A key's parts may not be exchanged for one another.
+  // The parts of a key are not interchangeable.
   add(1, 2, "swap");
   add(2, 1, "swap");
   EXPECT_EQ(first.size(), keys);
 }
 
 TEST(RandomStream, ManyAtOnceAreThoseOfOneDrawAfterTheOther) {
-  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{0xFFFFFFFA}}) {  // the counter's lower half runs over
+  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{0xFFFFFFFA}}) {  // the counter's lower half overflows
     RandomStream together(7, 3, "bits"), one(7, 3, "bits");
     together.seek(first);
     one.seek(first);
@@ -56,7 +56,7 @@ TEST(RandomStream, ManyAtOnceAreThoseOfOneDrawAfterTheOther) {
       together.bits(bits);
       for (const std::uint64_t draw : bits) EXPECT_EQ(static_cast<double>(draw >> 11) * 0x1p-53, one.uniform());
     }
-    std::vector<double> normal(20'016);  // 312 times as many as are computed at once, and some
+    std::vector<double> normal(20'016);  // 312 times the block size, plus a remainder
     together.normal(normal);
     for (const double draw : normal) EXPECT_EQ(draw, one.normal());
     EXPECT_EQ(together.uniform(), one.uniform());
@@ -67,9 +67,9 @@ TEST(RandomStream, ManyAtOnceAreThoseOfOneDrawAfterTheOther) {
 }
 
 TEST(RandomStream, NormalPairsLieOnTheirCircle) {
-  // Box and Muller: sqrt(-2 ln(1 - u)) times cosine and sine of 2 pi v. Each of the root, the
-  // logarithm, the angle and the product errs by an ulp or two, and an angle's ulp counts up to 2
-  // pi times where the cosine is steep: 4e-15 of the radius is twice all of that.
+  // Box and Muller: sqrt(-2 ln(1 - u)) times cosine and sine of 2 pi v. The root, the logarithm,
+  // the angle and the product each err by an ulp or two, and an angle's ulp counts up to 2 pi times
+  // where the cosine is steep: 4e-15 of the radius is twice all of that.
   RandomStream stream(3, 0, "circle"), uniform(3, 0, "circle");
   for (int pair = 0; pair < 100'000; ++pair) {
     const double u = uniform.uniform(), v = uniform.uniform();
@@ -94,8 +94,8 @@ TEST(RandomStream, DoesNotDependOnTheOrderInWhichStreamsAreUsed) {
   EXPECT_EQ(interleaved_b, draws({1, 2, "b"}, 10));
 }
 
-// n draws of mean m and standard deviation s have a sample mean of deviation s / sqrt(n): the bounds are five of these. The keys
-// are fixed, so a test either always passes or never.
+// The sample mean of n draws of standard deviation s has the deviation s / sqrt(n); the bounds are
+// five of these. The keys are fixed, so a test either always passes or never does.
 constexpr int n = 200'000;
 const double root_n = std::sqrt(static_cast<double>(n));
 
@@ -127,7 +127,8 @@ TEST(RandomStream, NormalHasTheMomentsOfTheNormalDistribution) {
     lag += z * previous;  // the two halves of a Box-Muller pair are independent
     previous = z;
   }
-  // Var(z^k) = E(z^2k) - E(z^k)^2 with E(z^2) = 1, E(z^4) = 3, E(z^6) = 15, E(z^8) = 105: 1, 2, 15, 96.
+  // Var(z^k) = E(z^2k) - E(z^k)^2 with E(z^2) = 1, E(z^4) = 3, E(z^6) = 15, E(z^8) = 105: 1, 2, 15,
+  // 96.
   EXPECT_NEAR(moments[1] / n, 0.0, 5.0 * 1.0 / root_n);
   EXPECT_NEAR(moments[2] / n, 1.0, 5.0 * std::sqrt(2.0) / root_n);
   EXPECT_NEAR(moments[3] / n, 0.0, 5.0 * std::sqrt(15.0) / root_n);

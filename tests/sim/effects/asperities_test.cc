@@ -1,4 +1,4 @@
-// Impulses on slipping elements: how many, how they ring, how strong, and when there are none.
+// Impulses on slipping elements: their number, ringing and strength, and when there are none.
 #include <cmath>
 #include <numbers>
 
@@ -16,9 +16,10 @@ Field field_of(const std::map<std::string, double>& changes, std::size_t bristle
                     {{"inertia", {{"frequency", 180.0}, {"scatter", 0.0}, {"damping", zeta}}}, {"asperities", changes}});
 }
 
-// What is felt along X beside steady friction mu N, at times dt apart, of a slide that has settled.
+// Returns the force along X minus steady friction mu N, at times dt apart, of a settled slide.
 std::vector<double> ringing(Field& field, double speed, double dt, std::size_t samples) {
-  // mu N/k_t to stretch it, and 0.2 s for exp(-zeta omega t) to fade below rounding of what is compared
+  // mu N/k_t stretches the spring, and within 0.2 s exp(-zeta omega t) fades below the rounding of
+  // the compared values
   const auto settle = static_cast<std::size_t>(std::ceil((mu * load / (k_t * speed) + 0.2) / dt));
   std::vector<double> felt;
   for (std::size_t tick = 0; tick < settle + samples; ++tick) {
@@ -31,7 +32,8 @@ std::vector<double> ringing(Field& field, double speed, double dt, std::size_t s
   return felt;
 }
 
-// Samples that do not continue those before as free vibrations of the two modes would: x[n] is a combination of the four before.
+// Returns the samples that do not continue the free vibration of the two modes: x[n] is then a
+// combination of the four samples before.
 std::vector<std::size_t> breaks(const std::vector<double>& x, double dt, double tolerance) {
   const auto mode = [&](double w) {
     return std::pair(-2.0 * std::exp(-zeta * w * dt) * std::cos(w * std::sqrt(1.0 - zeta * zeta) * dt),
@@ -49,10 +51,11 @@ std::vector<std::size_t> breaks(const std::vector<double>& x, double dt, double 
 }
 
 TEST(Asperities, RingAtTheModesWhateverTheSpeedAndAsOftenAsThePathIsLong) {
-  // 40 mm of slip, an asperity every 0.2 mm: 200 of them, give or take 5 sqrt 200 = 71. Each breaks the recurrence of free vibration
-  // in at most 4 samples on end; between them the two frequencies and their decay hold at any speed.
+  // 40 mm of slip with an asperity every 0.2 mm: 200 of them, within 5 sqrt 200 = 71. Each breaks
+  // the recurrence of free vibration in at most 4 consecutive samples; between them the two
+  // frequencies and their decay hold at any speed.
   for (const double speed : {3.3e-3, 10e-3, 33e-3}) {
-    const double dt = 0.1e-6 / speed;  // 0.1 um a step: next to no two within 4 steps
+    const double dt = 0.1e-6 / speed;  // 0.1 um per step: hardly ever two within 4 steps
     Field field = field_of({});
     const auto felt = ringing(field, speed, dt, 400000);
     const auto found = breaks(felt, dt, 1e-10);
@@ -84,7 +87,7 @@ TEST(Asperities, SamePathMeetsTheSameWhateverTheStep) {
     coarse.step(at(speed * dt * tick, 0.0, -depth), 10.0 * dt);
     fine.view_from_pad();
     coarse.view_from_pad();
-    // The speed of the tip over a step is the same once its own swing, started at the onset, has faded.
+    // The tip's speed over a step is equal once its own swing, started at the onset, has faded.
     if (tick > 5000) {
       ASSERT_NEAR(fine.force_on_pad(0).x(), coarse.force_on_pad(0).x(), 1e-9) << "tick " << tick;
     }
@@ -92,8 +95,9 @@ TEST(Asperities, SamePathMeetsTheSameWhateverTheStep) {
 }
 
 TEST(Asperities, StrengthGrowsWithTheRootOfLoadAndSpeed) {
-  // Few, without scatter, of the first mode alone: A exp(-zeta w t) sin(w' t), w' = w sqrt(1 - zeta^2), is greatest where tan w' t = w'/(zeta w),
-  // A exp(-zeta w t) sqrt(1 - zeta^2). A = amplitude sqrt(f_n/load) sqrt(v/speed).
+  // Few impulses, without scatter, of the first mode alone: A exp(-zeta w t) sin(w' t), w' = w
+  // sqrt(1 - zeta^2), has its maximum A exp(-zeta w t) sqrt(1 - zeta^2) at tan w' t = w'/(zeta w).
+  // A = amplitude sqrt(f_n/load) sqrt(v/speed).
   const double turn = std::atan2(std::sqrt(1.0 - zeta * zeta), zeta);
   const double peak = std::exp(-zeta * turn / std::sqrt(1.0 - zeta * zeta)) * std::sqrt(1.0 - zeta * zeta);
   for (const double speed : {5e-3, 20e-3}) {

@@ -7,7 +7,7 @@
 namespace slipbench {
 namespace {
 
-// On both sides of the change of method at 25.
+// Covers both sides of the change of method at 25.
 TEST(Bessel, IsTheStandardLibrarys) {
   for (double x = 0.0; x < 60.0; x += 0.0625) {
     const auto [j0, j2] = bessel(x);

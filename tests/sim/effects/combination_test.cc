@@ -1,4 +1,4 @@
-// Effects that meet in one field, and what the catalogue promises of all of them.
+// Effects combined in one field, and requirements on all effects of the catalogue.
 #include <cmath>
 #include <set>
 
@@ -47,8 +47,8 @@ TEST(EffectCombination, RelaxingDampedElementsStayOnAnEllipticCone) {
 }
 
 TEST(EffectCombination, EllipticConeWorksOnEverySurfaceThatAcceptsIt) {
-  // A pad pressed on the top of a shape and slid: margins are numbers while it touches, and it slips; or the effect refuses the
-  // shape.
+  // A pad pressed on the top of a shape and slid: its margins are finite while it touches, and it
+  // slips; or the effect refuses the shape.
   for (const testing_field::Shape shape : testing_field::all_shapes) {
     const testing_field::Target target = testing_field::target(shape);
     const PadLayout pad = one_unit(1000.0, 600.0);
@@ -83,9 +83,8 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
           << about.name << "." << parameter.name;
       EXPECT_NO_THROW(default_of(parameter)) << about.name << "." << parameter.name;
     }
-    // Pressed 1 mm and slid by 4 mm: finite forces, and the effect has joined the field.
-    const PadLayout pad =
-        one_unit(1000.0, 600.0, kind.about.name == "elastic_skin" ? 1 : 3);  // which couples places, not bristles
+    // Pressed by 1 mm and slid by 4 mm: forces are finite, and the effect has joined the field.
+    const PadLayout pad = one_unit(1000.0, 600.0, kind.about.name == "elastic_skin" ? 1 : 3);  // couples positions, not bristles
     FieldEffects effects = installed(pad, alone(kind));
     EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + effects.ringing.size() +
                   (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.lean ? 1 : 0) + (effects.tip ? 1 : 0) +
@@ -103,7 +102,7 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
 }
 
 TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {
-  // Each law at the value where it is the identity, against a field without effects, under the same motion.
+  // Each law with identity parameters, against a field without effects, under the same motion.
   const std::vector<Wanted> idle{{"ageing", {{"rate", 0.0}}},
                                  {"load_dependent_friction", {{"exponent", 0.0}}},
                                  {"patchy_friction", {{"sd", 0.0}}},

@@ -1,4 +1,4 @@
-// Fields with any list of effects on any surface, as a scene would install them.
+// Fields with any list of effects on any surface, installed as by a scene.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace slipbench::testing_effects {
 
-// An effect of the catalogue at its defaults but for `changes` (SI).
+// An effect of the catalogue with its defaults, except `changes` (SI).
 struct Wanted {
   std::string name;
   std::map<std::string, double> changes;
@@ -24,9 +24,9 @@ inline const EffectKind& kind_named(std::string_view name) {
   return *std::find_if(effects.begin(), effects.end(), [&](const EffectKind& kind) { return kind.about.name == name; });
 }
 
-// An effect at its defaults, after the one that it needs.
+// An effect with its defaults, after the effect that it needs.
 inline std::vector<Wanted> alone(const EffectKind& kind) {
-  if (kind.about.name == "elastic_skin") return {{kind.about.name, {{"patch", 3e-4}}}};  // of pads on no grid
+  if (kind.about.name == "elastic_skin") return {{kind.about.name, {{"patch", 3e-4}}}};  // for pads without a grid
   if (kind.after_tip) return {{"inertia", {}}, {kind.about.name, {}}};
   return {{kind.about.name, {}}};
 }
@@ -71,7 +71,7 @@ inline Pose at(double x, double y, double z) {
   return pose;
 }
 
-// One unit of `bristles` equal elements at the origin, with k_n and k_t in all.
+// One unit of `bristles` equal elements at the origin, with total stiffnesses k_n and k_t.
 inline PadLayout one_unit(double k_n, double k_t, std::size_t bristles = 1) {
   PadLayout pad;
   Element element{.k_normal = k_n / static_cast<double>(bristles), .k_tangential = k_t / static_cast<double>(bristles)};

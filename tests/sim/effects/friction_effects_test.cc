@@ -1,4 +1,4 @@
-// Stribeck, load dependence and ageing against their laws; how friction effects combine.
+// Stribeck, load dependence and ageing against their laws, and combined friction effects.
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double k_n = 1000.0, k_t = 600.0, depth = 1e-3, load = k_n * depth;
 
-// Tangential force [N] after a slide of 5 mm at v, at a step of 10 um of travel.
+// Tangential force [N] after a slide of 5 mm at v, in steps of 10 um of travel.
 double steady_force(Field& field, double v) {
   for (int tick = 0; tick <= 500; ++tick) field.step(at(10e-6 * tick, 0.0, -depth), 10e-6 / v);
   return field.wrench_on_surface().force.x();
@@ -68,10 +68,11 @@ TEST(LoadDependence, EqualBristlesBehaveAsOneElement) {
 }
 
 TEST(Ageing, StaticFrictionGrowsWithTheLogarithmOfTheWait) {
-  // Stuck since t = 0 and dragged at v from t = wait on: slip at the T that solves k_t v T = mu_s (1 + r ln(1 + (wait + T)/tau))
-  // f_n. The field takes the limit as linear within a step, which errs by dt^2/8 of its second derivative, mu_s f_n r/tau^2 at
-  // most; over the slope k_t v less the limit's own, that is under 1e-3 x 0.5 N x 0.05/(0.1 s)^2 x 1e-6 s^2/8 / (2.4 - 0.25) N/s
-  // = 1.5e-7 s for dt = 1 ms.
+  // Stuck since t = 0 and dragged at v from t = wait on: slip at the T that solves k_t v T = mu_s
+  // (1 + r ln(1 + (wait + T)/tau)) f_n. The field takes the limit as linear within a step; its
+  // error is at most dt^2/8 of the second derivative, mu_s f_n r/tau^2. Divided by the slope k_t v
+  // minus the limit's own, that is under 1e-3 x 0.5 N x 0.05/(0.1 s)^2 x 1e-6 s^2/8 / (2.4 - 0.25)
+  // N/s = 1.5e-7 s for dt = 1 ms.
   const double mu_s = 0.5, mu_k = 0.3, rate = 0.05, tau = 0.1, v = 4e-3, dt = 1e-3;
   for (const double wait : {0.0, 0.1, 1.0, 10.0}) {
     double exact = mu_s * load / (k_t * v);
@@ -90,8 +91,9 @@ TEST(Ageing, StaticFrictionGrowsWithTheLogarithmOfTheWait) {
 }
 
 TEST(AnisotropicFriction, GrainLiesHorizontallyOnTheSideFacesOfABox) {
-  // Its projection does, whatever the angle; so it does where the grain stands on the face and has none (0 and 180 deg on x, 90
-  // deg on y). A steady slide along the grain meets mu f_n, one across it ratio mu f_n.
+  // The grain's projection onto the face does so at any angle, and also where the grain is
+  // perpendicular to the face and has no projection (0 and 180 deg on x, 90 deg on y). A steady
+  // slide along the grain has mu f_n, one across it ratio mu f_n.
   const double mu = 0.5, ratio = 0.6;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   for (const double angle : {0.0, 1e-9, 0.7, 0.5 * std::numbers::pi, std::numbers::pi}) {
@@ -103,7 +105,7 @@ TEST(AnisotropicFriction, GrainLiesHorizontallyOnTheSideFacesOfABox) {
         Field field(pad, Box{{20e-3, 20e-3, 20e-3}}, {mu, mu},
                     installed(pad, {{"anisotropic_friction", {{"ratio", ratio}, {"angle", angle}}}}));
         Pose pose;
-        pose.rotation << level, n.cross(level), n;  // the element's axis, -Z of the pad, looks at the face
+        pose.rotation << level, n.cross(level), n;  // the element's axis, -Z of the pad, points at the face
         for (int tick = 0; tick <= 200; ++tick) {
           pose.position = (20e-3 - depth) * n + 10e-6 * tick * way;
           field.step(pose, 1e-3);

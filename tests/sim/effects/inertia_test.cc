@@ -1,4 +1,5 @@
-// Tips with mass in a field: what labels and sensors get, and what they cannot be joined with. The law itself: tests/oracle/inertia_test.cc.
+// Tips with mass in a field: labels, sensor readings, and effects that inertia excludes. The law
+// itself is tested in tests/oracle/inertia_test.cc.
 #include <cmath>
 #include <numbers>
 
@@ -18,7 +19,7 @@ TEST(InertiaLabels, TheMarginIsOfFrictionAndTheForceIsFelt) {
   Field field = field_with(one_unit(k_n, k_t), {mu_s, mu_k}, {{"inertia", {{"damping", 0.05}}}});
   ContactLabels labels(field.layout());
   int slid = 0;
-  double farthest = 0.0;  // of what is felt from friction, in slip
+  double farthest = 0.0;  // largest distance of the felt force from friction during slip
   for (int tick = 0; tick < 10000; ++tick) {
     field.step(at(2e-6 * tick, 0.0, -depth), dt);
     const ContactFrame& frame = labels.update({&field, 1}, tick * dt, dt);
@@ -35,14 +36,17 @@ TEST(InertiaLabels, TheMarginIsOfFrictionAndTheForceIsFelt) {
     EXPECT_NEAR(friction, mu_k * k_n * depth, 1e-12);
     farthest = std::max(farthest, std::abs(felt - friction));
   }
-  // Half a swing of 2.8 ms or more in every cycle of at most 2 (mu_s - mu_k) f_n/(k_t v) = 33 ms besides, from 50 ms on: above 7 % of 9500.
+  // Every cycle has half a swing of at least 2.8 ms, plus at most 2 (mu_s - mu_k) f_n/(k_t v) = 33
+  // ms, from 50 ms on: more than 7 % of 9500.
   EXPECT_GT(slid, 665);
-  // It starts to slip (mu_s - mu_k) f_n from its rest, and swings beyond that with the speed of the root.
+  // It begins to slip at (mu_s - mu_k) f_n from equilibrium, and swings beyond that with the speed
+  // of the root.
   EXPECT_GT(farthest, 0.9 * (mu_s - mu_k) * k_n * depth);
 }
 
-// A tip that has been lifted off goes on swinging, so that what its root feels has a direction. It is told in the plane of the surface that it
-// left, which is level, whatever the tilted one does that another unit touches.
+// A lifted tip continues to swing, so that the force at its root has a direction. Labels give it in
+// the plane of the surface that the tip left, which is level, whatever tilted surface another unit
+// touches.
 TEST(InertiaLabels, WhatRingsInTheAirIsNotTurnedByAnotherUnitsSurface) {
   const double dt = 1e-4, mu = 0.6, dragged = 0.2e-3;
   PadLayout pad;
@@ -71,12 +75,13 @@ TEST(InertiaLabels, WhatRingsInTheAirIsNotTurnedByAnotherUnitsSurface) {
     EXPECT_EQ((frame.contact_force.col(0) - frame.force.col(0)).abs().maxCoeff(), 0.0) << tick;
     if (lifted) most = std::max(most, std::abs(frame.force(0, 0)));
   }
-  // It lets go of k_t x = 0.12 N, and of a swing damped at 0.05 there is exp(-0.05 pi) = 85 % left at the other end.
+  // It is released at k_t x = 0.12 N; damped at 0.05, the swing has exp(-0.05 pi) = 85 % left at
+  // its other end.
   EXPECT_GT(most, 0.8 * k_t * dragged);
 }
 
 TEST(InertiaLabels, EveryChangeInsideAStepIsToldInOrder) {
-  // A step of 50 ms at 20 mm/s: 1 mm, several times what the tip stretches between two slips.
+  // A step of 50 ms at 20 mm/s: 1 mm, several times the stretch of the tip between two slips.
   const double dt = 50e-3;
   Field field = field_with(one_unit(k_n, k_t), {0.3, 0.2}, {{"inertia", {{"damping", 0.0}}}});
   ContactLabels labels(field.layout());

@@ -1,4 +1,5 @@
-// Columns that lean: V = k_n (d - q^2/2L)^2/2 + k_t q^2/2 + k_s max(0, q - q_b)^2/2, forces its derivatives.
+// Columns that lean: V = k_n (d - q^2/2L)^2/2 + k_t q^2/2 + k_s max(0, q - q_b)^2/2; forces are its
+// derivatives.
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -22,7 +23,7 @@ double potential(double d, double q) {
   return 0.5 * load(d, q) * load(d, q) / k_n + 0.5 * k_t * q * q + 0.5 * k_s * beyond * beyond;
 }
 
-// Where `f` passes through zero between a and b.
+// Returns the root of `f` between a and b.
 template <class F>
 double root(F f, double a, double b) {
   for (int bit = 0; bit < 100; ++bit) {
@@ -53,8 +54,9 @@ TEST(Lean, StuckTipMeetsTheClosedFormBelowAndAboveBuckling) {
 }
 
 TEST(Lean, GivesNoWorkInAClosedLoop) {
-  // Twice round a loop without slip, through the buckling load and through the stop: the work done on the pad is what the potential has lost, at
-  // every point, and none after a turn. By the trapezoid of 20,000 chords a turn, whose error is (2 pi/20,000)^2 of the energies, about 1e-7.
+  // Twice round a loop without slip, through the buckling load and through the stop: the work done
+  // on the pad equals the potential's loss at every point, and zero after a turn. The trapezoid of
+  // 20,000 chords per turn has an error of (2 pi/20,000)^2 of the energies, about 1e-7.
   Field field = field_with(one_unit(k_n, k_t), {9.0, 9.0}, {leaning});
   const Eigen::Vector3d start(0.0, 0.0, -1e-3);
   field.step(at(start.x(), start.y(), start.z()), 1e-3);
@@ -98,7 +100,8 @@ TEST(Lean, SteadySlideHasTheRootOfItsLaw) {
 }
 
 TEST(Lean, LetsGoWhereTheConeIsReached) {
-  // Slip begins at the q of f_t(q) = mu f_n(q); within a step force and limit are taken as linear: second order in the 2 um of a step.
+  // Slip begins at the q of f_t(q) = mu f_n(q). Force and limit are linear within a step: second
+  // order in the 2 um of a step.
   const double mu = 0.6;
   const double q = root([&](double x) { return shear(shallow, x) - mu * load(shallow, x); }, 0.0, 0.9e-3);
   Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {leaning});
@@ -113,8 +116,9 @@ TEST(Lean, LetsGoWhereTheConeIsReached) {
 }
 
 TEST(Lean, SnapsOutwardsToItsStopWhereFrictionIsLow) {
-  // mu < stop/L: beyond buckling |f_t| = (f_n/L - k_t) q reaches mu f_n before the stop. The tip runs outwards, away from its root, until
-  // f_t(q) = -mu f_n(q) in the stop; slip gives no energy. Dragged on, it sticks, and then follows at f_t = mu f_n.
+  // mu < stop/L: beyond buckling |f_t| = (f_n/L - k_t) q reaches mu f_n before the stop. The tip
+  // moves outwards, away from its root, until f_t(q) = -mu f_n(q) in the stop; slip releases no
+  // energy. Dragged on, it sticks, then follows at f_t = mu f_n.
   const double mu = 0.05, d = deep, step = 1e-6;
   const auto outwards = [&](double q) { return -shear(d, q) - mu * load(d, q); };
   const double lets_go = root(outwards, 0.1e-3, stop), rests = root(outwards, stop, 0.8e-3);
@@ -139,8 +143,9 @@ TEST(Lean, SnapsOutwardsToItsStopWhereFrictionIsLow) {
 }
 
 TEST(Lean, UnloadedWhileItLeansItSlidesHome) {
-  // d falls to 0 with the root 0.2 mm aside: f_n = 0 at q = sqrt(2 L d) would leave a bent column in the air. The cone brings the tip back
-  // before: it presses until d = 0, and then stands upright.
+  // d falls to 0 with the root 0.2 mm aside: f_n = 0 at q = sqrt(2 L d) would leave a bent column
+  // in the air. The cone brings the tip back before that: it presses until d = 0, then stands
+  // upright.
   const double mu = 0.8;
   Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {leaning});
   field.step(at(0.0, 0.0, -shallow), 1e-3);
@@ -154,7 +159,7 @@ TEST(Lean, UnloadedWhileItLeansItSlidesHome) {
 }
 
 TEST(Lean, GoesWithEveryOtherEffectInItsCone) {
-  // Random ways: what slips carries mu(place) f_n g(slip/dt), what sticks no more than mu f_n.
+  // Random motions: slipping elements carry mu(place) f_n g(slip/dt), sticking ones at most mu f_n.
   int slid = 0, stuck = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     RandomStream draw(seed, 0, "lean");
@@ -184,7 +189,8 @@ TEST(Lean, GoesWithEveryOtherEffectInItsCone) {
 }
 
 TEST(Lean, RelaxesByItsRheology) {
-  // Held upright for 20 relaxation times: of what relaxes, 0.4 k_n d = 0.1 N, e^-20 = 2e-9 is left.
+  // Held upright for 20 relaxation times: e^-20 = 2e-9 is left of the relaxing part, 0.4 k_n d =
+  // 0.1 N.
   Field field = field_with(one_unit(k_n, k_t), {0.5, 0.5}, {leaning, {"viscoelastic", {{"relaxation", 0.4}, {"time", 10e-3}}}});
   for (int tick = 0; tick <= 200; ++tick) field.step(at(0.0, 0.0, -shallow), 1e-3);
   EXPECT_NEAR(field.normal_force(0), 0.6 * k_n * shallow, 1e-9);

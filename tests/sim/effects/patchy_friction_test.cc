@@ -13,8 +13,8 @@ constexpr double shortest = 2e-3, longest = 5e-3, sd = 0.3;
 constexpr double period = 16.0 * shortest;  // the map is tabulated at an eighth of the shortest wave, 128 times, and then repeats
 constexpr double cell = shortest / 8.0;
 
-// ln of the friction factor under a pad's elements, read as mu_s f_n over what it would be without the effect. The pad is set down anew
-// at every pose: tips that stick would stay where they are.
+// ln of the friction factor under a pad's elements: mu_s f_n over its value without the effect. The
+// pad is set down anew at every pose, because sticking tips would not move.
 class Map {
  public:
   explicit Map(PadLayout pad, std::uint64_t seed = 7, std::uint64_t trial = 0, const std::vector<Wanted>& others = {},
@@ -51,10 +51,11 @@ PadLayout patch(double pitch) {
 }
 
 TEST(PatchyFriction, LogarithmHasTheMeanAndDeviationAsked) {
-  // Over one period at the grid's points: each of 24 waves is a whole number of waves, so g has mean 0 and ln mu the mean
-  // -sd^2/2. The variance of g is 1 where the 24 waves are all different; two that coincide change it by 2/24 cos(difference of
-  // phases) at most. Among some 340 possible waves 24 draws give 24 x 23/2/340 = 0.8 coincidences on average: over 20 maps the
-  // mean variance strays by sqrt(0.8/2 x 20) x 2/24/20 = 0.012 (one sigma), taken three times.
+  // Over one period, at the grid's points: each of 24 waves has a whole number of periods, so g has
+  // mean 0 and ln mu the mean -sd^2/2. The variance of g is 1 if all 24 waves differ; two equal
+  // ones change it by at most 2/24 cos(difference of phases). Among some 340 possible waves 24
+  // draws give 24 x 23/2/340 = 0.8 coincidences on average: over 20 maps the mean variance has a
+  // standard error of sqrt(0.8/2 x 20) x 2/24/20 = 0.012; three of these are allowed.
   double sum_variance = 0.0;
   const int maps = 20;
   const PadLayout pad = patch(cell);
@@ -75,7 +76,7 @@ TEST(PatchyFriction, LogarithmHasTheMeanAndDeviationAsked) {
 }
 
 TEST(PatchyFriction, IsFixedToTheSurface) {
-  // One tip held over the same spot sees the same friction, however the pad stands and whatever way it came.
+  // A tip held over one spot sees the same friction at any pose of the pad and after any path.
   PadLayout pad = one_unit(1000.0, 600.0);
   pad.elements[0].tip = {4e-3, 0.0, 0.0};
   Map map(pad);
@@ -96,12 +97,12 @@ TEST(PatchyFriction, DependsOnSeedAndTrialOnly) {
   EXPECT_EQ(Map(pad, 7, 3).at(pose), map);
   EXPECT_NE(Map(pad, 7, 4).at(pose), map);
   EXPECT_NE(Map(pad, 8, 3).at(pose), map);
-  // Fields share a map: it is of these waves alone, and lives as long as they.
+  // Fields share a map: the map depends on these waves alone, and lives as long as its users.
   Map older(pad, 7, 3);
   EXPECT_NE(Map(pad, 7, 3, {}, {1.5e-3, longest}).at(pose), map);
   EXPECT_NE(Map(pad, 7, 3, {}, {shortest, 4e-3}).at(pose), map);
   EXPECT_EQ(older.at(pose), map);
-  // Neither another effect before it nor the pad's own make-up shifts its draws.
+  // Its draws depend neither on an effect before it nor on the pad's structure.
   EXPECT_EQ(Map(pad, 7, 3, {{"stribeck", {}}, {"ageing", {}}, {"texture", {{"height", 0.0}}}}).at(pose), map);
   PadLayout half = pad;
   half.elements.resize(2048);
@@ -111,8 +112,8 @@ TEST(PatchyFriction, DependsOnSeedAndTrialOnly) {
 }
 
 TEST(PatchyFriction, RepeatsWithoutASeam) {
-  // g has the slope sqrt(2/24) x 24 x 2 pi/shortest = 22/mm at most, so over 1 um ln mu changes by sd x 0.022 at most: across the
-  // seam as anywhere else.
+  // The slope of g is at most sqrt(2/24) x 24 x 2 pi/shortest = 22/mm, so over 1 um ln mu changes
+  // by at most sd x 0.022, across the seam as elsewhere.
   Map map(one_unit(1000.0, 600.0));
   const auto value = [&](double x, double y) { return map.at(at(x, y, -1e-3))[0]; };
   for (const double y : {0.0, 1.234e-3, -7.7e-3}) {
@@ -146,8 +147,8 @@ TEST(PatchyFriction, RefusesCurvedSurfacesAndWavesOutOfOrder) {
 }
 
 TEST(PatchyFriction, EveryFaceOfABoxHasPatchesAlongBothItsDirections) {
-  // One element that stands on a face of a box of 40 mm and steps along it by 1 mm: friction changes along either direction, and not alike on
-  // two faces. On the top it is the plane's.
+  // One element on a face of a box of 40 mm, moved along it in steps of 1 mm: friction varies along
+  // either direction, and differently on two faces. On the top it equals the plane's.
   const double half = 0.02, indentation = 1e-4;
   PadLayout pad = oracle::square_grid(1, 1e-3, 1000.0, 600.0);
   pad.elements[0].tip.setZero();

@@ -1,4 +1,4 @@
-// A rough surface: its height, its spectrum, and that all directions are alike.
+// A rough surface: its height, its spectrum and its isotropy.
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -46,8 +46,8 @@ double amplitude(const std::vector<double>& values, std::size_t waves) {
 }
 
 TEST(Roughness, OneWaveIsHeardAtSpeedOverWavelength) {
-  // 1 s at 33 mm/s over waves of 0.3 mm: 110 periods. f_n = k_n (d - h): amplitude k_n height sqrt 2 in bin 110, to 0.3 % of the table, and
-  // nothing elsewhere.
+  // 1 s at 33 mm/s over waves of 0.3 mm: 110 periods. f_n = k_n (d - h): amplitude k_n height sqrt
+  // 2 in bin 110, to 0.3 % (the table's error), and 0 elsewhere.
   const double k_n = 1000.0, v = 33e-3, wavelength = 0.3e-3;
   const int samples = 8192;
   EffectKind kind = kind_named("roughness");
@@ -71,7 +71,8 @@ TEST(Roughness, OneWaveIsHeardAtSpeedOverWavelength) {
 }
 
 TEST(Roughness, HeightIsAsAskedAndSpectrumFallsAsAsked) {
-  // One direction repeats after 8 longest waves: 24 mm hold the waves 8 to 400. Their amplitudes are a n^-p, of which rms^2 = sum a^2 n^-2p/2.
+  // One direction repeats after 8 longest waves: 24 mm hold the waves 8 to 400. Their amplitudes
+  // are a n^-p, with rms^2 = sum a^2 n^-2p/2.
   for (const double exponent : {1.3, 2.0}) {
     const std::size_t n = 16384;
     const auto h =
@@ -89,15 +90,17 @@ TEST(Roughness, HeightIsAsAskedAndSpectrumFallsAsAsked) {
 }
 
 TEST(Roughness, AllWaysAreAlike) {
-  // Three profiles of one wave each, amplitude A = height sqrt(2/3), at 60 degrees: along a way at the angle t the mean square of the slope
-  // is sum_j (A k cos(t - a_j))^2/2 = (A k)^2/2 * 3/2 = (height k)^2/2, whatever t; of the height, height^2, unless the way is along
-  // a ridge, and of the curvature height^2 k^4 (sum cos^4)/3 = height^2 k^4 3/8.
+  // Three profiles of one wave each, amplitude A = height sqrt(2/3), at 60 degrees. Along a path at
+  // the angle t the mean square of the slope is sum_j (A k cos(t - a_j))^2/2 = (A k)^2/2 * 3/2 =
+  // (height k)^2/2 for any t; that of the height is height^2, unless the path follows a ridge; that
+  // of the curvature is height^2 k^4 (sum cos^4)/3 = height^2 k^4 3/8.
   const double wavelength = 1e-3, k = 2.0 * pi / wavelength, step = wavelength / 128.0;
   for (const double angle : {0.1, 0.9, 2.0}) {
     const auto h = heights({{"shortest", wavelength}, {"longest", wavelength}, {"height", height}}, {{"directions", 3}}, 200000,
                            step * std::cos(angle), step * std::sin(angle));
     EXPECT_NEAR(mean_square(h), height * height, 0.02 * height * height) << angle;
-    // Differences over 32 points of the way: sin(k cos(t - a_j) s/2)^2 in place of (k cos s/2)^2, s = wavelength/32: within 1 %.
+    // Differences over 32 points of the path: sin(k cos(t - a_j) s/2)^2 in place of (k cos s/2)^2,
+    // s = wavelength/32: within 1 %.
     std::vector<double> slope, curvature;
     for (std::size_t i = 4; i + 4 < h.size(); ++i) {
       slope.push_back((h[i + 2] - h[i - 2]) / (4.0 * step));
@@ -111,7 +114,7 @@ TEST(Roughness, AllWaysAreAlike) {
 TEST(Roughness, LongestStepSeesTheShortestWaveSixteenTimes) {
   const FieldEffects effects = installed(one_unit(1000.0, 600.0), {{"roughness", {{"shortest", 12e-6}}}});
   EXPECT_DOUBLE_EQ(effects.surface[0]->longest_step(33e-3), 12e-6 / (16.0 * 33e-3));
-  // The default is what 10 kHz resolves at the fastest published slide.
+  // The default is the wavelength that 10 kHz resolves at the fastest published slide.
   const FieldEffects usual = installed(one_unit(1000.0, 600.0), {{"roughness", {}}});
   EXPECT_GE(usual.surface[0]->longest_step(33e-3), 1e-4);
 }

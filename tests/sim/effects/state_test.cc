@@ -1,4 +1,4 @@
-// Effects keep in Effect::memory all that they carry from one step to the next.
+// Effect::memory holds all state that effects carry between steps.
 #include <gtest/gtest.h>
 
 #include "tests/sim/effects/effect_rig.h"
@@ -7,13 +7,14 @@
 namespace slipbench::testing_effects::state_test {
 namespace {
 
-// The field with these effects, saved in the middle and loaded into a new one, as well as into one that has stepped elsewhere.
+// Saves a field with these effects in the middle, loads it into a new field and into one with
+// another past, and compares their further steps.
 void expect_to_go_on_alike(const std::vector<Wanted>& effects, const std::string& name) {
   int slid = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     RandomStream draw(seed, 0, "effect state");
     PadLayout pad = testing_field::random_pad(draw, 40, seed % 2 == 1);
-    if (const FieldEffects made = installed(pad, effects); made.tip || made.skin) {  // which take no dashpots
+    if (const FieldEffects made = installed(pad, effects); made.tip || made.skin) {  // these exclude dashpots
       for (Element& element : pad.elements) element.c_normal = element.c_tangential = 0.0;
     }
     const Friction friction = testing_field::random_friction(draw);
@@ -47,8 +48,8 @@ void expect_to_go_on_alike(const std::vector<Wanted>& effects, const std::string
 }
 
 TEST(EffectState, EveryEffectGoesOnFromASavedState) {
-  // Columns do not lean on an elliptic cone; tips with mass and elastic skins go with none of cone, lean, rate law and rheology, nor with each
-  // other. So all together is four sets.
+  // Columns do not lean on an elliptic cone; tips with mass and elastic skins exclude cone, lean,
+  // rate law, rheology and each other. So all effects together need four sets.
   std::vector<Wanted> upright, leaning, with_mass{{"inertia", {}}}, in_one{{"elastic_skin", {{"patch", 1e-4}}}};
   for (const EffectKind& kind : effect_catalogue()) {
     expect_to_go_on_alike(alone(kind), kind.about.name);
@@ -67,7 +68,7 @@ TEST(EffectState, EveryEffectGoesOnFromASavedState) {
   expect_to_go_on_alike(in_one, "all of elastic skins");
 }
 
-// Of a pad that touches nothing less is worked out, unless an effect has a memory. Nobody may see that.
+// Separated pads skip computations unless an effect has a memory. The results must not show it.
 TEST(EffectState, APadApartIsWhatItWouldBe) {
   struct Remembers final : FrictionEffect {
     std::vector<double> nothing = std::vector<double>(1);
@@ -80,7 +81,7 @@ TEST(EffectState, APadApartIsWhatItWouldBe) {
     const PadLayout pad = testing_field::random_pad(draw, 40, false);
     const auto [surface, facing] = testing_field::target(testing_field::Shape::box);
     std::vector<Wanted> wanted{{"patchy_friction", {}}, {"viscous_friction", {}}};
-    if (seed % 2 == 0) wanted.push_back({"stribeck", {}});  // without it speeds are not worked out either
+    if (seed % 2 == 0) wanted.push_back({"stribeck", {}});  // without this effect speeds are not computed either
     FieldEffects whole = installed(pad, wanted);
     whole.friction.push_back(std::make_unique<Remembers>());
     Field field(pad, surface, {0.5, 0.4}, installed(pad, wanted)), never(pad, surface, {0.5, 0.4}, std::move(whole));

@@ -1,4 +1,4 @@
-// Effects that depend on the place are met where the tip is.
+// Effects that depend on position use the position of the tip.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@ const Wanted ridges{"texture", {{"height", 30e-6}, {"wavelength", 1e-3}}};
 const Wanted patches{"patchy_friction", {{"sd", 0.2}}};
 
 TEST(TipPlace, StuckTipIsSilentToTheBitWhileItsRootMoves) {
-  // mu f_n = 0.5 N lets a spring of 600 N/m stretch by 0.8 mm; the root moves to and fro by 0.3 mm, through the origin too, where the
-  // difference of two places rounds most.
+  // mu f_n = 0.5 N stretches a spring of 600 N/m by up to 0.8 mm; the root moves to and fro by 0.3
+  // mm, also through the origin, where the difference of two positions rounds most.
   for (const double centre : {0.0, 1.3e-4, -0.07}) {
     for (const bool grain : {false, true}) {
       std::vector<Wanted> effects{ridges, patches};
@@ -35,7 +35,7 @@ TEST(TipPlace, StuckTipIsSilentToTheBitWhileItsRootMoves) {
 }
 
 TEST(TipPlace, StuckTipOnABoxIsSilent) {
-  // As on a plane; the anchor is brought back onto the face in every step, which rounds.
+  // As on a plane; the anchor is projected onto the face in every step, which rounds.
   const PadLayout pad = one_unit(k_n, k_t);
   Field field(pad, Box{{20e-3, 20e-3, 20e-3}}, {mu, mu}, installed(pad, {ridges, patches}));
   const double top = 20e-3 - depth;
@@ -51,8 +51,8 @@ TEST(TipPlace, StuckTipOnABoxIsSilent) {
 }
 
 TEST(TipPlace, SlidingTipMeetsThePatchThatItIsOn) {
-  // A slow slide over patches: mu is that of the map where the tip is, a stretch behind its root. The map is read by a field that is set
-  // down there: in its first step a tip is under its root.
+  // A slow slide over patches: mu is the map's value at the tip, a stretch behind its root. A
+  // second field, set down there, reads the map: in its first step a tip is under its root.
   const double step = 2e-6;
   Field sliding = field_with(one_unit(k_n, k_t), {mu, mu}, {patches});
   double worst = 0.0, worst_at_root = 0.0;
@@ -70,13 +70,14 @@ TEST(TipPlace, SlidingTipMeetsThePatchThatItIsOn) {
     worst = std::max(worst, std::abs(met - mu_at(tip)));
     worst_at_root = std::max(worst_at_root, std::abs(met - mu_at(step * tick)));
   }
-  // One step's slip behind at most: sd mu (2 pi/2 mm) sqrt(2) 2 um = 0.9e-3.
+  // At most one step's slip behind: sd mu (2 pi/2 mm) sqrt(2) 2 um = 0.9e-3.
   EXPECT_LT(worst, 0.9e-3);
   EXPECT_GT(worst_at_root, 20e-3) << "the root is 0.8 mm ahead, on other patches";
 }
 
 TEST(TipPlace, TurnedRoundSlideSticksWhereTheTipIs) {
-  // A sliding tip whose root comes back stays: the place that ridges see is its own again, not the one that trails the root.
+  // When the root reverses, the sliding tip stays: ridges then see the tip's own position, not the
+  // one that trails the root.
   Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {ridges});
   double x = 0.0;
   for (int tick = 0; tick < 1000; ++tick) field.step(at(x += 2e-6, 0.0, -depth), 1e-3);

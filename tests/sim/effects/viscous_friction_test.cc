@@ -1,4 +1,5 @@
-// The rate law of the slipping tip: mu_k g(w), g(w) = 1 + gain log10(1 + w/v0) = 1 + c ln y with c = gain/ln 10, y = 1 + w/v0.
+// The rate law of the slipping tip: mu_k g(w), g(w) = 1 + gain log10(1 + w/v0) = 1 + c ln y with c
+// = gain/ln 10, y = 1 + w/v0.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -20,11 +21,12 @@ Wanted law(double gain, double speed) { return {"viscous_friction", {{"gain", ga
 double growth(double gain, double speed, double w) { return 1.0 + gain * std::log10(1.0 + w / speed); }
 
 TEST(ViscousFriction, SteadyForceAtAnySpeedAndStep) {
-  // The tip of a steady slide moves at the root's speed v: f = mu_k g(v) f_n. At 9 v0 that is one decade, at 99 v0 two.
+  // The tip of a steady slide moves at the root's speed v: f = mu_k g(v) f_n. 9 v0 is one decade,
+  // 99 v0 two.
   const double mu_s = 0.6, mu_k = 0.5;
   for (const auto& [gain, speed] : {std::pair{0.2, 1e-3}, {0.08, 0.05e-3}, {1.0, 10e-3}}) {
     for (const double ratio : {1.0, 9.0, 99.0, 1e4}) {
-      for (const double way : {1e-6, 10e-6, 200e-6}) {  // m a step
+      for (const double way : {1e-6, 10e-6, 200e-6}) {  // m per step
         Field field = field_with(one_unit(k_n, k_t), {mu_s, mu_k}, {law(gain, speed)});
         const double v = ratio * speed;
         for (int tick = 0; way * tick <= 30e-3; ++tick) field.step(at(way * tick, 0.0, -depth), way / v);
@@ -38,7 +40,8 @@ TEST(ViscousFriction, SteadyForceAtAnySpeedAndStep) {
 }
 
 TEST(ViscousFriction, EveryStepObeysTheLaw) {
-  // Whatever the parameters and the way: while a tip slips, f = mu_k f_n g(slip/dt), along the slip; and it never slips below mu_k f_n.
+  // For any parameters and motion: a slipping tip has f = mu_k f_n g(slip/dt) along the slip, and
+  // never slips below mu_k f_n.
   RandomStream draw(1, 0, "rate law");
   int slid = 0;
   for (int field_number = 0; field_number < 60; ++field_number) {
@@ -63,16 +66,18 @@ TEST(ViscousFriction, EveryStepObeysTheLaw) {
   EXPECT_GT(slid, 3000);
 }
 
-// Force of an element whose root moves at v from the start, after the tip began to slip: k^-1 dF/dt = v - w(F) is, with F = L (1 + c ln y), the
-// logistic equation y' = r y (1 + v/v0 - y), r = k v0/(c L).
+// Force of an element whose root moves at v from the start, after the tip began to slip: with F = L
+// (1 + c ln y), k^-1 dF/dt = v - w(F) is the logistic equation y' = r y (1 + v/v0 - y), r = k v0/(c
+// L).
 double sliding_on(double t, double limit, double c, double v0, double v, double y0) {
   const double steady = 1.0 + v / v0, growing = std::exp(k_t * v0 / (c * limit) * steady * t);
   return limit * (1.0 + c * std::log(y0 * steady * growing / (steady + y0 * (growing - 1.0))));
 }
 
 TEST(ViscousFriction, OnsetAndApproachHaveTheirClosedForm) {
-  // mu_s = mu_k: slip begins at L/(k v), without a jump (y = 1), and the force approaches L g(v). Backward Euler of a contracting equation
-  // errs by at most dt/2 times the sum of |F''|, here dt/2 times the change of F', k v; and k v dt more for the step of the onset.
+  // mu_s = mu_k: slip begins at L/(k v), without a jump (y = 1), and the force approaches L g(v).
+  // Backward Euler of a contracting equation has an error of at most dt/2 times the integral of
+  // |F''|, here dt/2 times the change of F', k v; the step of the onset adds k v dt.
   const double mu = 0.5, gain = 0.2, v0 = 1e-3, v = 9e-3, c = gain / std::numbers::ln10, limit = mu * load;
   std::vector<double> error;
   for (const double dt : {1e-4, 0.5e-4, 0.25e-4}) {
@@ -98,8 +103,9 @@ TEST(ViscousFriction, OnsetAndApproachHaveTheirClosedForm) {
 }
 
 TEST(ViscousFriction, HeldPadRelaxesByTheClosedForm) {
-  // The root stops after a steady slide at v: k^-1 dF/dt = -w(F), the logistic equation with v = 0: y = 1/(1 - (1 - 1/y0) exp(-r t)).
-  // Backward Euler errs by dt/2 times the change of F' at most: dt k v/2.
+  // The root stops after a steady slide at v: k^-1 dF/dt = -w(F), the logistic equation with v = 0:
+  // y = 1/(1 - (1 - 1/y0) exp(-r t)). The error of backward Euler is at most dt/2 times the change
+  // of F': dt k v/2.
   const double mu = 0.5, gain = 0.2, v0 = 1e-3, v = 9e-3, c = gain / std::numbers::ln10, limit = mu * load;
   std::vector<double> error;
   for (const double dt : {1e-3, 0.5e-3, 0.25e-3}) {
@@ -121,8 +127,8 @@ TEST(ViscousFriction, HeldPadRelaxesByTheClosedForm) {
 }
 
 TEST(ViscousFriction, CreepEndsOnceAndForGood) {
-  // y - 1 falls as exp(-r t), r = k v0/(c L) = 13.8/s: after 2 s the creep of a step of 1 ms is below 1e-18 m. It then sticks, at mu f_n, and
-  // does not let go again.
+  // y - 1 falls as exp(-r t), r = k v0/(c L) = 13.8/s: after 2 s the creep of a step of 1 ms is
+  // below 1e-18 m. The tip then sticks, at mu f_n, and does not slip again.
   const double mu = 0.5, dt = 1e-3;
   Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {law(0.2, 1e-3)});
   double x = 0.0;
@@ -139,10 +145,10 @@ TEST(ViscousFriction, CreepEndsOnceAndForGood) {
 
 TEST(ViscousFriction, PartOfAUnitThatSlipsBearsMoreThanStaticFriction) {
   // Two bristles with the loads N_a = 0.5 N and N_b = 1.5 N on springs k = 300 N/m. At a slide of x
-  // bristle a, which lets go at mu N_a/k = 0.83 mm, has come within 1e-7 of mu g N_a, g = 1 + 0.2
-  // log10(1 + 9) = 1.2; b sticks up to mu N_b/k = 2.5 mm and bears k x. So the unit, which slips in
-  // part, has the margin 1 - (mu g N_a + k x)/(mu (N_a + N_b)), below 0 from x = 2.33 mm on, and no
-  // bristle has left its cone.
+  // bristle a, which begins to slip at mu N_a/k = 0.83 mm, has come within 1e-7 of mu g N_a, g = 1
+  // + 0.2 log10(1 + 9) = 1.2; b sticks up to mu N_b/k = 2.5 mm and carries k x. So the unit, which
+  // slips in part, has the margin 1 - (mu g N_a + k x)/(mu (N_a + N_b)), below 0 from x = 2.33 mm
+  // on, although no bristle has left its cone.
   const double mu = 0.5, g = 1.2, k = 300.0, light = 0.5, heavy = 1.5, v0 = 1e-3, v = 9e-3, dt = 1e-3;
   PadLayout pad = one_unit(1000.0, 2.0 * k, 2);
   pad.elements[0].k_normal = light / depth;
@@ -164,7 +170,8 @@ TEST(ViscousFriction, PartOfAUnitThatSlipsBearsMoreThanStaticFriction) {
 }
 
 TEST(ViscousFriction, StaticFrictionIsALatch) {
-  // mu_s > mu_k: let go at mu_s f_n, then along mu_k g(w), also where that is below mu_s: 0.45 (1 + 0.1 log10(2)) = 0.4635.
+  // mu_s > mu_k: slip begins at mu_s f_n, then follows mu_k g(w), even below mu_s: 0.45 (1 + 0.1
+  // log10(2)) = 0.4635.
   const double mu_s = 0.6, mu_k = 0.45, v = 1e-3, dt = 1e-3;
   Field field = field_with(one_unit(k_n, k_t), {mu_s, mu_k}, {law(0.1, 1e-3)});
   double highest = 0.0, x = 0.0;
@@ -181,8 +188,9 @@ TEST(ViscousFriction, StaticFrictionIsALatch) {
 }
 
 TEST(ViscousFriction, LightPlateDrivenByAForceSettlesAtItsTerminalSpeed) {
-  // 20 g on 36 elements of 200 N/m, pulled by 1 N against mu N = 0.9 N: 0.9 g(v) = 1, v = v0 (10^((1/0.9 - 1)/gain) - 1) = 1.17 mm/s. The slope
-  // of friction there, L c/(v0 + v) = 26 N s/m, over the mass times dt is 0.5; at v0 it would be 13. The plate is stepped as MuJoCo does.
+  // 20 g on 36 elements of 200 N/m, pulled by 1 N against mu N = 0.9 N: 0.9 g(v) = 1, v = v0
+  // (10^((1/0.9 - 1)/gain) - 1) = 1.17 mm/s. The slope of friction there, L c/(v0 + v) = 26 N s/m,
+  // over the mass times dt is 0.5; at v0 it would be 13. The plate is stepped as in MuJoCo.
   const double gain = 0.08, v0 = 0.05e-3, mass = 0.02, dt = 1.0 / 2400.0, indentation = 1e-3;
   PadLayout pad = one_unit(36.0 * 100.0, 36.0 * 200.0, 36);
   const double mu = 0.9 / (36.0 * 100.0 * indentation);
@@ -203,7 +211,8 @@ TEST(ViscousFriction, LightPlateDrivenByAForceSettlesAtItsTerminalSpeed) {
 }
 
 TEST(ViscousFriction, EllipticConeGrowsWithTheSpeedOfSlip) {
-  // Associated flow on the ellipse of size L g(w): a steady slide along d at v meets f = f_n g(v) (mu_1^2 d_1, mu_2^2 d_2)/|(mu_1 d_1, mu_2 d_2)|.
+  // Associated flow on the ellipse of size L g(w): a steady slide along d at v has f = f_n g(v)
+  // (mu_1^2 d_1, mu_2^2 d_2)/|(mu_1 d_1, mu_2 d_2)|.
   const double mu = 0.5, ratio = 0.6, gain = 0.2, v0 = 0.5e-3, v = 4e-3, dt = 1e-3;
   for (int eighth = 0; eighth < 8; ++eighth) {
     const double angle = eighth * std::numbers::pi / 4.0 + 0.2, d1 = std::cos(angle), d2 = std::sin(angle);
@@ -217,7 +226,8 @@ TEST(ViscousFriction, EllipticConeGrowsWithTheSpeedOfSlip) {
 }
 
 TEST(ViscousFriction, MultipliesThePatchThatTheTipIsOn) {
-  // mu_s = mu_k: stick_limit() is mu(x, y) f_n there, and a slipping tip carries g(w) times that.
+  // mu_s = mu_k: stick_limit() is mu(x, y) f_n at that position, and a slipping tip carries g(w)
+  // times that.
   const double dt = 1e-3, gain = 0.08, v0 = 0.05e-3;
   Field field = field_with(one_unit(k_n, k_t), {0.5, 0.5}, {law(gain, v0), {"patchy_friction", {{"sd", 0.3}}}});
   double least = 1.0, most = 0.0;

@@ -1,4 +1,4 @@
-// Units and pads: states, margin, the motion of the slip, and the order of events.
+// Units and pads: states, margin, motion of the slip, and the order of events.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,7 +16,8 @@ namespace {
 
 constexpr double k_n = 7100.0, k_t = 3900.0, compression = 1e-3, pi = std::numbers::pi;
 
-// Units in a row 10 mm apart; `weights[u]` lists the load of each bristle of unit u over the mean, at k_n and k_t a unit.
+// Units in a row 10 mm apart; `weights[u]` lists the load of each bristle of unit u relative to the
+// mean, with k_n and k_t per unit.
 PadLayout row(const std::vector<std::vector<double>>& weights) {
   PadLayout pad;
   for (const auto& unit : weights) {
@@ -81,8 +82,8 @@ TEST(ContactLabels, BeforeTheTouchEverythingIsNothing) {
 }
 
 TEST(ContactLabels, BothRulesAndTheStuckFractionAsBristlesLetGo) {
-  // Unit 0 has six bristles, unit 1 one bristle with the load 2. A bristle of weight w slips at w mu k_n d/k_t = w x 0.91 mm of
-  // travel.
+  // Unit 0 has six bristles, unit 1 one bristle with the load 2. A bristle of weight w slips after
+  // w mu k_n d/k_t = w x 0.91 mm of travel.
   const double mu = 0.5, reach = mu * k_n * compression / k_t;
   Rig rig(row({six_weights, {2.0}}), {mu, mu}, 1e-3);
   struct Stage {
@@ -111,8 +112,8 @@ TEST(ContactLabels, BothRulesAndTheStuckFractionAsBristlesLetGo) {
 }
 
 TEST(ContactLabels, ForceDisplacementAndMarginOfAUnitAreThoseOfItsBristles) {
-  // Stuck unit at way s: f = (-k_t s, 0, k_n d), tip displaced by (-s, 0, d), margin 1 - k_t s/(mu_s k_n d). Slipping: 1 -
-  // mu_k/mu_s.
+  // Sticking unit after s: f = (-k_t s, 0, k_n d), tip displaced by (-s, 0, d), margin 1 - k_t
+  // s/(mu_s k_n d). Slipping: 1 - mu_k/mu_s.
   const double mu_s = 0.6, mu_k = 0.45;
   for (const std::vector<double>& weights : {std::vector<double>{1.0}, std::vector<double>(6, 1.0)}) {
     Rig rig(row({weights}), {mu_s, mu_k}, 1e-3);
@@ -156,9 +157,10 @@ TEST(ContactLabels, SlipOfAPureTranslationHasADirectionAndNoCentre) {
 }
 
 TEST(ContactLabels, SlipOfASteadyTurnIsThatTurnAboutItsPivot) {
-  // In a steady turn every anchor runs on a circle about the pivot at the pad's own rate, trailing its root by mu f_n/k_t (oracle
-  // 3): the slip is a rigid turn about the pivot. The way of a step is a chord; seen from the step's end it is turned back by
-  // rate dt/2 = 2.5e-5 and short by (rate dt)^2/24: some 1e-4 of the pad's size in the centre, 1e-9 in the rate.
+  // In a steady turn every anchor runs on a circle about the pivot at the pad's rate, trailing its
+  // root by mu f_n/k_t (oracle 3): the slip is a rigid turn about the pivot. The path of a step is
+  // a chord; seen from the step's end it is turned back by rate dt/2 = 2.5e-5 and short by (rate
+  // dt)^2/24: some 1e-4 of the pad's size in the centre, 1e-9 in the rate.
   const double rate = 0.5, dt = 1e-4, mu = 0.3;
   for (const Eigen::Vector2d& pivot : {Eigen::Vector2d(1e-3, 2e-3), Eigen::Vector2d(-20e-3, 5e-3)}) {
     const PadLayout pad = oracle::nine_pillars();
@@ -179,9 +181,10 @@ TEST(ContactLabels, SlipOfASteadyTurnIsThatTurnAboutItsPivot) {
 }
 
 TEST(ContactLabels, SlipOfACombinedMotionTurnsAboutItsInstantaneousCentre) {
-  // Pad velocity (v, 0) and rate w: the centre lies at (0, v/w) from the pad's origin in the surface's axes. Springs 1,000 times
-  // as stiff trail by e = mu f_n/k_t < 1 um, so tips move as their roots do but for w e; the chord turns by w dt/2 = 2.5e-5. Both
-  // are under 1e-3 of the slip speeds, which are w x some mm.
+  // Pad velocity (v, 0) and rate w: the centre is at (0, v/w) from the pad's origin in the
+  // surface's axes. Springs 1,000 times as stiff trail by e = mu f_n/k_t < 1 um, so tips move like
+  // their roots except for w e; the chord turns by w dt/2 = 2.5e-5. Both are under 1e-3 of the slip
+  // speeds, which are w x some mm.
   const double v = 4e-3, w = 0.5, dt = 1e-4;
   Rig rig(oracle::nine_pillars(1, k_n, 1e3 * k_t), {0.5, 0.5}, dt);
   double t = 0.0, before = 0.0;
@@ -200,8 +203,9 @@ TEST(ContactLabels, SlipOfACombinedMotionTurnsAboutItsInstantaneousCentre) {
 }
 
 TEST(ContactLabels, OneBristleTouchesSlipsSticksAndDetachesInOrder) {
-  // Down at 4 mm/s to 1 mm, 2 mm sideways (slip at 0.91 mm), rest, up again. Resting, the shear force stays on the cone; as the
-  // load falls while the pad lifts, the unit slips again until it detaches.
+  // Down at 4 mm/s to 1 mm, 2 mm sideways (slip at 0.91 mm), rest, up again. At rest the shear
+  // force stays on the cone; as the load falls while the pad lifts, the unit slips again until it
+  // detaches.
   Rig rig(row({{1.0}}), {0.5, 0.5}, 1e-3);
   for (int k = 0; k <= 300; ++k) rig.to(at(0.0, 0.0, 0.2e-3 - 4e-6 * k));
   for (int k = 1; k <= 500; ++k) rig.to(at(4e-6 * k, 0.0, -1e-3));
@@ -233,7 +237,8 @@ TEST(ContactLabels, SixBristlesSlipInPartsAndDetachTogether) {
 }
 
 TEST(ContactLabels, EventsTellEveryChangeOfAUnitsState) {
-  // To and fro in several directions, off and on again: after each step the last event of a unit names its state.
+  // To and fro in several directions, with separations: after each step the last event of a unit
+  // gives its state.
   Rig rig(row({six_weights, {1.0}, six_weights}), {0.6, 0.4}, 1e-3);
   std::vector<UnitState> told(3, UnitState::detached);
   std::size_t read = 0, changes = 0, again = 0;
@@ -242,7 +247,8 @@ TEST(ContactLabels, EventsTellEveryChangeOfAUnitsState) {
     const ContactFrame& frame = rig.to(at(4e-3 * std::sin(23.0 * t), 3e-3 * std::sin(14.3 * t), -0.8e-3 * std::sin(1.1 * t)));
     for (; read < rig.events.size(); ++read) {
       const ContactEvent& event = rig.events[read];
-      // A first part slips only of a unit of which nothing did; a part sticks again only of one that slipped as a whole.
+      // Micro-slip begins only in a unit without any slip; a part sticks again only after full
+      // slip.
       if (event.kind == EventKind::micro) {
         EXPECT_EQ(told[event.unit], UnitState::stick) << "t " << t;
       }
@@ -264,7 +270,8 @@ TEST(ContactLabels, EventsTellEveryChangeOfAUnitsState) {
 }
 
 TEST(ContactLabels, BristlesThatLetGoTogetherReportNoSlip) {
-  // Half of the bristles slip when the pad is pulled off within one step: the rest must not look like a unit that began to slip.
+  // Half of the bristles slip when the pad is pulled off within one step; the rest must not look
+  // like the beginning of slip.
   Rig rig(row({six_weights, six_weights}), {0.5, 0.5}, 1e-3);
   const double reach = 0.5 * k_n * compression / k_t;
   rig.to(at(0.0, 0.0, -compression));
@@ -292,15 +299,16 @@ TEST(ContactLabels, EventsOfAllUnitsAreInOrderOfTimeAndInsideTheirStep) {
       if (event.kind == EventKind::touch) touching[event.unit] = true;
       if (event.kind == EventKind::detach) touching[event.unit] = false;
     }
-    // Events and states tell the same story.
+    // Events and states agree.
     for (std::size_t u = 0; u < touching.size(); ++u) EXPECT_EQ(touching[u], frame.unit_state[u] != UnitState::detached);
   }
   EXPECT_GT(seen, 100U);
 }
 
 TEST(ContactLabels, TiltedPadObeysTheConeInTheContactPlane) {
-  // Tilted about X by 20 degrees, the plane's normal in P is (0, sin, cos). What the sensor feels (force) is the vector as P sees it; in the
-  // contact plane its z is f_n = k_n delta and its x, y are f_t = mu f_n, and the slip is as long as the way.
+  // Tilted about X by 20 degrees, the plane's normal in P is (0, sin, cos). The sensor's force is
+  // the vector in P; in the contact plane its z is f_n = k_n delta and its x, y are f_t = mu f_n,
+  // and the slip is as long as the path.
   const double tilt = 20.0 * pi / 180.0, mu = 0.5, step = 1e-4;
   Rig rig(row({{1.0}}), {mu, mu}, 1e-3);
   ContactFrame frame;
@@ -320,15 +328,17 @@ TEST(ContactLabels, TiltedPadObeysTheConeInTheContactPlane) {
   EXPECT_NEAR(frame.force(0, 0), -0.6 * mu * f_n, 1e-12);
   EXPECT_NEAR(frame.force(1, 0), c * y + s * f_n, 1e-12);
   EXPECT_NEAR(frame.force(2, 0), -s * y + c * f_n, 1e-12);
-  // The shortest turn onto the normal is that about X, so the contact plane's axes are the world's.
+  // The shortest turn onto the normal is about X, so the contact plane's axes are the world's.
   EXPECT_NEAR(frame.contact_force(0, 0), -0.6 * mu * f_n, 1e-12);
   EXPECT_NEAR(frame.contact_force(1, 0), y, 1e-12);
 }
 
 TEST(ContactLabels, SlipOfATiltedPadIsTheTurnThatTheBenchMakes) {
-  // The plane's normal is the world's Z, about which the bench turns a pad that stands at 25 degrees to it, through the plane point
-  // c = (5, 2) mm. In P the turn's axis is R' z: its rate in the contact plane is the bench's, and the centre is the point of the axis that is
-  // as high as the slipping tips, seen in P: R' (c + h z - p), with p the pad's origin and h = 0, where the tips meet the plane.
+  // The plane's normal is the world's Z, about which the bench turns a pad at 25 degrees to it,
+  // through the plane point c = (5, 2) mm. In P the turn's axis is R' z: its rate in the contact
+  // plane is the bench's, and the centre is the point of the axis at the height of the slipping
+  // tips, seen in P: R' (c + h z - p), with p the pad's origin and h = 0, where the tips touch the
+  // plane.
   const double tilt = 25.0 * pi / 180.0, rate = 0.35, step = 1e-3;
   const Eigen::Vector3d centre(5e-3, 2e-3, 0.0);
   const Eigen::Matrix3d tilted = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
@@ -336,7 +346,7 @@ TEST(ContactLabels, SlipOfATiltedPadIsTheTurnThatTheBenchMakes) {
   for (const double x : {-4e-3, 0.0, 4e-3}) {
     for (const double y : {-1e-3, 0.0, 1e-3}) {
       Element element;
-      // Tips of equal depth under the tilted pad: they lie in a plane that is level in the world.
+      // Tips at equal depth under the tilted pad: they lie in a level plane of the world.
       element.tip = tilted.transpose() * Eigen::Vector3d(x, y, 0.0);
       element.k_normal = k_n;
       element.k_tangential = k_t;
@@ -365,7 +375,8 @@ TEST(ContactLabels, SlipOfATiltedPadIsTheTurnThatTheBenchMakes) {
 }
 
 TEST(ContactLabels, UnitsThatLookAwayFromTheSurfaceHaveNoForce) {
-  // Past the middle of a plate the nearest face of the element is the far one, whose normal is -Z: nothing touches, nothing is NaN.
+  // Beyond the middle of a plate the nearest face is the far one, whose normal is -Z: nothing
+  // touches, nothing is NaN.
   Field field(row({{1.0}}), Box{{20e-3, 20e-3, 0.5e-3}}, {0.5, 0.5});
   ContactLabels labels(field.layout());
   for (int k = 0; k < 3; ++k) {
@@ -391,14 +402,14 @@ TEST(ContactLabels, UnitsOfALevelPadAreToTheBitWhatTheirElementsAre) {
         << what << k;
   };
   constexpr double dt = 1e-3;
-  for (const Eigen::Index units : {4, 5, 9}) {  // whole groups of lanes, and others
+  for (const Eigen::Index units : {4, 5, 9}) {  // whole groups of lanes, and partial ones
     PadLayout pad = row(std::vector(static_cast<std::size_t>(units), std::vector{1.0}));
     for (std::size_t u = 0; u < pad.elements.size(); ++u) pad.elements[u].tip.z() = 0.2e-3 * static_cast<double>(u);
     Rig rig(pad, {0.5, 0.4}, dt);
     Eigen::Array3Xd force(3, units), displacement(3, units);
     Eigen::Array2Xd velocity(2, units);
     Eigen::ArrayXd distance(units), margin(units);
-    for (int k = 0; k <= 200; ++k) {  // down and up again, while it slides and turns: all states, and all changes of them
+    for (int k = 0; k <= 200; ++k) {  // down and up while sliding and turning: all states and all their changes
       Pose pose = at(10e-6 * k, -5e-6 * k, 0.2e-3 - 2.0 * compression * std::sin(pi * k / 200.0));
       pose.rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(1e-3 * k).toRotationMatrix();
       const ContactFrame& frame = rig.to(pose);

@@ -1,5 +1,6 @@
-// The same bits in every build: optimised or not, with AVX2 or without, sanitized or not. The test runs in all of them (release, ci and
-// asan-ubsan in the suite; debug by hand) and compares with one pinned hash.
+// Bit-identical results in every build: optimised or not, with AVX2 or without, sanitised or not.
+// The test runs in all of them (release, ci and asan-ubsan in the suite; debug by hand) and
+// compares with one pinned hash.
 #include <bit>
 #include <cstdint>
 
@@ -24,7 +25,8 @@ class Hash {
   std::uint64_t state_ = 0xcbf29ce484222325U;
 };
 
-// A turn about Z by 2 atan(h): only divisions, since sine and cosine may differ in the last bit between two processors' libraries.
+// A turn about Z by 2 atan(h), by divisions alone, because libraries' sine and cosine may differ in
+// the last bit between processors.
 Pose turned(double h, double x, double y, double z) {
   const double c = (1.0 - h * h) / (1.0 + h * h), s = 2.0 * h / (1.0 + h * h);
   Pose pose;
@@ -58,7 +60,7 @@ std::uint64_t hash_of_run(const Surface& surface, double height, double dashpot)
 }
 
 TEST(Determinism, HashOfARunIsThatOfEveryBuild) {
-  // Pinned, not derived: a change of the law changes them, and they are then pinned anew.
+  // Pinned, not derived: a change of the law changes them, and they must be pinned again.
   EXPECT_EQ(hash_of_run(Plane{}, 0.0, 0.0), 0x53c010649cb4e26fU);
   EXPECT_EQ(hash_of_run(Sphere{0.1}, 0.1, 0.0), 0x7440c16d7ca12beeU);
   EXPECT_EQ(hash_of_run(Plane{}, 0.0, 2.0), 0x2ebba0f63e504b79U);

@@ -1,5 +1,5 @@
-// A frictionless field takes work and gives it back; it never gives more. Edges are where it could: the face that an element meets
-// changes there.
+// A frictionless field stores work and returns it, but never returns more. Edges are critical,
+// because the face that an element touches changes there.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -25,8 +25,9 @@ double normal_energy(const Field& field) {
 }
 
 TEST(FieldEnergy, ElementSweptInFromTheSidePressesWithWhatItIsPressedFurther) {
-  // The tip 0.5 mm below the top of a box moves in by 2 mm from its side, is pressed by 0.3 mm more, lifted by 0.4 mm, pressed by
-  // 0.2 mm. The lift has left it 0.4 mm below the top, so that the last press is 0.2 mm.
+  // The tip 0.5 mm below the top of a box moves in by 2 mm from its side, is pressed by 0.3 mm
+  // more, lifted by 0.4 mm, pressed by 0.2 mm. After the lift it is 0.4 mm below the top, so the
+  // last press is 0.2 mm.
   Field field(one_element(k_n, k_n), Box{{10e-3, 10e-3, 10e-3}}, {0.5, 0.5});
   for (int k = 0; k <= 40; ++k) {
     field.step(at(11e-3 - 0.05e-3 * k, 0.0, 9.5e-3), 1e-3);
@@ -37,18 +38,19 @@ TEST(FieldEnergy, ElementSweptInFromTheSidePressesWithWhatItIsPressedFurther) {
     field.step(at(9e-3, 0.0, z), 1e-3);
     return field.normal_force(0);
   };
-  EXPECT_NEAR(force_at(9.2e-3), k_n * 0.3e-3, 1e-12);  // 10 mm round at 1e-18 m
+  EXPECT_NEAR(force_at(9.2e-3), k_n * 0.3e-3, 1e-12);  // 10 mm round to 1e-18 m
   EXPECT_EQ(force_at(9.6e-3), 0.0);
   EXPECT_NEAR(force_at(9.4e-3), k_n * 0.2e-3, 1e-12);
   EXPECT_EQ(field.normal(0), Vector::UnitZ());
-  // Outside above the top it forgets.
+  // Outside above the top the history is discarded.
   EXPECT_EQ(force_at(10.1e-3), 0.0);
   EXPECT_NEAR(force_at(9.4e-3), k_n * 0.6e-3, 1e-12);
 }
 
 TEST(FieldEnergy, ChangeOfFaceKeepsThePenetrationAndLetsTheStretchGo) {
-  // The axis leans by atan(1/4) towards the side x = 10 mm: behind both faces the side is met while it is nearer seen backwards,
-  // dx < dz/4. Entered by the side at dx = 0.05 mm, dz = 1 mm, the tip goes in along x: at dx = 0.25 mm the top is met, with the
+  // The axis leans by atan(1/4) towards the side x = 10 mm: behind both faces the side applies
+  // while it is nearer in the backward direction, dx < dz/4. Having entered by the side at dx =
+  // 0.05 mm, dz = 1 mm, the tip goes in along x: at dx = 0.25 mm the top applies, with the
   // penetration of the side.
   PadLayout pad = one_element(k_n, k_n);
   pad.elements[0].axis = Vector(-1.0, 0.0, -4.0).normalized();
@@ -72,8 +74,9 @@ TEST(FieldEnergy, ChangeOfFaceKeepsThePenetrationAndLetsTheStretchGo) {
 }
 
 TEST(FieldEnergy, ElementThatPassesTheWidestPartOfABallPressesWithWhatItIsPressedFurther) {
-  // It comes up beside the middle of a ball, 1 mm inside at its equator, where its axis begins to look at the surface that it is
-  // behind. Upwards the way leads out; sideways by 0.2 mm, at a height of 2 mm, it goes further in.
+  // The tip comes up beside the middle of a ball, 1 mm inside at its equator, where its axis begins
+  // to point at the surface in front of it. Upwards it leaves the ball; sideways by 0.2 mm, at a
+  // height of 2 mm, it goes further in.
   Field field(one_element(k_n, k_n), Sphere{10e-3}, {0.5, 0.5});
   for (int k = 0; k <= 70; ++k) {
     field.step(at(9e-3, 0.0, -5e-3 + 0.1e-3 * k), 1e-3);
@@ -83,7 +86,8 @@ TEST(FieldEnergy, ElementThatPassesTheWidestPartOfABallPressesWithWhatItIsPresse
   EXPECT_NEAR(field.normal_force(0), k_n * (std::hypot(9e-3, 2e-3) - std::hypot(8.8e-3, 2e-3)), 1e-12);
 }
 
-// Beyond the plane of the face with the outward normal n, or outside the side of a cylinder.
+// True if p is beyond the plane of the face with the outward normal n, or outside the side of a
+// cylinder.
 bool beyond(const Box& box, const Vector& p, const Vector& n) { return n.dot(p) > n.cwiseAbs().dot(box.half); }
 bool beyond(const Cylinder& cylinder, const Vector& p, const Vector& n) {
   return n.z() != 0.0 ? n.z() * p.z() > cylinder.half_length : p.head<2>().norm() > cylinder.radius;
@@ -128,7 +132,8 @@ TEST(FieldEnergy, ElementThatEntersByTheFaceItLooksAtIsPressedByAllItsDepth) {
   }
 }
 
-// Waves of all six coordinates: 4 mm sideways, pressed by up to 1.2 mm and lifted by as much, turned by `lean` about each axis.
+// Waves of all six coordinates: 4 mm sideways, pressed by up to 1.2 mm and lifted by as much,
+// turned by `lean` about each axis.
 struct Waves {
   Pose facing;
   double lean;
@@ -151,12 +156,12 @@ struct Waves {
 
 struct Balance {
   double given = 0.0;       // work of the field on the pad [J]
-  double rounding = 0.0;    // how much of it may come from the finite steps [J]
-  double taken = 0.0;       // the work of those steps in which the pad pressed [J]
-  std::size_t changes = 0;  // of the face under an element that stayed in contact
+  double rounding = 0.0;    // J, share of it that may come from the finite steps
+  double taken = 0.0;       // J, work of the steps in which the pad pressed
+  std::size_t changes = 0;  // changes of the face under an element in contact
 };
 
-// Whether the tip lies behind a face that its axis looks at.
+// True if the tip is behind a face that its axis points at.
 bool is_inside(const Field& field, const Surface& surface, std::size_t i) {
   const Vector tip = field.pad_in_surface() * field.layout().elements[i].tip;
   const Vector axis = field.pad_in_surface().rotation * field.layout().elements[i].axis;
@@ -164,12 +169,15 @@ bool is_inside(const Field& field, const Surface& surface, std::size_t i) {
          0.0;
 }
 
-// One step of an element, its tip moved by d. The work k delta n.d is summed by the trapezoidal rule, which is
-//  - exact while one flat face is met, where delta is linear in d,
-//  - on a curved face wrong by |d|^3/12 times the second derivative of k delta c along d, c = n.d/|d|: on a ball, that bends most,
-//    3 c (1 - c^2) k (1 + delta/R)/R, and c (1 - c^2) < 0.39, so below 2 k (1 + delta/R)/R,
-//  - at a touch or a lift-off, where delta is linear only in a share s of the step, wrong by k |d|^2 (s - s^2)/2: |d|^2/8 at most,
-//  - at a change of face wrong by no more than all of it, k delta |d| with the larger of the two forces.
+// Accounts for one step of an element whose tip moved by d. The work k delta n.d is summed by the
+// trapezoidal rule, whose error is
+// - zero on one flat face, where delta is linear in d,
+// - on a curved face |d|^3/12 times the second derivative of k delta c along d, c = n.d/|d|: on a
+//   ball, which curves most, 3 c (1 - c^2) k (1 + delta/R)/R, and c (1 - c^2) < 0.39, so below 2 k
+//   (1 + delta/R)/R,
+// - at a touch or a lift-off, where delta is linear only in a share s of the step, k |d|^2 (s -
+//   s^2)/2: at most |d|^2/8,
+// - at a change of face at most the whole term, k delta |d| with the larger of the two forces.
 void account(const Field& before, const Field& after, std::size_t i, const Vector& d, double bend, Balance& sum) {
   const double k = after.layout().elements[i].k_normal, was = before.penetration(i), is = after.penetration(i);
   if (was == 0.0 && is == 0.0) return;
@@ -188,11 +196,11 @@ void account(const Field& before, const Field& after, std::size_t i, const Vecto
 }
 
 TEST(FieldEnergy, AFrictionlessFieldNeverGivesMoreThanItTook) {
-  // At every tick of random ways: what it has given, less what the finite steps may feign, is at most what it held at the start
-  // less what it holds now.
+  // At every tick of random motions: the work returned, minus the error of finite steps, is at most
+  // the initial energy minus the current one.
   struct Case {
     Shape shape;
-    double bend;  // the largest curvature [1/m] down to a quarter of the radius of 15 mm below the surface, deeper than all go
+    double bend;  // 1/m, largest curvature down to a quarter of the radius of 15 mm below the surface, deeper than any tip
     bool edges;
   };
   std::size_t changes = 0, spared = 0;
@@ -203,7 +211,7 @@ TEST(FieldEnergy, AFrictionlessFieldNeverGivesMoreThanItTook) {
       RandomStream draw(seed, static_cast<std::uint64_t>(met.shape), "field energy");
       const Target target = testing_field::target(met.shape);
       PadLayout pad = random_pad(draw, 20, false);
-      if (seed % 3 == 0) {  // neither splayed nor leaning: swept from outside to under the top at once
+      if (seed % 3 == 0) {  // neither splayed nor leaning: moved from outside to under the top at once
         for (Element& element : pad.elements) element.axis = -Vector::UnitZ();
       }
       Field before(pad, target.surface, {0.0, 0.0}), after(pad, target.surface, {0.0, 0.0});
@@ -220,7 +228,7 @@ TEST(FieldEnergy, AFrictionlessFieldNeverGivesMoreThanItTook) {
           account(before, after, i, after.pad_in_surface() * tip - before.pad_in_surface() * tip, met.bend, sum);
           if (tick % 100 == 0 && after.penetration(i) == 0.0 && is_inside(after, target.surface, i)) ++spared;
         }
-        // A sum of energies, each right to some 1e-16 of those at hand.
+        // A sum of energies, each exact to some 1e-16 of the current ones.
         const double released = at_start - normal_energy(after), tolerance = sum.rounding + 1e-12 * (at_start + sum.taken);
         ASSERT_LE(sum.given, released + tolerance)
             << "shape " << static_cast<int>(met.shape) << ", seed " << seed << ", tick " << tick << ", taken " << sum.taken;

@@ -17,8 +17,8 @@ constexpr double k_n = 1000.0, k_t = 600.0;
 double event_time(const Field& field, int tick, double dt) { return (tick - 1 + field.events().front().fraction) * dt; }
 
 TEST(FieldLaw, TouchInsideAStepAnchorsWhereItTouched) {
-  // The tip comes down at w from g and moves sideways at v: it touches at g/w, and from then on the stretch is v (t - g/w).
-  // Friction of 5 holds it: k_t v <= 5 k_n w.
+  // The tip comes down at w from g and moves sideways at v: it touches at g/w, and from then on the
+  // stretch is v (t - g/w). Friction of 5 holds it: k_t v <= 5 k_n w.
   const double gap = 0.1e-3, w = 3e-3, v = 8e-3, touch = gap / w;
   for (const double dt : {1e-3, 7e-3, 13e-3, 0.2}) {
     Field field(one_element(k_n, k_t), Plane{}, {5.0, 5.0});
@@ -35,7 +35,8 @@ TEST(FieldLaw, TouchInsideAStepAnchorsWhereItTouched) {
 }
 
 TEST(FieldLaw, DashpotDoesNotMoveTheInstantOfTouch) {
-  // Half of the first step's way down is through the air, so it touches at half of the step whatever the element is made of.
+  // Half of the first step's way down is in air, so it touches in the middle of the step for any
+  // element.
   for (const double c_n : {0.0, 10.0}) {
     Field field(one_element(k_n, k_t, c_n), Plane{}, {5.0, 5.0});
     field.step(at(0.0, 0.0, 0.1e-3), 1e-3);
@@ -62,7 +63,8 @@ TEST(FieldLaw, TimesOfTouchAndDetachAreThoseOfTheMotion) {
 }
 
 TEST(FieldLaw, OnsetWhileTheLoadFalls) {
-  // k_t v t = mu k_n (d - w t), so t = mu k_n d/(k_t v + mu k_n w). Both sides are linear in t: exact for any step.
+  // k_t v t = mu k_n (d - w t), so t = mu k_n d/(k_t v + mu k_n w). Both sides are linear in t:
+  // exact for any step.
   const double mu = 0.5, depth = 1e-3, v = 4e-3, w = 2e-3;
   const double exact = mu * k_n * depth / (k_t * v + mu * k_n * w);
   for (const double dt : {1e-3, 17e-3, 0.2}) {
@@ -81,7 +83,8 @@ TEST(FieldLaw, OnsetWhileTheLoadFalls) {
 }
 
 TEST(FieldLaw, ReversalSticksFirstAndSlipsAfterBothStretches) {
-  // Sliding forth the stretch is mu_k f_n/k_t; turned back at v it sticks until the stretch is -mu_s f_n/k_t.
+  // Sliding forward the stretch is mu_k f_n/k_t; reversed at v it sticks until the stretch is -mu_s
+  // f_n/k_t.
   const double mu_s = 0.5, mu_k = 0.4, depth = 1e-3, v = 4e-3, dt = 1e-3;
   const int turn = 600;
   Field field(one_element(k_n, k_t), Plane{}, {mu_s, mu_k});
@@ -104,8 +107,8 @@ TEST(FieldLaw, ReversalSticksFirstAndSlipsAfterBothStretches) {
 }
 
 TEST(FieldLaw, PadThatStopsSticks) {
-  // A slide that ends leaves every element on its cone with nothing to move it: it sticks, whatever the last bit of its force
-  // says.
+  // A slide that ends leaves every element on its cone without motion: it sticks, whatever the last
+  // bit of its force.
   for (int direction = 0; direction < 16; ++direction) {
     for (const double mu : {0.2, 0.37, 0.5, 0.81}) {
       const double angle = 0.1 + direction * std::numbers::pi / 8.0, v = 4e-3, dt = 1e-3;
@@ -134,7 +137,8 @@ TEST(FieldLaw, FrictionlessSurfaceHoldsNothingSideways) {
 }
 
 TEST(FieldLaw, PlateMovingUnderAStillPadDragsItAlong) {
-  // Friction pulls the pad the plate's way with k_t v t; turned by theta about a tip at radius r the chord is 2 r sin(theta/2).
+  // Friction pulls the pad along with the plate with k_t v t; turned by theta about a tip at radius
+  // r the chord is 2 r sin(theta/2).
   const double v = 4e-3;
   Field field(one_element(k_n, k_t), Plane{}, {5.0, 5.0});
   for (int tick = 0; tick <= 100; ++tick) {
@@ -150,14 +154,16 @@ TEST(FieldLaw, PlateMovingUnderAStillPadDragsItAlong) {
   Field turning(pad, Plane{}, {5.0, 5.0});
   for (int tick = 0; tick <= 100; ++tick)
     turning.step(oracle::turned(theta * tick / 100.0, Eigen::Vector3d::Zero()).inverse() * at(0.0, 0.0, -1e-3), 1e-3);
-  // The anchor lies at r (cos theta, sin theta): force on the pad k_t r (cos theta - 1, sin theta), torque k_t r^2 sin theta.
+  // The anchor is at r (cos theta, sin theta): force on the pad k_t r (cos theta - 1, sin theta),
+  // torque k_t r^2 sin theta.
   EXPECT_NEAR(turning.wrench_on_pad().force.x(), k_t * r * (std::cos(theta) - 1.0), 1e-12);
   EXPECT_NEAR(turning.wrench_on_pad().force.y(), k_t * r * std::sin(theta), 1e-12);
   EXPECT_NEAR(turning.wrench_on_pad().torque.z(), k_t * r * r * std::sin(theta), 1e-14);
 }
 
 TEST(FieldLaw, DashpotsAddTheRateOfTheStep) {
-  // Both deflections grow at constant rates, so the step's rate is the true one: f_n = k_n w t + c_n w, f_t = k_t v t + c_t v.
+  // Both deflections grow at constant rates, so the step's rate is the true one: f_n = k_n w t +
+  // c_n w, f_t = k_t v t + c_t v.
   const double c_n = 5.0, c_t = 3.0, w = 3e-3, v = 4e-3, dt = 1e-3;
   Field field(one_element(k_n, k_t, c_n, c_t), Plane{}, {9.0, 9.0});
   for (int tick = 0; tick <= 100; ++tick) {
@@ -177,7 +183,8 @@ TEST(FieldLaw, DashpotNeverPullsAndSteadySlideForgetsIt) {
   for (int tick = 0; tick <= 500; ++tick) field.step(at(v * (t = tick * dt), 0.0, -depth), dt);
   EXPECT_EQ(field.state(0), ElementState::slip);
   EXPECT_NEAR(field.tangential_force(0).x(), mu * k_n * depth, 1e-12);
-  // The stretch reaches mu f_n/k_t with the time constant c_t/k_t = 5 ms: after some 100 of them nothing is left.
+  // The stretch reaches mu f_n/k_t with the time constant c_t/k_t = 5 ms: after some 100 of them
+  // nothing is left.
   EXPECT_NEAR(field.stretch(0).x(), mu * k_n * depth / k_t, 1e-15);
   for (const double w : {0.1, 0.15, 0.25}) {  // c_n w: 0.5, 0.75, 1.25 N against k_n d of 1 N at most
     Field lifted(one_element(k_n, k_t, c_n, c_t), Plane{}, {mu, mu});

@@ -1,4 +1,5 @@
-// What holds for every element of every field at every step: random pads, surfaces, frictions and motions.
+// Properties of every element of every field at every step: random pads, surfaces, frictions and
+// motions.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 namespace slipbench::testing_field::field_property_test {
 namespace {
 
-// A force is the product and sum of a few rounded numbers: 1e-12 is some thousand roundings.
+// A force is a product and sum of a few rounded numbers: 1e-12 is some thousand roundings.
 constexpr double rounding = 1e-12;
 
 struct Seen {
@@ -83,7 +84,7 @@ TEST(FieldProperty, LawHoldsForRandomFieldsAndMotions) {
       }
     }
   }
-  // The cases reach every branch often: 48 fields x 200 steps x some 150 elements.
+  // The cases cover every branch often: 48 fields x 200 steps x some 150 elements.
   EXPECT_GT(seen.detached, 10000U);
   EXPECT_GT(seen.stick, 10000U);
   EXPECT_GT(seen.slip, 10000U);
@@ -115,7 +116,7 @@ TEST(FieldProperty, ForcesAndTorquesOfBothSidesSumToZeroInTheWorld) {
             moved(surface_in_world.rotation * on_surface.torque, force_on_surface, surface_in_world.position);
 
         Eigen::Vector3d force_sum = Eigen::Vector3d::Zero(), torque_sum = Eigen::Vector3d::Zero();
-        double total = 0.0;  // N, of all force sizes: the scale of rounding
+        double total = 0.0;  // N, sum of the forces' magnitudes: the scale of rounding
         for (std::size_t i = 0; i < field.size(); ++i) {
           const Eigen::Vector3d force =
               surface_in_world.rotation * (field.normal_force(i) * field.normal(i) - field.tangential_force(i));
@@ -147,19 +148,20 @@ TEST(FieldProperty, SurfaceMovingUnderAStillPadEqualsThePadMovingTheOppositeWay)
     for (int tick = 0; tick < 200; ++tick) {
       const Pose relative = motion.at(tick * 2e-3);
       pad_moves.step(relative, 2e-3);
-      // The pad stands at `still`; the surface is where the pad has the same pose in it.
+      // The pad is fixed at `still`; the surface moves so that the pad has the same pose relative
+      // to it.
       const Pose surface_in_world = still * relative.inverse();
       surface_moves.step(surface_in_world.inverse() * still, 2e-3);
       const Wrench a = pad_moves.wrench_on_pad(), b = surface_moves.wrench_on_pad();
-      // Poses of 0.5 m round at 1e-16 m, k up to 1e4 N/m and 60 elements: 1e-10 N; levers of 0.02 m. Rounding does not grow,
-      // since slip forgets.
+      // Poses of 0.5 m round at 1e-16 m; with k up to 1e4 N/m and 60 elements: 1e-10 N; levers of
+      // 0.02 m. Rounding does not accumulate, because slip discards history.
       ASSERT_NEAR((a.force - b.force).norm(), 0.0, 1e-9) << "shape " << static_cast<int>(shape) << ", tick " << tick;
       ASSERT_NEAR((a.torque - b.torque).norm(), 0.0, 1e-10);
     }
   }
 }
 
-// Bits of everything that element i of a field holds.
+// Compares all values of element i of field a and element j of field b bit by bit.
 void expect_same(const Field& a, std::size_t i, const Field& b, std::size_t j) {
   ASSERT_EQ(a.state(i), b.state(j));
   ASSERT_EQ(a.normal_force(i), b.normal_force(j));

@@ -1,4 +1,5 @@
-// Pads of many elements: flat, curved, at the edge of a box; and the shapes' distances against sampling.
+// Pads of many elements: flat, curved, at the edge of a box; and the shapes' distances against
+// sampling.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,8 +13,9 @@
 namespace slipbench::testing_field::pad_shape_test {
 namespace {
 
-// `count` elements of equal area on the cap of height `cap` of a sphere of radius `radius` (Fibonacci lattice: equal steps in
-// height, which by Archimedes are equal areas), each with `stiffness` [N/m^3] times its area.
+// `count` elements of equal area on the cap of height `cap` of a sphere of radius `radius`
+// (Fibonacci lattice: equal steps in height, which by Archimedes are equal areas), each with
+// `stiffness` [N/m^3] times its area.
 PadLayout cap(std::size_t count, double radius, double cap, double stiffness) {
   PadLayout pad;
   const double area = 2.0 * std::numbers::pi * radius * cap / static_cast<double>(count);
@@ -40,9 +42,9 @@ TEST(PadShape, FlatGridOf256CarriesAreaTimesDepth) {
 }
 
 TEST(PadShape, CurvedPadOnAPlaneCarriesTheIntegralOverTheCap) {
-  // Force = stiffness x integral over 0 < h < d of (d - h) 2 pi R dh = stiffness x pi R d^2. The lattice is the midpoint rule in
-  // h with the step e = cap/count: exact but for the step that holds the kink at d, where it errs by e^2/8 at most. So the error
-  // is at most stiffness x 2 pi R e^2/8.
+  // Force = stiffness x integral over 0 < h < d of (d - h) 2 pi R dh = stiffness x pi R d^2. The
+  // lattice is the midpoint rule in h with the step e = cap/count: exact except for the step with
+  // the kink at d, whose error is at most e^2/8. So the error is at most stiffness x 2 pi R e^2/8.
   const double radius = 20e-3, height = 1e-3, stiffness = 1e8;
   for (const std::size_t count : {256U, 4096U}) {
     const double step = height / static_cast<double>(count);
@@ -57,8 +59,8 @@ TEST(PadShape, CurvedPadOnAPlaneCarriesTheIntegralOverTheCap) {
 }
 
 TEST(PadShape, ElementsBesideABoxDoNotTouch) {
-  // A pad of 20 mm on a box of 10 x 8 mm: only what lies over the top touches, on the top, by its full depth. Pitch 20/16 = 1.25
-  // mm, so no element lies on an edge.
+  // A pad of 20 mm on a box of 10 x 8 mm: only elements over the top touch, on the top, by their
+  // full depth. Pitch 20/16 = 1.25 mm, so no element lies on an edge.
   const Box box{{5e-3, 4e-3, 20e-3}};
   const double depth = 0.4e-3;
   const PadLayout pad = oracle::square_grid(16, 20e-3, 40.0, 20.0);
@@ -81,7 +83,7 @@ TEST(PadShape, ElementsBesideABoxDoNotTouch) {
     }
     EXPECT_NEAR(field.wrench_on_surface().force.z(), -40.0 * depth * static_cast<double>(over), 1e-12);
     if (x > 15e-3) {
-      EXPECT_EQ(over, 0U);  // the whole pad is past the corner
+      EXPECT_EQ(over, 0U);  // the whole pad is beyond the corner
     }
   }
 }
@@ -92,13 +94,14 @@ TEST(PadShape, HalfAPadOverAnEdgeCarriesHalf) {
   field.step(at(30e-3, 0.0, 20e-3 - 0.4e-3), 1e-3);
   const Wrench wrench = field.wrench_on_pad();
   EXPECT_NEAR(wrench.force.z(), 128 * 40.0 * 0.4e-3, 1e-12);
-  // Columns at -0.625, -1.875, ... -9.375 mm: mean lever -5 mm, so the push of F at x = -5 mm turns by +5 mm F about Y.
+  // Columns at -0.625, -1.875, ... -9.375 mm: mean lever -5 mm, so the force F at x = -5 mm gives
+  // +5 mm F about Y.
   EXPECT_NEAR(wrench.torque.y(), 5e-3 * wrench.force.z(), 1e-14);
 }
 
 TEST(PadShape, PadTiltedOverAnEdgePressesOnTheTopOnly) {
-  // Tilted by 1 degree over either edge of the box. A tip enters through the side only when it is within depth x tan(1 deg) < 15
-  // um of it.
+  // Tilted by 1 degree over either edge of the box. A tip enters through the side only when it is
+  // within depth x tan(1 deg) < 15 um of it.
   const PadLayout pad = oracle::square_grid(16, 20e-3, 40.0, 20.0);
   for (const double tilt : {std::numbers::pi / 180.0, -std::numbers::pi / 180.0}) {
     for (const double x : {-10e-3, 10e-3}) {
@@ -122,7 +125,8 @@ TEST(PadShape, PadTiltedOverAnEdgePressesOnTheTopOnly) {
   }
 }
 
-// Points on the surface of a box or cylinder, nowhere further than `grid`/sqrt(2) from a neighbour on the same face.
+// Points on the surface of a box or cylinder, at most `grid`/sqrt(2) from a neighbour on the same
+// face.
 std::vector<Eigen::Vector3d> sampled(const Box& box, double grid) {
   std::vector<Eigen::Vector3d> points;
   for (int k = 0; k < 3; ++k) {
@@ -179,7 +183,7 @@ void check_outside(const Shape& shape, const Eigen::Vector3d& size, std::uint64_
     const SurfacePoint met = shape.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z());
     const Eigen::Vector3d n(met.nx, met.ny, met.nz);
     ASSERT_NEAR(n.norm(), 1.0, 1e-12);
-    // The nearest sample is no nearer than the surface, and at most `farthest` more.
+    // The nearest sample is no nearer than the surface, and at most `farthest` further away.
     const double nearest = distance(p);
     ASSERT_LE(met.gap, nearest + 1e-12) << p.transpose();
     ASSERT_GE(met.gap, nearest - farthest) << p.transpose();
@@ -198,8 +202,8 @@ TEST(SurfaceShape, DistanceOutsideACylinderIsThatOfItsNearestPoint) {
 }
 
 TEST(SurfaceShape, InsideABoxTheFaceIsTheOneThroughWhichTheTipCame) {
-  // Walk back along the axis: the first coordinate that leaves the box names the face. A tip that would leave the box sooner by
-  // going ahead looks out of it, and touches nothing.
+  // Backwards along the axis, the first coordinate that leaves the box determines the face. A tip
+  // that would leave the box sooner by going forward points out of it and touches nothing.
   const Box box{{3e-3, 4e-3, 5e-3}};
   RandomStream draw(3, 0, "box faces");
   int inwards = 0;
@@ -233,8 +237,8 @@ TEST(SurfaceShape, InsideABoxTheFaceIsTheOneThroughWhichTheTipCame) {
 }
 
 TEST(SurfaceShape, InsideACylinderNearItsEdgeTheFaceIsTheOneThroughWhichTheTipCame) {
-  // Tips up to 0.2 mm below side and cap. The element's axis lies in the plane of the cylinder's axis, where side and cap are
-  // straight lines.
+  // Tips up to 0.2 mm below side and cap. The element's axis lies in a plane with the cylinder's
+  // axis, where side and cap are straight lines.
   const Cylinder cylinder{15e-3, 8e-3};
   RandomStream draw(4, 0, "cylinder faces");
   int sides = 0, caps = 0;

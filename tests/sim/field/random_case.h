@@ -1,4 +1,5 @@
-// Random pads, surfaces and motions for the property tests. A case is drawn from one stream, so its seed names it.
+// Random pads, surfaces and motions for the property tests. A case is drawn from one stream, so its
+// seed identifies it.
 #pragma once
 
 #include <cmath>
@@ -14,7 +15,8 @@ enum class Shape { plane, box, cylinder, sphere, capsule, ellipsoid, grid };
 inline constexpr Shape all_shapes[] = {Shape::plane,   Shape::box,       Shape::cylinder, Shape::sphere,
                                        Shape::capsule, Shape::ellipsoid, Shape::grid};
 
-// A surface, and the pose in it of a pad that looks at the middle of its top with its origin just touching.
+// A surface, and the pose of a pad that faces the middle of its top, with the pad's origin just
+// touching.
 struct Target {
   Surface surface;
   Pose facing;
@@ -37,7 +39,7 @@ inline Target target(Shape shape) {
       result.surface = Sphere{15e-3};
       result.facing.position.z() = 15e-3;
       break;
-    case Shape::capsule:  // as the cylinder, and short enough for the half balls to be touched too
+    case Shape::capsule:  // like the cylinder, short enough for the half balls to be touched, too
       result.surface = Capsule{15e-3, 4e-3};
       result.facing.rotation = Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitY()).toRotationMatrix();
       result.facing.position.x() = 15e-3;
@@ -56,8 +58,8 @@ inline Target target(Shape shape) {
   return result;
 }
 
-// 1 to `most` elements in units of 1 to 6, within 9 mm of the middle: flat with uneven heights and axes, or on a cap of radius 20
-// mm.
+// 1 to `most` elements in units of 1 to 6, within 9 mm of the middle: flat with uneven heights and
+// axes, or on a cap of radius 20 mm.
 inline PadLayout random_pad(RandomStream& draw, std::size_t most, bool dashpots) {
   PadLayout pad;
   const bool curved = draw.integer(2) == 1, splayed = draw.integer(2) == 1;
@@ -92,8 +94,8 @@ inline Friction random_friction(RandomStream& draw) {
   return {mu_static, mu_static * draw.uniform(0.4, 1.0)};
 }
 
-// A smooth wandering of the pad around `facing`: it presses by up to 1.2 mm and lifts by up to 0.4 mm, slides some mm, turns and
-// rocks.
+// A smooth random motion of the pad around `facing`: it presses by up to 1.2 mm, lifts by up to 0.4
+// mm, slides some mm, turns and rocks.
 class RandomMotion {
  public:
   RandomMotion(RandomStream& draw, Pose facing) : facing_(std::move(facing)) {

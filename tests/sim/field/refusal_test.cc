@@ -1,4 +1,4 @@
-// What the field's constructor refuses, and the words it uses.
+// Errors of the field's constructor.
 #include <functional>
 #include <limits>
 #include <stdexcept>

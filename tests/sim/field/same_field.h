@@ -1,4 +1,4 @@
-// Whether two fields have taken the same step.
+// Compares fields after equal steps.
 #pragma once
 
 #include <cstring>
@@ -9,7 +9,7 @@
 
 namespace slipbench::testing_field {
 
-// Every accessor of field.h, bit for bit, events included.
+// Compares every accessor of field.h bit by bit, events included.
 inline testing::AssertionResult same_bits(Field& a, Field& b) {
   const auto equal = [](const auto& x, const auto& y) { return std::memcmp(x.data(), y.data(), 3 * sizeof(double)) == 0; };
   const auto equal_numbers = [](double x, double y) { return std::memcmp(&x, &y, sizeof x) == 0; };

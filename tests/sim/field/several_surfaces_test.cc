@@ -1,4 +1,4 @@
-// Surfaces that overlap or meet under a pad: each element meets one of them.
+// Surfaces that overlap or adjoin under a pad: each element touches one of them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -67,10 +67,10 @@ const ContactFrame& press_and_shear(Rig& rig, double depth, double x = 0.0) {
 }
 
 void expect_one_spring_each(std::vector<Placed> surfaces, const char* what) {
-  // Each of 9 pillars stands 0.3 mm deep in the union of all: f_n = k_n d, and after 0.05 mm of shear, which is within the cone
-  // (k_t u = 0.195 N < mu k_n d = 1.065 N), f_t = k_t u.
+  // Each of 9 pillars is 0.3 mm deep in the union of all: f_n = k_n d, and after 0.05 mm of shear,
+  // within the cone (k_t u = 0.195 N < mu k_n d = 1.065 N), f_t = k_t u.
   PadLayout pad = pillars();
-  pad.unit_height = 5e-3;  // so that a thin plate bears it (thin_surface_test.cc)
+  pad.unit_height = 5e-3;  // so that a thin plate supports it (thin_surface_test.cc)
   Rig rig(pad, std::move(surfaces));
   const ContactFrame& frame = press_and_shear(rig, 0.3e-3);
   for (Eigen::Index unit = 0; unit < 9; ++unit) {
@@ -103,7 +103,8 @@ TEST(SeveralSurfaces, ElementsPressOnceWhereSurfacesOverlap) {
 }
 
 TEST(SeveralSurfaces, TheFaceMetFirstCounts) {
-  // Tops at 0 and 0.1 mm: a pillar that comes down over both stands on the higher one, whichever is named first.
+  // Tops at 0 and 0.1 mm: a pillar that comes down over both touches the higher one, in either
+  // order.
   const Placed low{wide, {0.0, 0.0, -10e-3}}, high{wide, {0.0, 0.0, -9.9e-3}};
   for (const auto& surfaces : {std::vector{low, high}, std::vector{high, low}}) {
     Rig rig(pillars(), surfaces);
@@ -114,20 +115,21 @@ TEST(SeveralSurfaces, TheFaceMetFirstCounts) {
 }
 
 TEST(SeveralSurfaces, ABallInABoxIsMetWhereItStandsOut) {
-  // A ball of 8 mm stands out 0.1 mm above a box: under its crest a pillar is 0.4 mm deep, beside it 0.3 mm deep in the box.
+  // A ball of 8 mm protrudes 0.1 mm above a box: under its crest a pillar is 0.4 mm deep, beside it
+  // 0.3 mm deep in the box.
   Rig rig(pillars(), {{wide, {0.0, 0.0, -10e-3}}, {Sphere{8e-3}, {0.0, 0.0, -7.9e-3}}});
   const ContactFrame& frame = press_and_shear(rig, 0.3e-3);
   EXPECT_NEAR(frame.force.matrix().col(4).norm(), std::hypot(k_n * 0.4e-3, k_t * 0.05e-3), 1e-3);
   for (const Eigen::Index corner : {0, 2, 6, 8}) EXPECT_NEAR(frame.force(2, corner), k_n * 0.3e-3, 1e-9);
 }
 
-// Events of one instant come in any order.
+// Events at one instant are unordered.
 std::vector<ContactEvent> by_unit(std::vector<ContactEvent> events) {
   std::ranges::stable_sort(events, {}, &ContactEvent::unit);
   return events;
 }
 
-// The same way over a plane and over surfaces with a seam at x = 0 is felt alike.
+// The same path over a plane and over surfaces with a seam at x = 0 gives the same forces.
 void expect_as_on_a_plane(const PadLayout& pad, std::vector<Placed> surfaces, const std::vector<Named>& effects, double shortest,
                           double tilt = 0.0) {
   Rig seams(pad, std::move(surfaces), effects), plane(pad, {{Plane{}, Eigen::Vector3d::Zero()}}, effects);
@@ -164,7 +166,7 @@ std::vector<Placed> halves(double overlap) {
 }
 
 TEST(SeveralSurfaces, ASeamBetweenLevelFacesIsNotFelt) {
-  // Lengths up to the rounding of coordinates of 20 mm, added up over some hundred steps.
+  // Lengths agree up to the rounding of coordinates of 20 mm, accumulated over some hundred steps.
   for (const double overlap : {0.0, 0.3e-3}) expect_as_on_a_plane(pillars(), halves(overlap), {}, 1e-12);
   expect_as_on_a_plane(pillars(9), halves(0.0), {}, 1e-12);  // 81 elements: a sparse field (active_set.h)
   // Slices of 1 mm: a pillar crosses six seams.
@@ -174,7 +176,8 @@ TEST(SeveralSurfaces, ASeamBetweenLevelFacesIsNotFelt) {
 }
 
 TEST(SeveralSurfaces, ASeamIsNotFeltByATiltedPad) {
-  // Just past a seam the column of an element comes from the other half. With and without a known height, on boxes and on a box beside a mesh.
+  // Just past a seam an element's column comes from the other half. With and without a known
+  // height, on boxes and on a box next to a mesh.
   constexpr double degree = std::numbers::pi / 180.0;
   PadLayout high = pillars();
   high.unit_height = 5e-3;
@@ -202,12 +205,13 @@ TEST(SeveralSurfaces, AStillTiltedPadPressesBesideASeamAsOnAPlane) {
 }
 
 TEST(SeveralSurfaces, ManyWaysUpAndDownASlopeLoseNoForce) {
-  // A ramp that rises out of a flat face, crossed to and fro: back on the flat the element presses with k_n d as before.
+  // A ramp that rises from a flat face, crossed to and fro: back on the flat face the element
+  // presses with k_n d as before.
   for (const double angle : {5.0, 20.0}) {
     const double rise = angle * std::numbers::pi / 180.0;
     const Box ramp{{20e-3, 20e-3, 10e-3}};
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(-rise, Eigen::Vector3d::UnitY()).toRotationMatrix();
-    // Its upper face goes through the line x = z = 0.
+    // Its upper face contains the line x = z = 0.
     const Eigen::Vector3d middle = turn * Eigen::Vector3d(0.0, 0.0, -10e-3);
     std::vector<Field> fields;
     const PadLayout pad = pillars(1, 0.0);
@@ -244,7 +248,8 @@ TEST(SeveralSurfaces, EffectsRememberAnElementOverASeam) {
 }
 
 TEST(SeveralSurfaces, BumpsOfTwoSurfacesBearOnce) {
-  // Ridges of 20 um stand out of two level boxes: in the step of a touch a pillar is outside of both shapes and on a bump of either.
+  // Ridges of 20 um protrude from two level boxes: in the step of a touch a pillar is outside both
+  // shapes and on a ridge of either.
   const std::vector<Named> ridges{testing_bench::named(effect_catalogue(), "texture", {{"height", 20e-6}, {"wavelength", 1e-3}})};
   Rig two(pillars(), {{wide, {0.0, 0.0, -10e-3}}, {wide, {0.0, 0.0, -10e-3}}}, ridges),
       one(pillars(), {{wide, {0.0, 0.0, -10e-3}}}, ridges);
@@ -258,7 +263,8 @@ TEST(SeveralSurfaces, BumpsOfTwoSurfacesBearOnce) {
 }
 
 TEST(SeveralSurfaces, AHigherNeighbourGivesNoEnergyToWhatComesFromTheSide) {
-  // From a face at 0 on to one at 0.2 mm, swept from the side: the depth goes on from 0.3 mm, so the force does not grow.
+  // From a face at 0 to one at 0.2 mm, entered from the side: the depth continues from 0.3 mm, so
+  // the force does not grow.
   Rig rig(pillars(1, 0.0),
           {{Box{{10e-3, 20e-3, 10e-3}}, {-10e-3, 0.0, -10e-3}}, {Box{{10e-3, 20e-3, 10e-3}}, {10e-3, 0.0, -9.8e-3}}});
   for (int k = 0; k <= 40; ++k) rig.step(at(-2e-3, 0.0, 0.1e-3 - 1e-5 * k));
@@ -273,8 +279,9 @@ TEST(SeveralSurfaces, AHigherNeighbourGivesNoEnergyToWhatComesFromTheSide) {
 }
 
 TEST(SeveralSurfaces, ASlopeThatRisesOutOfAFaceIsClimbed) {
-  // A ball of 20 mm that stands out of a box by 0.5 mm: the element feels, wherever it slides, the higher of the two. On the ball it is R - r deep,
-  // on the box 0.3 mm; the ball is the higher one within 4.444 mm, sqrt(R^2 - (R - 0.5 mm)^2), of its middle.
+  // A ball of 20 mm protrudes from a box by 0.5 mm: a sliding element always feels the higher of
+  // the two. On the ball it is R - r deep, on the box 0.3 mm; the ball is higher within 4.444 mm,
+  // sqrt(R^2 - (R - 0.5 mm)^2), of its middle.
   const double radius = 20e-3, out = 0.5e-3;
   const Eigen::Vector3d middle(0.0, 0.0, out - radius);
   PadLayout pad = pillars(1, 0.0);
@@ -287,8 +294,9 @@ TEST(SeveralSurfaces, ASlopeThatRisesOutOfAFaceIsClimbed) {
     const double on_ball = radius - (Eigen::Vector3d(x, 0.0, -0.3e-3) - middle).norm();
     const double edge = std::sqrt(radius * radius - (radius - out) * (radius - out));
     const double expected = k_n * (std::abs(x) < edge ? on_ball : 0.3e-3);
-    // Ways along the axis are known to first order, so the change comes up to 40 um off. At the edge the face of the ball leans by 13 deg, so it
-    // is 7 to 9 um less deep: the element gains no depth where it comes back to the box.
+    // Distances along the axis are exact to first order, so the change is up to 40 um off. At the
+    // edge the ball's face leans by 13 deg, so it is 7 to 9 um less deep: the element gains no
+    // depth where it returns to the box.
     if (std::abs(std::abs(x) - edge) > 0.05e-3) {
       ASSERT_NEAR(rig.fields[0].normal_force(0) + rig.fields[1].normal_force(0), expected, k_n * 10e-6) << x;
     }

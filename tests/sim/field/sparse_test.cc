@@ -1,4 +1,5 @@
-// A pad of many elements, of which the field works out those that take part, against pads of a few rows of it, of which it works out all.
+// A pad of many elements, where the field computes only participating ones, against pads of a few
+// of its rows, where it computes all.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -13,7 +14,7 @@
 namespace slipbench::testing_field::sparse_test {
 namespace {
 
-// Groups of four run over the ends of rows, and of the 225 elements the last group has one.
+// Groups of four cross the ends of rows; the last group of the 225 elements has one.
 constexpr std::size_t rows = 15, columns = 15, rows_a_part = 3;
 
 PadLayout part_of_pad(std::size_t first_row, std::size_t count) {
@@ -43,7 +44,7 @@ struct Bench {
   ContactLabels labels;
 };
 
-// 0 and -0 are the same, and so is what is not a number on both sides.
+// Treats 0 and -0 as equal, and NaN on both sides as equal.
 ::testing::AssertionResult same(double a, double b, const char* what) {
   if (a == b || (std::isnan(a) && std::isnan(b))) return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure() << what << ": " << a << " and " << b;
@@ -76,7 +77,8 @@ struct Bench {
   return ::testing::AssertionSuccess();
 }
 
-// What the whole keeps is what its parts keep, whoever has slept: a flag, then a number of each element column by column (Field::save_state).
+// The whole's state equals its parts' states, whichever were idle: a flag, then the numbers of each
+// element column by column (Field::save_state).
 ::testing::AssertionResult same_state(Bench& whole, std::vector<std::unique_ptr<Bench>>& parts) {
   std::vector<double> all(whole.field.state_size()), own;
   whole.field.save_state(all);
@@ -114,7 +116,7 @@ TEST(SparseField, IsTheDenseOneElementByElement) {
         if (tick % 35 == 34) {
           ASSERT_TRUE(same_state(whole, parts)) << "tick " << tick;
         }
-        if (tick % 70 == 69) {  // its state in a field with another past
+        if (tick % 70 == 69) {  // its state, in a field with another past
           whole.field.save_state(state);
           for (int k = 0; k < 3; ++k) whole.field.step(met.facing, 1e-3);
           whole.field.load_state(state);
@@ -153,8 +155,8 @@ TEST(SparseField, IsTheDenseOneElementByElement) {
   EXPECT_GT(events, 1000u);
 }
 
-// A pad that has been far away for long comes down in one step, at a speed and by a way that it never had: it touches where it would have touched
-// had it been looked at all the time.
+// A pad that was far away for long comes down in one step, at a speed and by a distance it never
+// had before: it touches as if it had been computed all the time.
 TEST(SparseField, WakesInTimeHoweverItComes) {
   for (const Shape shape : {Shape::box, Shape::cylinder, Shape::sphere}) {
     const Target met = target(shape);
@@ -195,7 +197,8 @@ TEST(SparseField, WakesInTimeHoweverItComes) {
   }
 }
 
-// Drawn or not, and whoever else reads the field, every unit of what has been lifted off reads 0, and touches nothing.
+// Whether drawn or not, and whoever else reads the field, every unit of a lifted pad reads 0 and
+// touches nothing.
 TEST(SparseField, LooksChangeNoLabel) {
   const Target met = target(Shape::cylinder);
   for (const int looks : {0, 1, 2}) {
@@ -213,7 +216,8 @@ TEST(SparseField, LooksChangeNoLabel) {
     for (int tick = 0; tick < 5; ++tick) step(-1e-3, 1e-3 * tick);
     const ContactFrame& frame = simulation.labels.frame();
     ASSERT_GT(simulation.field.touching(), 0U);
-    // The deepest of the pad, in the middle of its column, is 1 mm to within its height in the surface: k_n d, k_n from 100 N/m on.
+    // The deepest element, in the middle of its column, is 1 mm deep within its height in the
+    // surface: k_n d, with k_n at least 100 N/m.
     ASSERT_GT(frame.force.row(2).maxCoeff(), 100.0 * 0.9e-3);
     for (int tick = 5; tick < 8; ++tick) {
       step(12e-3, 1e-3 * tick);
@@ -226,7 +230,7 @@ TEST(SparseField, LooksChangeNoLabel) {
   }
 }
 
-// A stage's vibration presses every unit alike, in each step anew.
+// A stage's vibration presses every unit alike, differently in each step.
 TEST(SparseField, IsShakenAnewInEveryStep) {
   const Target met = target(Shape::cylinder);
   Bench simulation(part_of_pad(0, rows), met.surface, {0.5, 0.4}), still(part_of_pad(0, rows), met.surface, {0.5, 0.4});
@@ -240,7 +244,7 @@ TEST(SparseField, IsShakenAnewInEveryStep) {
   }
 }
 
-// Forces and energies are sums over the groups that take part, in the order of all.
+// Forces and energies are sums over the participating groups, in the order of all groups.
 TEST(SparseField, SumsWhatTakesPart) {
   const Target met = target(Shape::cylinder);
   RandomStream draw(2, 0, "sparse sums");

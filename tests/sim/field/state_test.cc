@@ -1,4 +1,5 @@
-// A field's state is all that its next steps need: loaded into another field, it goes on to the same bits.
+// A field's state is all that its next steps need: loaded into another field, it continues
+// bit-identically.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ TEST(FieldState, LoadedIntoANewFieldGoesOnToTheSameBits) {
         if (saved_at == 0) {
           EXPECT_EQ(state, std::vector<double>(state.size())) << "zeros stand for a field that was never stepped";
         }
-        field.load_state(state);  // one with the past of the round before
+        field.load_state(state);  // a field with the past of the round before
         std::vector<double> again(state.size());
         field.save_state(again);
         EXPECT_EQ(again, state);
@@ -63,8 +64,8 @@ TEST(FieldState, TrialsFromOneStateDoNotSeeEachOther) {
 }
 
 TEST(FieldState, DampedWrenchIsThatOfEveryElementByItself) {
-  // The law of damped_wrench_on_pad(), element by element from the accessors, against the sum by lanes: equal up to the rounding
-  // of a sum of some 60 forces.
+  // The law of damped_wrench_on_pad(), element by element from the accessors, against the sum by
+  // lanes: equal up to the rounding of a sum of some 60 forces.
   const double tau = 2e-3;
   int held_on_cone = 0, let_go = 0;
   for (const Shape shape : all_shapes) {

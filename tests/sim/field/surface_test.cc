@@ -1,4 +1,5 @@
-// Capsule, ellipsoid, distance grid and mesh: values by hand, points whose nearest point is known by construction, and orders.
+// Capsule, ellipsoid, distance grid and mesh: values by hand, points whose nearest point is known
+// by construction, and convergence orders.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -32,7 +33,7 @@ void expect_met(const Shape& shape, const Vector& p, const Vector& axis, double 
   EXPECT_NEAR((normal(point) - n).norm(), 0.0, 1e-14) << p.transpose();
 }
 
-// Distance to an ellipsoid, signed whatever one looks at it from.
+// Distance to an ellipsoid, signed for any direction of the axis.
 double signed_distance(const Ellipsoid& ellipsoid, const Vector& p) {
   const double gap = met(ellipsoid, p, Vector::Zero()).gap;
   return p.cwiseQuotient(ellipsoid.half).squaredNorm() < 1.0 ? -std::abs(gap) : gap;
@@ -47,7 +48,7 @@ TEST(Capsule, ValuesByHand) {
   expect_met(capsule, {3e-3, 4e-3, 32e-3}, {0.0, 0.0, -1.0}, 3e-3, {3.0 / 13.0, 4.0 / 13.0, 12.0 / 13.0});
   expect_met(capsule, {0.0, 6e-3, -28e-3}, {0.0, 0.0, 1.0}, 0.0, {0.0, 0.6, -0.8});
   expect_met(capsule, {0.0, 0.0, -29e-3}, {0.0, 0.0, 1.0}, -1e-3, {0.0, 0.0, -1.0});
-  EXPECT_GT(met(capsule, {0.0, 0.0, 7e-3}, {1.0, 0.0, 0.0}).gap, 0.0);  // on the axis no point is nearest
+  EXPECT_GT(met(capsule, {0.0, 0.0, 7e-3}, {1.0, 0.0, 0.0}).gap, 0.0);  // on the axis there is no nearest point
 }
 
 TEST(Capsule, WithoutAStraightPartIsASphere) {
@@ -64,9 +65,11 @@ const Vector half_axes[] = {
     {30e-3, 30e-3, 30e-3}, {30e-3, 20e-3, 10e-3}, {30e-3, 30e-3, 10e-3}, {8e-3, 40e-3, 8e-3}, {1e-3, 20e-3, 5e-3}};
 
 TEST(Ellipsoid, GapAndNormalOfAPointSetOffFromTheSurface) {
-  // A point at the distance d along the normal from a point of the surface has that as its nearest one, out to any distance and
-  // in to the least radius of curvature, shortest^2/longest. Rounding: the point is set off to 1e-16 of the longest half axis,
-  // seen by a surface that bends its normal by 1/radius of curvature, once in the point and once more in the solution.
+  // A point at the distance d along the normal from a point of the surface has that point as its
+  // nearest one, outwards to any distance and inwards to the least radius of curvature,
+  // shortest^2/longest. Rounding: the point is displaced by up to 1e-16 of the longest half axis on
+  // a surface that turns its normal by 1/radius of curvature, once in the point and once more in
+  // the solution.
   RandomStream draw(2, 0, "ellipsoid");
   for (const Vector& half : half_axes) {
     const Ellipsoid ellipsoid{half};
@@ -78,7 +81,8 @@ TEST(Ellipsoid, GapAndNormalOfAPointSetOffFromTheSurface) {
       const Vector p = s + d * n;
       const SurfacePoint point = met(ellipsoid, p, -n);
       ASSERT_NEAR(point.gap, d, rounding) << half.transpose() << " at " << p.transpose();
-      // At 0.9 of the radius of curvature inside, the nearest point moves ten times as far as the point.
+      // At 0.9 of the radius of curvature inside, the nearest point moves ten times as far as the
+      // point.
       ASSERT_NEAR((normal(point) - n).norm(), 0.0, 10.0 * rounding / bend) << half.transpose() << " at " << p.transpose();
       ASSERT_NEAR(met(ellipsoid, p, n).gap, std::abs(d), rounding);
     }
@@ -113,14 +117,16 @@ TEST(Ellipsoid, DeepInsideTheFootLiesOnTheSurfaceAndNoPointOfItIsNearer) {
 }
 
 TEST(Ellipsoid, NothingIsMetFromBetweenTwoNearestPoints) {
-  // The centre, and the disc of an oblate one whose points are nearer to its top and bottom than to its rim: out to a - c^2/a.
+  // The centre, and the disc of an oblate ellipsoid whose points are nearer to its top and bottom
+  // than to its rim: out to a - c^2/a.
   EXPECT_GT(met(Ellipsoid{{30e-3, 20e-3, 10e-3}}, Vector::Zero(), {0.0, 0.0, -1.0}).gap, 0.0);
   EXPECT_GT(met(Ellipsoid{{30e-3, 30e-3, 10e-3}}, {26e-3, 0.0, 0.0}, {0.0, 0.0, -1.0}).gap, 0.0);
   EXPECT_GT(met(Ellipsoid{{30e-3, 30e-3, 30e-3}}, Vector::Zero(), {0.0, 0.0, -1.0}).gap, 0.0);
   EXPECT_LT(met(Ellipsoid{{30e-3, 30e-3, 10e-3}}, {27e-3, 0.0, 0.0}, {-1.0, 0.0, 0.0}).gap, 0.0);  // 30 - 100/30 = 26.67 mm
 }
 
-// Central differences over 2e of a distance of size r that bends on the scale of b: e^2/b^2 and 1e-16 r/e at most.
+// Central differences over 2e of a distance of size r that curves on the scale of b: e^2/b^2 and
+// 1e-16 r/e at most.
 template <class Shape>
 void expect_normal_is_gradient(const Shape& shape, const Vector& p, double tolerance) {
   constexpr double e = 1e-6;
@@ -132,7 +138,8 @@ void expect_normal_is_gradient(const Shape& shape, const Vector& p, double toler
 }
 
 TEST(SurfaceShapes, NormalIsTheGradientOfTheGap) {
-  // Distances of up to 50 mm that bend on the scale of 5 mm and more: (1e-6/5e-3)^2 = 4e-8, and 1e-16 * 0.05/1e-6 = 5e-12.
+  // Distances of up to 50 mm that curve on the scale of 5 mm and more: (1e-6/5e-3)^2 = 4e-8, and
+  // 1e-16 * 0.05/1e-6 = 5e-12.
   RandomStream draw(4, 0, "gradient");
   const Ellipsoid ellipsoid{{30e-3, 20e-3, 15e-3}};
   const DistanceGrid grid([&](const Vector& p) { return signed_distance(ellipsoid, p); }, -ellipsoid.half, ellipsoid.half, 2e-3);
@@ -145,8 +152,8 @@ TEST(SurfaceShapes, NormalIsTheGradientOfTheGap) {
 }
 
 TEST(DistanceGrid, CubicsAreReproduced) {
-  // Far above the least that the distance to the box allows; the value is 100 and its slope of the order of 1, so rounding is
-  // 1e-14 of it.
+  // Far above the minimum that the distance to the box allows; the value is 100 and its slope of
+  // the order of 1, so rounding is 1e-14 of it.
   const auto cubic = [](const Vector& p) {
     return 100.0 + p.x() * p.x() * p.x() - 2.0 * p.x() * p.y() * p.y() + p.x() * p.y() * p.z() + 0.5 * p.z() * p.z() + p.y() -
            3.0 * p.z();
@@ -168,7 +175,8 @@ struct Errors {
   double gap, normal;
 };
 
-// The largest from a third of the least radius of curvature below the surface to two cells above it (the grid ends at three).
+// Largest errors from a third of the least radius of curvature below the surface to two cells above
+// it (the grid ends at three).
 Errors errors_of_grid(const Ellipsoid& ellipsoid, double cell) {
   const Vector& half = ellipsoid.half;
   const double bend = half.minCoeff() * half.minCoeff() / half.maxCoeff();
@@ -187,8 +195,8 @@ Errors errors_of_grid(const Ellipsoid& ellipsoid, double cell) {
 }
 
 TEST(DistanceGrid, ConvergesWithTheFourthOrderInTheGapAndTheThirdInTheNormal) {
-  // Half the cell: errors 16 and 8 times smaller, and more where the coarser grid is still too coarse for its leading error to
-  // lead.
+  // Half the cell: errors 16 and 8 times smaller, and more where the coarser grid is not yet in the
+  // asymptotic range.
   for (const Vector& half : {Vector(30e-3, 30e-3, 30e-3), Vector(30e-3, 25e-3, 20e-3)}) {
     const double bend = half.minCoeff() * half.minCoeff() / half.maxCoeff();
     const Errors coarse = errors_of_grid({half}, bend / 8.0), fine = errors_of_grid({half}, bend / 16.0);
@@ -202,13 +210,14 @@ TEST(DistanceGrid, GapIsRightToAThousandthOfARadiusOfCurvatureOfFourCells) {
 }
 
 TEST(DistanceGrid, ErrorOfTheGapOfAFineGridIsThatOfACubicSpline) {
-  // Along each axis at most cell^4/384 times the fourth derivative. Of a distance r that is 3 (1 - w)(5 w - 1)/r^3, w the squared
-  // cosine of the angle to the axis: the three add up to 6/r^3 at most, on an axis. With r down to 2/3 of the radius R and cells
-  // of R/32 that is 6 (3/2)^3/(384 x 32^4) R = 5.03e-8 R. The next order is some (32 x 2/3)^2 times smaller.
+  // Along each axis at most cell^4/384 times the fourth derivative. For a distance r that is 3 (1 -
+  // w)(5 w - 1)/r^3, with w the squared cosine of the angle to the axis: the three sum to at most
+  // 6/r^3, on an axis. With r down to 2/3 of the radius R and cells of R/32 that is 6 (3/2)^3/(384
+  // x 32^4) R = 5.03e-8 R. The next order is some (32 x 2/3)^2 times smaller.
   const double leading = 6.0 * std::pow(1.5, 3) / (384.0 * std::pow(32.0, 4)) * 30e-3;
   const double error = errors_of_grid({{30e-3, 30e-3, 30e-3}}, 30e-3 / 32.0).gap;
   EXPECT_LT(error, 1.05 * leading);
-  EXPECT_GT(error, 0.8 * leading);  // the worst place is among those looked at, nearly
+  EXPECT_GT(error, 0.8 * leading);  // the samples come close to the worst point
 }
 
 TEST(DistanceGrid, OutsideTheGapIsThatOfTheBoxAroundTheSurface) {
@@ -223,7 +232,7 @@ TEST(DistanceGrid, OutsideTheGapIsThatOfTheBoxAroundTheSurface) {
     const Vector p = draw.uniform(10e-3, 40e-3) * random_direction(draw);
     const double gap = met(grid, p, random_direction(draw)).gap;
     EXPECT_GT(gap, 0.0);
-    EXPECT_LT(gap, p.norm() - sphere.radius + 1e-6);  // at cells of a tenth of the radius the grid is right to 36/384e4 of it
+    EXPECT_LT(gap, p.norm() - sphere.radius + 1e-6);  // with cells of a tenth of the radius the grid is exact to 36/384e4 of it
   }
 }
 
@@ -245,18 +254,19 @@ TEST(DistanceGrid, RefusesWhatItCannotHold) {
   EXPECT_THROW(DistanceGrid(ball, -one, one, 1e-9), std::invalid_argument);
   EXPECT_THROW(DistanceGrid(ball, one, -one, 0.1), std::invalid_argument);
   EXPECT_THROW(DistanceGrid(ball, -one, Vector(nan, 1.0, 1.0), 0.1), std::invalid_argument);
-  EXPECT_THROW(DistanceGrid(ball, -0.9 * one, 0.9 * one, 0.1), std::invalid_argument);  // the ball sticks out
+  EXPECT_THROW(DistanceGrid(ball, -0.9 * one, 0.9 * one, 0.1), std::invalid_argument);  // the ball protrudes
   EXPECT_THROW(DistanceGrid([&](const Vector&) { return nan; }, -one, one, 0.1), std::invalid_argument);
 }
 
 TEST(DistanceGrid, CellForANumberOfSamples) {
-  // 10 cells along a cube of 1 m are 10 + 2 x 3 + 1 nodes and 3 samples beyond on either side: 23 along each axis.
+  // 10 cells along a cube of 1 m are 10 + 2 x 3 + 1 nodes, plus 3 samples on either side: 23 along
+  // each axis.
   const Vector one(1.0, 1.0, 1.0);
   EXPECT_NEAR(DistanceGrid::cell_for(one, 23 * 23 * 23), 0.1, 1e-12);
   EXPECT_GT(DistanceGrid::cell_for(one, 23 * 23 * 23 - 1), 0.11);  // one cell less: 1/9
 }
 
-// The signed distance to a box; inside it is that of the nearest face.
+// The signed distance to a box; inside it is that to the nearest face.
 double signed_distance(const Box& box, const Vector& p) {
   const Vector out = p.cwiseAbs() - box.half;
   return out.maxCoeff() > 0.0 ? out.cwiseMax(0.0).norm() : out.maxCoeff();
@@ -274,8 +284,8 @@ TEST(MeshDistance, CubeIsABox) {
 }
 
 TEST(MeshDistance, HollowsAreHollow) {
-  // An L of two boxes, [-2, 2] x [-1, 1] x [-2, 0] and [-2, 0] x [-1, 1] x [-2, 2] mm: outside, the distance is the smaller one
-  // of theirs. Its convex hull would fill the notch above (1, 0, 1).
+  // An L of two boxes, [-2, 2] x [-1, 1] x [-2, 0] and [-2, 0] x [-1, 1] x [-2, 2] mm: outside, the
+  // distance is the smaller of theirs. The convex hull would fill the notch above (1, 0, 1).
   const oracle::Mesh mesh = oracle::l_mesh(1e-3);
   const MeshDistance distance(mesh.vertices, mesh.faces);
   const auto boxes = [](const Vector& p) {
@@ -291,7 +301,7 @@ TEST(MeshDistance, HollowsAreHollow) {
       ++outside;
       ASSERT_NEAR(distance(p), expected, 1e-17) << p.transpose();
     } else {
-      ASSERT_LE(distance(p), expected + 1e-17) << p.transpose();  // inside, the wall between the boxes is none
+      ASSERT_LE(distance(p), expected + 1e-17) << p.transpose();  // the face between the boxes does not count
     }
   }
   EXPECT_GT(outside, 1000);
@@ -299,20 +309,21 @@ TEST(MeshDistance, HollowsAreHollow) {
 }
 
 TEST(MeshDistance, BesideSharpEdgesAndTipsTheSideIsThatOfTheWholeMesh) {
-  // A leaning spike: beyond its tip and along its edges the nearest point belongs to faces that look away from the point as well
-  // as to others. Inside is what lies below all four faces.
+  // A leaning spike: beyond its tip and along its edges the nearest point belongs both to faces
+  // that point away and to others. Points below all four faces are inside.
   const oracle::Mesh spike{{{0.0, 0.0, 0.0}, {2e-3, 0.0, 0.0}, {0.0, 1e-3, 0.0}, {9e-3, 2e-3, 6e-3}},
                            {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
   const MeshDistance distance(spike.vertices, spike.faces);
   RandomStream draw(12, 0, "spike");
   for (int k = 0; k < 20000; ++k) {
     const Vector p(draw.uniform(-2e-3, 11e-3), draw.uniform(-2e-3, 4e-3), draw.uniform(-2e-3, 8e-3));
-    double highest = -1.0;  // over the plane of a face [m]
+    double highest = -1.0;  // m, above the plane of a face
     for (const auto& [a, b, c] : spike.faces) {
       const Vector n = (spike.vertices[b] - spike.vertices[a]).cross(spike.vertices[c] - spike.vertices[a]).normalized();
       highest = std::max(highest, n.dot(p - spike.vertices[a]));
     }
-    // Inside, the nearest face is that of the least depth; outside, the mesh is no nearer than any plane that has it all below.
+    // Inside, the nearest face is that of the least depth; outside, the mesh is no nearer than any
+    // face plane with the mesh below it.
     if (highest < 0.0) {
       ASSERT_NEAR(distance(p), highest, 1e-17) << p.transpose();
     } else {
@@ -322,8 +333,9 @@ TEST(MeshDistance, BesideSharpEdgesAndTipsTheSideIsThatOfTheWholeMesh) {
 }
 
 TEST(MeshDistance, GridOfACubeIsABoxAwayFromItsEdges) {
-  // A grid reproduces a linear distance, and up to 4 cells away along each axis it looks at. At a depth of up to 2 cells it looks
-  // down to 6, and 10 from the edges it looks out to 6 from them: up to where two faces are equally near.
+  // A grid reproduces a linear distance and reads up to 4 cells away along each axis. At a depth of
+  // up to 2 cells it reads down to 6, and 10 from the edges it reads to within 6 of them, where two
+  // faces are equally near.
   const Box box{{30e-3, 20e-3, 50e-3}};
   const oracle::Mesh mesh = oracle::box_mesh(box.half);
   const DistanceGrid grid = MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
@@ -340,8 +352,9 @@ TEST(MeshDistance, GridOfACubeIsABoxAwayFromItsEdges) {
 }
 
 TEST(MeshDistance, GridOfABallOfTrianglesIsABall) {
-  // 20 x 4^4 triangles of a ball of 30 mm: a chord of length c lies c^2/(8 R) below its arc, the middle of a triangle 4/3 of
-  // that. Their edges are 63.4 degrees/2^4, 30 mm x 1.107/16 = 2.1 mm, times 1.2 for the longest: 36 um.
+  // 20 x 4^4 triangles of a ball of 30 mm: a chord of length c lies c^2/(8 R) below its arc, the
+  // middle of a triangle 4/3 of that. Edges are 63.4 degrees/2^4, 30 mm x 1.107/16 = 2.1 mm, times
+  // 1.2 for the longest: 36 um.
   const oracle::Mesh mesh = oracle::ball_mesh(30e-3, 4);
   EXPECT_EQ(mesh.faces.size(), 5120U);
   const DistanceGrid grid = MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
@@ -381,7 +394,7 @@ TEST(MeshDistance, RefusesWhatHasNoInside) {
   EXPECT_THAT(refusal_of([&] { make({cube.vertices, {}}); }), HasSubstr("no faces"));
 }
 
-// At points in and around the meshes below, which are a few mm large.
+// Checks points in and around the meshes below, which are a few mm large.
 template <class Expected>
 void expect_distance(const oracle::Mesh& mesh, double tolerance, const Expected& expected) {
   const MeshDistance distance(mesh.vertices, mesh.faces);
@@ -393,8 +406,9 @@ void expect_distance(const oracle::Mesh& mesh, double tolerance, const Expected&
 }
 
 TEST(MeshDistance, VerticesWithinAMillionthOfTheExtentAreOne) {
-  // Corners of a box of 2 x 3 x 4 mm for each of its faces, as files of triangles have them: up to 2 sqrt(3) times the rounding apart, 3.5 nm of
-  // the 4 nm that are welded. A distance changes by no more than the corners have moved. Farther apart they leave the mesh open.
+  // Each face of a box of 2 x 3 x 4 mm has its own corners, as in files of triangles: up to 2
+  // sqrt(3) times the rounding apart, 3.5 nm of the 4 nm that are welded. A distance changes by at
+  // most the shift of the corners. Further apart they leave the mesh open.
   const Box box{{1e-3, 1.5e-3, 2e-3}};
   const oracle::Mesh mesh = oracle::box_mesh(box.half);
   for (const double rounding : {0.0, 1e-9}) {
@@ -406,9 +420,10 @@ TEST(MeshDistance, VerticesWithinAMillionthOfTheExtentAreOne) {
 }
 
 TEST(MeshDistance, FacesWithoutWidthLookNowhere) {
-  // A cube whose upper edge at y = -1 mm has a vertex more: on its front two triangles meet there, and a face from corner to corner to that vertex
-  // closes the gap to the top. The vertex is out of line by 1 nm, half of what is welded, to either side: so that face looks to the front or
-  // back, or into the cube, as rounding will have it.
+  // A cube whose upper edge at y = -1 mm has an extra vertex: two front triangles meet there, and a
+  // face from corner to corner to that vertex closes the gap to the top. The vertex is out of line
+  // by 1 nm, half of the welding distance, to either side: that face points to the front or back,
+  // or into the cube, depending on rounding.
   const Box box{{1e-3, 1e-3, 1e-3}};
   for (const Vector& out_of_line :
        {Vector(0, 1e-9, 0), Vector(0, -1e-9, 0), Vector(0, 0, 1e-9), Vector(0, 0, -1e-9), Vector(0, 0, 0)}) {
@@ -424,8 +439,9 @@ TEST(MeshDistance, FacesWithoutWidthLookNowhere) {
 }
 
 TEST(MeshDistance, ShellsMayTouchAndLookEitherWay) {
-  // Two cubes with one edge in common, which four faces share; and two apart, of which the smaller one is inside out. Outside, the distance is that
-  // of the nearer cube; inside it is that of its own faces.
+  // Two cubes with one common edge, which four faces share; and two separate ones, of which the
+  // smaller is inside out. Outside, the distance is that of the nearer cube; inside it is that of
+  // its own faces.
   const Box large{{1e-3, 1e-3, 1e-3}}, small{{0.5e-3, 0.5e-3, 0.5e-3}};
   const auto nearer = [&](const Vector& shift) {
     return [&, shift](const Vector& p) { return std::min(signed_distance(large, p), signed_distance(small, p - shift)); };
@@ -443,8 +459,9 @@ TEST(MeshDistance, ShellsMayTouchAndLookEitherWay) {
 }
 
 TEST(MeshDistance, AWallThinnerThanTwoCellsIsRefused) {
-  // A plate of 100 x 100 x 0.2 mm: 400,000 samples are at most 30,000 in each of the 13 layers that any grid has, so cells are
-  // over 100 mm/sqrt(30,000) = 0.57 mm. One of 100 x 100 x 10 mm has room for them: its cells are under 1 mm.
+  // A plate of 100 x 100 x 0.2 mm: 400,000 samples are at most 30,000 in each of the 13 layers that
+  // any grid has, so cells are over 100 mm/sqrt(30,000) = 0.57 mm. A plate of 100 x 100 x 10 mm
+  // fits: its cells are under 1 mm.
   const auto grid = [](double thickness) {
     const oracle::Mesh mesh = oracle::box_mesh({50e-3, 50e-3, 0.5 * thickness});
     return MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);

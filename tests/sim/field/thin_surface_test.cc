@@ -1,4 +1,5 @@
-// Objects that are thinner than an element is pressed in: the force is that of the face by which it came in, or somebody is told.
+// Objects thinner than the indentation: the force is that of the face where the element entered, or
+// the loss is reported.
 #include <cmath>
 #include <vector>
 
@@ -31,7 +32,8 @@ void press(Field& field, double top, double depth, const Look& look, double tilt
 }
 
 TEST(ThinSurface, CardsPressBackWithDepthTimesStiffness) {
-  // k_n d, whatever the card's thickness, and k_n d cos(tilt) / cos(tilt) for a tilted pillar: d counts along the card's normal.
+  // k_n d for any thickness of the card, and k_n d cos(tilt) / cos(tilt) for a tilted pillar: d
+  // counts along the card's normal.
   for (const double thickness : {2e-3, 1e-3, 0.9e-3, 0.5e-3, 0.3e-3, 0.05e-3}) {
     for (const double tilt : {0.0, 0.2}) {
       const Box card{{20e-3, 20e-3, 0.5 * thickness}};
@@ -45,11 +47,11 @@ TEST(ThinSurface, CardsPressBackWithDepthTimesStiffness) {
               ASSERT_FALSE(field.lost());
             },
             tilt);
-        // Sideways by 0.1 mm it is held by k_t u, on the same anchor.
+        // Moved sideways by 0.1 mm it is held by k_t u, on the same anchor.
         const Pose pressed = field.pad_in_surface();
         field.step({pressed.rotation, pressed.position + Eigen::Vector3d(0.0, 0.1e-3, 0.0)}, 1e-3);
         EXPECT_NEAR(field.tangential_force(0).norm(), k_t * 0.1e-3, 1e-9);
-        // And out again it comes off at the top.
+        // Lifted, it detaches at the top.
         for (double z = -0.8e-3; z < 0.02e-3; z += 0.01e-3) {
           field.step({pressed.rotation, {0.0, 0.1e-3, 0.5 * thickness + z}}, 1e-3);
           ASSERT_NEAR(field.normal_force(0), k_n * std::max(0.0, -z), 1e-9);
@@ -62,14 +64,14 @@ TEST(ThinSurface, CardsPressBackWithDepthTimesStiffness) {
 }
 
 TEST(ThinSurface, AFilmIsNotSteppedOver) {
-  // 10 um thick, and 30 um a step.
+  // 10 um thick, and 30 um per step.
   Field field(pillar(), Box{{20e-3, 20e-3, 5e-6}}, {0.5, 0.5});
   for (int k = 0; k <= 10; ++k) field.step(at(0.0, 0.0, 5e-6 + 0.1e-3 - 3e-5 * k), 1e-3);
   EXPECT_NEAR(field.normal_force(0), k_n * 0.2e-3, 1e-9);
 }
 
 TEST(ThinSurface, ACardSweptInFromTheSideGivesNothing) {
-  // Its tip below the card, the column comes in from the side: no face of the card was pressed on.
+  // With its tip below the card, the column enters from the side: no face of the card was pressed.
   Field field(pillar(), Box{{10e-3, 10e-3, 0.25e-3}}, {0.5, 0.5});
   for (int k = 0; k <= 400; ++k) {
     field.step(at(-12e-3 + 1e-5 * k, 0.0, 0.25e-3 - 0.8e-3), 1e-3);
@@ -78,7 +80,8 @@ TEST(ThinSurface, ACardSweptInFromTheSideGivesNothing) {
 }
 
 TEST(ThinSurface, AFrictionlessWayThroughACardGivesNoWork) {
-  // Down, sideways over the edge, up beside it and back in: the elastic energy comes back, and no more.
+  // Down, sideways over the edge, up beside it and back in: the elastic energy is returned, and no
+  // more.
   Field field(pillar(), Box{{10e-3, 10e-3, 0.25e-3}}, {0.0, 0.0});
   double work = 0.0;
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), place(0.0, 0.0, 0.35e-3);
@@ -102,7 +105,8 @@ TEST(ThinSurface, AFrictionlessWayThroughACardGivesNoWork) {
 }
 
 TEST(ThinSurface, ColumnsEndAtTheirHeight) {
-  // Pressed in farther than it is high, the pillar is no spring any more, and its force vanishes: that is told.
+  // Pressed in further than its height, the pillar is no longer a spring and its force vanishes;
+  // this is reported.
   Field field(pillar(), Box{{20e-3, 20e-3, 0.5e-3}}, {0.5, 0.5});
   bool lost = false;
   press(field, 0.5e-3, height + 0.2e-3, [&](double depth) {
@@ -116,7 +120,7 @@ TEST(ThinSurface, ColumnsEndAtTheirHeight) {
 
 TEST(ThinSurface, RoundBodiesTellWhenAnElementHasComeThrough) {
   const double r = 0.7e-3;
-  PadLayout unknown = oracle::square_grid(1, 0.0, k_n, k_t);  // of no known height
+  PadLayout unknown = oracle::square_grid(1, 0.0, k_n, k_t);  // without a known height
   struct Case {
     Surface surface;
     double top;

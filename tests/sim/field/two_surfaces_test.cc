@@ -10,8 +10,8 @@
 namespace slipbench::testing_field::two_surfaces_test {
 namespace {
 
-// Three units of two elements: over the left box, over both, over the right one. Each box has its top at z = 0 and its edge at x
-// = 0.
+// Three units of two elements: over the left box, over both, over the right one. Each box has its
+// top at z = 0 and its edge at x = 0.
 PadLayout straddling_pad() {
   PadLayout pad;
   for (const double x : {-6e-3, -4e-3, -1e-3, 1e-3, 4e-3, 6e-3}) {
@@ -36,8 +36,8 @@ TEST(TwoSurfaces, PadOverTheirEdgeReadsAsOnOnePlane) {
   ContactLabels summed(pad), plain(pad);
   int slipping = 0;
   for (int tick = 0; tick < 200; ++tick) {
-    // Down from 0.1 mm above to 1 mm below, then along the edge at 20 mm/s: sticks, slips from the lightest element on, unit by
-    // unit.
+    // Down from 0.1 mm above to 1 mm below, then along the edge at 20 mm/s: sticks, then slips from
+    // the lightest element on, unit by unit.
     const Pose pose = at(0.0, tick < 60 ? 0.0 : 20e-6 * (tick - 60), std::max(-1e-3, 0.1e-3 - 2e-5 * tick));
     for (std::size_t k = 0; k < 2; ++k) {
       Pose in_box = pose;
@@ -48,7 +48,8 @@ TEST(TwoSurfaces, PadOverTheirEdgeReadsAsOnOnePlane) {
     const ContactFrame &a = summed.update(two, 1e-3 * tick, 1e-3), &b = plain.update(one, 1e-3 * tick, 1e-3);
     EXPECT_TRUE(a.force.isApprox(b.force, 1e-12) || (a.force - b.force).abs().maxCoeff() < 1e-12) << tick;
     EXPECT_LT((a.contact_force - b.contact_force).abs().maxCoeff(), 1e-12) << tick;
-    // Lengths up to the rounding of coordinates of 20 mm (the field's shortest slip is 1e-13 m).
+    // Lengths agree up to the rounding of coordinates of 20 mm (the field's shortest slip is 1e-13
+    // m).
     EXPECT_LT((a.displacement - b.displacement).abs().maxCoeff(), 1e-12) << tick;
     EXPECT_LT((a.slip_distance - b.slip_distance).abs().maxCoeff(), 1e-12) << tick;
     ASSERT_EQ(a.element_depth.size(), 6);
@@ -74,7 +75,8 @@ TEST(TwoSurfaces, PadOverTheirEdgeReadsAsOnOnePlane) {
       }
     }
     slipping += b.state == PadState::gross ? 1 : 0;
-    // The margin of the middle unit is that of its right element, which is pressed harder: 1 - |f_t|/(mu_s f_n) of that one alone.
+    // The margin of the middle unit is that of its right element alone, which is pressed harder: 1
+    // - |f_t|/(mu_s f_n).
     if (a.unit_state[1] == UnitState::stick) {
       EXPECT_NEAR(a.margin[1], 1.0 - two[1].tangential_force(3).norm() / two[1].stick_limit(3), 1e-12) << tick;
     }

@@ -1,4 +1,4 @@
-// Sums of a unit's columns, several columns at a time, against sums of one column after the other: the same to the bit.
+// Sums of a unit's columns, several at a time, against sums column by column: bit-identical.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -20,7 +20,7 @@ TEST(UnitSum, EveryColumnIsAddedUpInTheOrderOfTheElements) {
   RandomStream random(1, 0, "unit sum");
   std::vector<std::vector<double>> columns(UnitSum::vector_columns + 4, std::vector<double>(entries));
   for (std::vector<double>& column : columns) {
-    // Of sizes so far apart that a sum in another order is another sum, and some of them zeros of both signs.
+    // Magnitudes so different that another order gives another sum, with some zeros of both signs.
     for (double& entry : column) entry = random.normal() * std::pow(10.0, random.uniform(-6.0, 6.0));
     for (std::size_t k = 0; k < 4; ++k) column[random.integer(entries)] = k % 2 == 0 ? -0.0 : 0.0;
   }
@@ -32,7 +32,7 @@ TEST(UnitSum, EveryColumnIsAddedUpInTheOrderOfTheElements) {
   const double* const limit = summed.limit = columns[UnitSum::vector_columns + 1].data();
   const double* const f_normal = summed.f_normal = columns[UnitSum::vector_columns + 2].data();
   summed.mode = mode.data();
-  std::fill_n(columns[0].begin(), 3, -0.0);  // of which alone the sum is -0
+  std::fill_n(columns[0].begin(), 3, -0.0);  // their sum alone is -0
 
   const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
   for (std::size_t first = 0; first < 4; ++first) {

@@ -1,4 +1,4 @@
-// What a scene says of a grasp: protocols, scatter, and what is refused.
+// A scene's description of a grasp: protocols, scatter and refusals.
 #include <cmath>
 #include <vector>
 
@@ -26,7 +26,7 @@ TEST(GraspCatalogue, EntriesAreDocumented) {
     for (const ParameterSpec& parameter : entry.parameters) {
       EXPECT_FALSE(parameter.doc.empty() || parameter.source.empty()) << entry.name << "." << parameter.name;
     }
-    defaults_of(entry.parameters);  // throws where a default does not fit
+    defaults_of(entry.parameters);  // throws for an invalid default
   }
 }
 
@@ -49,7 +49,7 @@ TEST(GraspScene, ProtocolsGiveDefaultsThatTheSceneOverrides) {
   EXPECT_EQ(own.grasp->grip.number("preset"), 2.0);
   EXPECT_EQ(own.motion.parameters.number("speed"), 0.01);
   EXPECT_EQ(own.motion.parameters.number("acceleration"), 0.05);
-  // What is declared is what as_recorded gives.
+  // The declared values are those of as_recorded.
   for (const Protocol& protocol : protocol_catalogue()) EXPECT_EQ(protocol.defaults.size(), 4U) << protocol.name;
   EXPECT_EQ(scene_of("grip: {protocol: as_recorded}\n").motion.parameters.values(), recorded.motion.parameters.values());
 }
@@ -72,7 +72,8 @@ TEST(GraspScene, WithoutScatterEveryTrialIsAlike) {
 TEST(GraspScene, ScatterHasTheSpreadThatItSays) {
   const Scene scene = scene_of("grip: {}\nscatter: {}\n");
   constexpr int trials = 4000;
-  // A mean of n draws is out by less than 4.5 sd/sqrt(n), a standard deviation by less than 4.5/sqrt(2 n) of itself; 1 in 100,000 is not.
+  // The error of a mean of n draws is less than 4.5 sd/sqrt(n), the relative one of a standard
+  // deviation less than 4.5/sqrt(2 n), with an exception in 100,000.
   struct Sum {
     double mean = 0.0, square = 0.0;
     void add(double value) { mean += value / trials, square += value * value / trials; }
@@ -121,7 +122,7 @@ TEST(GraspScene, SecondPadIsAGridOrTheSensorsOwn) {
   EXPECT_NEAR(normal, 400e3, 1e-9);
   EXPECT_NEAR(tangential, 200e3, 1e-9);
   EXPECT_LT(middle.norm(), 1e-15);
-  EXPECT_NEAR(farthest.x(), 11e-3 * 3.0 / 4.0, 1e-15);  // each stands in the middle of its cell
+  EXPECT_NEAR(farthest.x(), 11e-3 * 3.0 / 4.0, 1e-15);  // each in the middle of its cell
   EXPECT_NEAR(farthest.y(), 18.75e-3 * 5.0 / 6.0, 1e-15);
   EXPECT_EQ(second_pad(scene_of("grip: {second_pad: same}\n").grasp->grip, sensor).elements.size(), 1U);
 }
@@ -188,7 +189,8 @@ TEST(GraspScene, ShippedTwoSkinsReadOneContact) {
   EXPECT_EQ(scene.sensors[2].type, "nib_pad");
   for (const std::size_t i : {1U, 2U}) EXPECT_EQ(scene.sensors[i].follows, scene.sensors[0].name);
   EXPECT_EQ(scene.detector->sensor, 0U);
-  // 0.4 kg on two pads of mu 0.35 needs 5.6 N each: the 4 N of the preset let it slip, and the loop has something to do.
+  // 0.4 kg on two pads of mu 0.35 needs 5.6 N each: the preset of 4 N lets it slip, and the loop
+  // has to react.
   EXPECT_GT(ideal_grip_force(scene, 1.0, 9.81), scene.grasp->grip.number("preset"));
 }
 

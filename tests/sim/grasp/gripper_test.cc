@@ -1,4 +1,4 @@
-// The drive of the gripper against closed forms: when it is read and written, how long its ways take, where it stops.
+// The gripper's drive against closed forms: times of reads and writes, durations of motions, stops.
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -27,7 +27,7 @@ Parameters grip(const Changes& changes = {}) {
 // At 20 mm/s and 0.5 m/s^2 the ramps are 40 ms and 0.4 mm each.
 constexpr double speed = 0.02, acceleration = 0.5;
 
-// A gripper whose counts are whole at the start: position 100 is an opening of 130 counts.
+// A gripper at whole counts: position 100 is an opening of 130 counts.
 Gripper at_100(const Changes& changes = {}, double phase = 0.0) { return {grip(changes), 130.0 * count, phase}; }
 
 double counts(const Gripper& gripper, double t) { return 230.0 - gripper.opening(t) / count; }
@@ -55,14 +55,15 @@ TEST(Gripper, ReadsAndWritesFallOnTheirInstants) {
   gripper.write({100, 0, 0});
   EXPECT_NEAR(gripper.next_write(), 33e-3, 1e-15);
   EXPECT_NEAR(gripper.next_read(), 23e-3, 1e-15);
-  // A million periods on they are still where they should be, to a millionth of a tick.
+  // A million periods later times are still exact to a millionth of a tick.
   Gripper late = at_100();
   for (int n = 0; n < 1000000; ++n) late.read();
   EXPECT_NEAR(late.next_read(), 2e4, 1e-10);
 }
 
 TEST(Gripper, OneCountIsATriangle) {
-  // Written at 10 ms, it begins to act at 30 ms. 0.374 mm is less than the 0.8 mm of both ramps: 2 sqrt(d/a) = 54.7 ms.
+  // Written at 10 ms, the command takes effect at 30 ms. 0.374 mm is less than the 0.8 mm of both
+  // ramps: 2 sqrt(d/a) = 54.7 ms.
   Gripper gripper = at_100();
   gripper.write({101, 0, 0});
   const double half = std::sqrt(count / acceleration);
@@ -76,7 +77,7 @@ TEST(Gripper, OneCountIsATriangle) {
 }
 
 TEST(Gripper, FullStrokeTakesItsTimeAtTheSlowestAndAtTheFastest) {
-  // d/v + v/a, from the open stop at 3 to the closed one at 230, beyond which 255 does not lead.
+  // d/v + v/a, from the open stop at 3 to the closed one at 230, where 255 ends, too.
   for (const auto& [reg, v] : {std::pair{0, 0.02}, std::pair{255, 0.15}, std::pair{51, 0.046}}) {
     Gripper gripper(grip(), 1.0, 0.0);
     gripper.write({255, reg, 255});
@@ -95,8 +96,8 @@ TEST(Gripper, FullStrokeTakesItsTimeAtTheSlowestAndAtTheFastest) {
 }
 
 TEST(Gripper, AtMeasuredPlusOneItClosesByOneCountEvery60Milliseconds) {
-  // Read at 0, written at 10 ms, it moves from 30 ms on and is past the half, so that a read rounds up, after sqrt(d/a) = 27.3 ms: the read at
-  // 60 ms is the first to see it. So 6.23 mm/s, whatever the motor could do.
+  // Read at 0, written at 10 ms, it moves from 30 ms on. A read rounds up past half a count, after
+  // sqrt(d/a) = 27.3 ms, so the read at 60 ms is the first to see it: 6.23 mm/s for any motor.
   Gripper gripper = at_100();
   std::vector<int> seen;
   for (double time = 0.0; time < 0.6; time += 1e-3) {
@@ -133,12 +134,14 @@ TEST(Gripper, StopsWhereTheForceReachesItsLimitAndLocks) {
       if (gripper.write_due(time)) gripper.write(command);
     }
   };
-  // A spring of 8 N/mm that is met at once reaches the limit of 20 N after 2.5 mm. The motor sees it at the next tick at the latest.
+  // A spring of 8 N/mm without a gap reaches the limit of 20 N after 2.5 mm. The motor notices at
+  // the next tick at the latest.
   run(1.0, {220, 0, 0}, 0.0);
   EXPECT_GE(closed(time), 2.5e-3);
   EXPECT_LE(closed(time), 2.5e-3 + speed * tick);
   EXPECT_TRUE(stopped);
-  // It holds whatever the force, also when told the same again; a larger limit lets it go on: 255 is 235 N, 29.4 mm.
+  // It holds at any force, also after the same command; a larger limit lets it continue: 255 is 235
+  // N, 29.4 mm.
   const double held = gripper.opening(time);
   run(2.0, {220, 0, 0}, 1000.0);
   EXPECT_EQ(gripper.opening(time), held);
@@ -146,7 +149,7 @@ TEST(Gripper, StopsWhereTheForceReachesItsLimitAndLocks) {
   EXPECT_GE(closed(time), 235.0 / stiffness);
   EXPECT_LE(closed(time), 235.0 / stiffness + speed * tick);
   EXPECT_TRUE(stopped);
-  // No force keeps it from opening.
+  // No force prevents opening.
   run(10.0, {100, 0, 0}, 1000.0);
   EXPECT_NEAR(counts(gripper, time), 100.0, 1e-11);
   EXPECT_FALSE(stopped);
@@ -163,7 +166,8 @@ TEST(Gripper, LatencyIsThatOfTheScene) {
   }
 }
 
-// The loop has one command on its way: a write that came with the next read or after it would not be the one that its read led to.
+// The loop has one command in flight: a write at or after the next read would belong to another
+// read.
 TEST(Gripper, RefusesAWriteNoEarlierThanTheNextRead) {
   EXPECT_NO_THROW(at_100({{"write_after", 0.0199}}));
   for (const double write_after : {0.02, 0.03})
@@ -183,7 +187,7 @@ TEST(Gripper, RefusesWhatIsNoByte) {
 }
 
 TEST(Gripper, WrapsOnlyWhenAsked) {
-  // 256 + 110 = 366 is 110 in the low byte: 10 counts on.
+  // 256 + 110 = 366 is 110 in the low byte: 10 counts further.
   Gripper gripper = at_100({{"wrap", true}});
   EXPECT_EQ(refusal(gripper, {366, 256, -256}), "accepted");
   gripper.update(10.0, 0.0);
@@ -201,12 +205,13 @@ TEST(Gripper, DeadBandIgnoresSmallWays) {
 }
 
 TEST(Gripper, DriftHasItsStandardDeviationAndNoCountShowsIt) {
-  // Eight sines of 1/2: the variance over whole periods is drift^2 8 (1/2)^2/2 = drift^2. These have 1 to 8 whole periods in 10 s, and 1000 samples
-  // of a sine of k < 500 periods have exactly its mean and variance.
+  // Eight sines of 1/2: the variance over whole periods is drift^2 8 (1/2)^2/2 = drift^2. They have
+  // 1 to 8 whole periods in 10 s, and 1000 samples of a sine of k < 500 periods have exactly its
+  // mean and variance.
   std::vector<DriftTone> tones;
   for (int k = 1; k <= 8; ++k) tones.push_back({2.0 * std::numbers::pi * 0.1 * k, 0.7 * k});
   const Gripper gripper(grip({{"drift", 0.9e-3}}), 130.0 * count, 0.0, tones);
-  // At the start it is open by 130 counts or up to one more.
+  // At the start the opening is 130 counts, or up to one more.
   EXPECT_GE(gripper.opening(0.0), 130.0 * count - 1e-9);
   EXPECT_LT(gripper.opening(0.0), 131.0 * count);
   double sum = 0.0, squares = 0.0;
@@ -216,7 +221,8 @@ TEST(Gripper, DriftHasItsStandardDeviationAndNoCountShowsIt) {
     sum += wander;
     squares += wander * wander;
     EXPECT_EQ(gripper.position(time), position);
-    // Central difference: an error of h^2/6 times the third derivative, at most amplitude w^3 = 0.45 mm (5.03/s)^3 a tone: 8 of them 5e-8 m/s.
+    // Central difference: an error of h^2/6 times the third derivative, at most amplitude w^3 =
+    // 0.45 mm (5.03/s)^3 a tone: 8 of them 5e-8 m/s.
     constexpr double h = 1e-3;
     EXPECT_NEAR(gripper.opening_speed(time), (gripper.opening(time + h) - gripper.opening(time - h)) / (2.0 * h), 8e-8);
   }

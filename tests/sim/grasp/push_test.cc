@@ -1,4 +1,4 @@
-// The force that a scene puts on a grasp's box, over time.
+// The force of a scene on a grasp's box over time.
 #include <gtest/gtest.h>
 
 #include "sim/grasp/push.h"
@@ -7,12 +7,12 @@
 namespace slipbench {
 namespace {
 
-// From 1 s to 1.2 s it rises to 4 N, then stays until 1.5 s and ends at once.
+// Rises to 4 N from 1 s to 1.2 s, stays until 1.5 s and ends at once.
 Push trapezoid() { return Push({"", {{1.0, 0.0, 0.0, 0.0}, {1.2, 4.0, 0.0, -8.0}, {1.5, 4.0, 0.0, -8.0}}}); }
 
 TEST(Push, MeanIsTheImpulseOverTheTime) {
   const Push push = trapezoid();
-  // All of it: 4 N (0.2/2 + 0.3) s = 1.6 N s.
+  // The whole push: 4 N (0.2/2 + 0.3) s = 1.6 N s.
   EXPECT_LT((push.mean(0.0, 2.0) - Eigen::Vector3d(0.8, 0.0, -1.6)).norm(), 1e-12);
   // On the ramp the mean is the force at the middle: 4 N 0.05/0.2.
   EXPECT_LT((push.mean(1.04, 1.06) - Eigen::Vector3d(1.0, 0.0, -2.0)).norm(), 1e-12);
@@ -22,7 +22,7 @@ TEST(Push, MeanIsTheImpulseOverTheTime) {
   EXPECT_EQ(push.mean(1.5, 2.0).norm(), 0.0);
 }
 
-// A knock of 2 ms that lies within a step of 10 ms keeps its impulse: 100 N 1 ms = 0.1 N s.
+// A knock of 2 ms within a step of 10 ms keeps its impulse: 100 N 1 ms = 0.1 N s.
 TEST(Push, KnockShorterThanTheStepKeepsItsImpulse) {
   const Push knock({"", {{1.003, 0.0, 0.0, 0.0}, {1.004, 100.0, 0.0, 0.0}, {1.005, 0.0, 0.0, 0.0}}});
   EXPECT_NEAR(knock.mean(1.0, 1.01).x() * 0.01, 0.1, 1e-12);
