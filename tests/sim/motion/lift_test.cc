@@ -1,4 +1,4 @@
-// The arm of a grasp: where it is, how fast, when.
+// The arm of a grasp: position, speed and timing.
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -30,7 +30,8 @@ void expect_vector(const Eigen::Vector3d& found, const Eigen::Vector3d& expected
 }
 
 TEST(Lift, WaitsAndRisesOnATrapezoid) {
-  // 100 mm at 43 mm/s and 400 mm/s^2: ramps of 43/400 = 0.1075 s, in all 100/43 + 0.1075 s; half of the way in half of the time.
+  // 100 mm at 43 mm/s and 400 mm/s^2: ramps of 43/400 = 0.1075 s, in all 100/43 + 0.1075 s; half of
+  // the distance in half of the time.
   const auto motion = lift();
   const double end = 1.5 + 0.1 / 0.043 + 0.1075;
   const LiftTimes times = lift_times(parameters({}));
@@ -53,7 +54,8 @@ TEST(Lift, WaitsAndRisesOnATrapezoid) {
 }
 
 TEST(Lift, GoesSidewaysAfterIt) {
-  // 50 mm along [0.6, 0.8] at 0.1 m/s and 0.1 m/s^2, after 100 mm up: a triangle would take 1.414 s, and here the top is never reached.
+  // 50 mm along [0.6, 0.8] at 0.1 m/s and 0.1 m/s^2, after 100 mm up: a triangular profile takes
+  // 1.414 s and does not reach the top speed.
   const auto motion = lift({{"speed", 0.1}, {"acceleration", 0.1}, {"sideways", std::vector{0.03, 0.04}}});
   const double risen = 1.5 + 2.0;  // 100 mm: sqrt(a d) = 0.1 m/s just reached
   const double half = std::sqrt(0.05 / 0.1);
@@ -64,7 +66,7 @@ TEST(Lift, GoesSidewaysAfterIt) {
 }
 
 TEST(Lift, TiltsAboutOneAxis) {
-  // 50 deg about [0.6, 0.8, 0] at 50 deg/s, at once: 1 s from the end of a lift of nothing.
+  // 50 deg about [0.6, 0.8, 0] at 50 deg/s, without a ramp: 1 s from the end of a lift by 0.
   const double rate = 50.0 * pi / 180.0;
   const auto motion = lift({{"distance", 0.0},
                             {"tilt", std::vector{0.6 * rate, 0.8 * rate}},
@@ -81,7 +83,8 @@ TEST(Lift, TiltsAboutOneAxis) {
 }
 
 TEST(Lift, ShakesWholeCyclesFromRestToRest) {
-  // 2 cycles of 4 Hz between 0 and 10 mm up, from 1.5 s on; the fastest, 10 mm pi 4 Hz, at a quarter of a cycle.
+  // 2 cycles of 4 Hz between 0 and 10 mm up, from 1.5 s on; the top speed, 10 mm pi 4 Hz, at a
+  // quarter of a cycle.
   const auto motion = lift(
       {{"distance", 0.0}, {"shake", std::vector{0.0, 0.0, 0.01}}, {"shake_frequency", 4.0}, {"shake_cycles", std::int64_t{2}}});
   expect_vector(motion->pad_at(1.5).pose.position, {0.0, 0.0, 0.0}, 1e-18);
@@ -99,7 +102,8 @@ TEST(Lift, ShakesWholeCyclesFromRestToRest) {
 TEST(Lift, VelocityIsTheDerivativeOfThePose) {
   const auto motion = lift(
       {{"sideways", std::vector{0.03, -0.02}}, {"tilt", std::vector{0.3, 0.2}}, {"shake", std::vector{0.002, 0.001, 0.003}}});
-  // Central differences of step 1e-5 s: the third derivative of the shake, 0.003/2 (10 pi)^3 m/s^3, times h^2/6 is 1e-9 m/s.
+  // Central differences of step 1e-5 s: the third derivative of the shake, 0.003/2 (10 pi)^3 m/s^3,
+  // times h^2/6 is 1e-9 m/s.
   constexpr double h = 1e-5;
   for (double t = 0.013; t < 12.0; t += 0.0717) {
     const BodyState before = motion->pad_at(t - h), now = motion->pad_at(t), after = motion->pad_at(t + h);

@@ -1,4 +1,4 @@
-// The motors' vibration: where its lines are, how strong, and when it is silent.
+// The motors' vibration: its lines, its strength and its silence.
 #include "sim/motion/motion.h"
 
 #include <cmath>
@@ -24,8 +24,9 @@ BodyState stage(double x, double v) {
   return state;
 }
 
-// What the frame's modes pass of a force of frequency f: sum -f^2/(f_r^2 - f^2 + 2 i zeta_r f_r f). Each of the five passes the force itself less
-// what its spring and dashpot hold; between samples these see the force go straight, which weakens it by (sin x/x)^2, x = pi f dt.
+// Transfer of the frame's modes for a force of frequency f: sum -f^2/(f_r^2 - f^2 + 2 i zeta_r f_r
+// f). Each of the five passes the force minus the share of its spring and dashpot. The modes take
+// the force as linear between samples, which weakens it by (sin x/x)^2, x = pi f dt.
 std::complex<double> passed(double f) {
   const double x = pi * f * dt;
   std::complex<double> sum = 0.0;
@@ -38,12 +39,13 @@ std::complex<double> passed(double f) {
 }
 
 TEST(MotorVibration, HasItsLinesAtTheOrdersOfTheSpindle) {
-  // At v = 10 mm/s and a lead of 8 mm the spindle turns at 1.25 Hz. A line of the excitation has the amplitude 1.6 mN/sqrt(7), at 40 mm/s twice
-  // that. Beside it is noise of one pole f_c = 200 v/lead: one-sided density S = A^2/(pi f_c)/(1 + (f/f_c)^2) before the modes, A^2 = 2.56 mN^2
-  // v/(10 mm/s); under a Hann taper over T it adds to an amplitude an error of variance 3/2 S/T a component, of which five standard errors are
-  // allowed.
+  // At v = 10 mm/s and a lead of 8 mm the spindle turns at 1.25 Hz. A line of the excitation has
+  // the amplitude 1.6 mN/sqrt(7), at 40 mm/s twice that. In addition there is noise of one pole f_c
+  // = 200 v/lead: one-sided density S = A^2/(pi f_c)/(1 + (f/f_c)^2) before the modes, A^2 = 2.56
+  // mN^2 v/(10 mm/s). Under a Hann taper over T it adds an error of variance 3/2 S/T to each
+  // component of an amplitude; five standard errors are allowed.
   constexpr int count = 400000;
-  // An idle axis sounds as one that carries the pad.
+  // An idle axis sounds like one that carries the pad.
   for (const auto& [v, idle] : {std::pair{10e-3, false}, std::pair{40e-3, false}, std::pair{40e-3, true}}) {
     MotorVibration shaking = motors({.sd = 0.0, .idle_speed = idle ? v : 0.0});
     std::vector<double> force;
@@ -82,11 +84,13 @@ TEST(MotorVibration, HearsAnIdleAxisFromItsStartOnAndDrawsNothingForNone) {
 }
 
 TEST(MotorVibration, HumsAtRestAsNoiseOfAnAxisAtRestSpeed) {
-  // Motors that hold drive with noise alone: mean square A^2/2, A = 1.6 mN sqrt(2 mm/s/10 mm/s), of one pole f_c = 200 v/lead = 50 Hz, so of the
-  // one-sided density A^2/(pi f_c)/(1 + (f/f_c)^2). A step of the pole samples it: at f the density is that of e^(-|k| b), b = 2 pi f_c dt,
+  // Motors that hold give noise alone: mean square A^2/2, A = 1.6 mN sqrt(2 mm/s/10 mm/s), of one
+  // pole f_c = 200 v/lead = 50 Hz, so the one-sided density is A^2/(pi f_c)/(1 + (f/f_c)^2).
+  // Sampled at the steps, the density at f is that of e^(-|k| b), b = 2 pi f_c dt,
   //   A^2 dt (1 - E^2)/(1 - 2 E cos(2 pi f dt) + E^2),  E = e^-b,
-  // and the modes pass |passed(f)|^2 of it. A periodogram of n = 400 segments has a standard error of 1/sqrt(n) = 5 % (Hann, no overlap). A mode of
-  // half width zeta f_r = 2.25 Hz is narrower than a bin of 10 Hz; the bins at 400 and 800 Hz are away from all modes.
+  // and the modes pass |passed(f)|^2 of it. A periodogram of n = 400 segments has a standard error
+  // of 1/sqrt(n) = 5 % (Hann, no overlap). A mode of half width zeta f_r = 2.25 Hz is narrower than
+  // a bin of 10 Hz; the bins at 400 and 800 Hz are away from all modes.
   constexpr int segment = 1000, segments = 400;
   MotorVibration shaking = motors({.sd = 0.0, .rest_speed = 2e-3});
   for (int k = 0; k < 5000; ++k) shaking.force(stage(0.0, 0.0), false, dt);  // the modes settle
@@ -139,13 +143,15 @@ TEST(MotorVibration, IsSilentWhileNothingHasMovedAndRingsOutWhenItStops) {
   double loudest = 0.0;
   for (int k = 0; k < 5000; ++k) loudest = std::max(loudest, std::abs(shaking.force(stage(1e-6 * k, 10e-3), true, dt)));
   EXPECT_GT(loudest, 1e-3);
-  // The slowest mode decays by zeta w = 0.03 2 pi 75 Hz = 14.1/s at least: to 1e-12 within 2 s, and is then put to rest.
+  // The slowest mode decays by at least zeta w = 0.03 2 pi 75 Hz = 14.1/s: to 1e-12 within 2 s,
+  // after which it is set to 0.
   for (int k = 0; k < 25000; ++k) shaking.force(stage(5e-3, 0.0), true, dt);
   EXPECT_EQ(shaking.force(stage(5e-3, 0.0), true, dt), 0.0);
 }
 
 TEST(MotorVibration, FollowsTheSpindleThroughAChangeOfSpeed) {
-  // While the speed goes from 5 to 20 mm/s in 0.1 s no step of the force is larger than five times the rms of the steps at 20 mm/s.
+  // While the speed changes from 5 to 20 mm/s in 0.1 s no step of the force exceeds five times the
+  // rms of the steps at 20 mm/s.
   MotorVibration steady = motors(), changing = motors();
   double square = 0.0, last = 0.0;
   for (int k = 0; k < 20000; ++k) {

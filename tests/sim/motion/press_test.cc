@@ -1,4 +1,4 @@
-// The press: where the pad is, how fast, when; and what it refuses.
+// The press: position, speed, timing and refusals.
 #include "sim/motion/motion.h"
 
 #include <cmath>
@@ -23,8 +23,8 @@ std::unique_ptr<Motion> press(const std::vector<std::pair<std::string, Parameter
   return press_motion().create(parameters, {});
 }
 
-// 0.5 mm of gap and 0.8 mm of compression at 1 mm/s and 50 mm/s2: 1.3 s + 0.02 s, half of the way in half of the time. The retreat at
-// 0.03 mm/s has reached its speed after 0.6 ms and 9 nm.
+// 0.5 mm of gap and 0.8 mm of compression at 1 mm/s and 50 mm/s2: 1.3 s + 0.02 s, half of the
+// distance in half of the time. The retreat reaches its 0.03 mm/s after 0.6 ms and 9 nm.
 TEST(Press, PressesHoldsAndRetreats) {
   const auto motion = press({{"begin", 1.0}, {"retreat", 5.0}});
   const auto height = [&](double t) { return motion->pad_at(t).pose.position.z(); };
@@ -35,7 +35,7 @@ TEST(Press, PressesHoldsAndRetreats) {
   EXPECT_NEAR(height(5.0), -0.8e-3, 1e-15);
   EXPECT_NEAR(motion->pad_at(10.0).velocity.z(), 0.03e-3, 1e-15);
   EXPECT_NEAR(height(10.0), -0.8e-3 + 0.03e-3 * 5.0 - 9e-9, 1e-14);
-  // 1.3 mm take 43.33 s and 0.6 ms; there it rests.
+  // 1.3 mm take 43.33 s and 0.6 ms; then the pad rests.
   EXPECT_NEAR(height(60.0), 0.5e-3, 1e-15);
   EXPECT_EQ(motion->pad_at(60.0).velocity.norm(), 0.0);
   EXPECT_FALSE(motion->turns());
@@ -57,9 +57,9 @@ TEST(Press, RefusesARetreatBeforeItHasPressed) {
   EXPECT_THAT(refusal_of<SceneValueError>([] { press({{"retreat", 1.3}}); }), mentions({"pressing", "1.32 s"}));
 }
 
-// The arm that a controller commands: trapezoids from the instants of the commands.
+// The arm commanded by a controller: trapezoids from the instants of the commands.
 
-// 8 ms late, 0.2 m/s2, at most 0.1 m/s.
+// 8 ms latency, 0.2 m/s2, at most 0.1 m/s.
 Guided arm() { return Guided(defaults_of(guided_motion().about.parameters)); }
 
 TEST(Guided, RestsUntilTold) {
@@ -70,7 +70,7 @@ TEST(Guided, RestsUntilTold) {
   EXPECT_FALSE(resting.turns());
 }
 
-// 10 mm/s up from a write at 1 s on: 50 ms of 0.2 m/s2 after the latency, 0.25 mm, then 10 mm/s.
+// 10 mm/s up, written at 1 s: after the latency 50 ms at 0.2 m/s2, 0.25 mm, then 10 mm/s.
 TEST(Guided, EachCommandIsARampAfterTheLatency) {
   Guided moving = arm();
   moving.write(1.0, {.sideways = 0.0, .up = 10e-3});
@@ -79,7 +79,8 @@ TEST(Guided, EachCommandIsARampAfterTheLatency) {
   EXPECT_NEAR(moving.pad_at(1.033).velocity.z(), 5e-3, 1e-15);
   EXPECT_NEAR(moving.pad_at(1.058).pose.position.z(), 0.25e-3, 1e-15);
   EXPECT_NEAR(moving.pad_at(2.058).pose.position.z(), 10.25e-3, 1e-14);
-  // The same again changes nothing, and sideways is an axis of its own: -20 mm/s takes 100 ms and 1 mm.
+  // Repeating the command changes nothing. Sideways is a separate axis: -20 mm/s takes 100 ms and 1
+  // mm.
   moving.write(2.0, {.sideways = 0.0, .up = 10e-3});
   moving.write(2.05, {.sideways = -20e-3, .up = 10e-3});
   EXPECT_NEAR(moving.pad_at(3.158).pose.position.y(), -21e-3, 1e-14);
@@ -88,7 +89,8 @@ TEST(Guided, EachCommandIsARampAfterTheLatency) {
   EXPECT_DOUBLE_EQ(moving.lift_start(), 1.008);
 }
 
-// Told to stop at half of the ramp, 25 ms and 0.0625 mm in, it brakes for as long and as far again.
+// Stopped in the middle of the ramp, after 25 ms and 0.0625 mm, it brakes for the same time and
+// distance.
 TEST(Guided, ACommandCutsTheRampOfTheLastOneShort) {
   Guided stopped = arm();
   stopped.write(0.0, {.sideways = 0.0, .up = 10e-3});

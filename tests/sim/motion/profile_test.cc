@@ -1,4 +1,4 @@
-// One coordinate of a motion against the closed forms of constant acceleration.
+// One coordinate of a motion against closed forms of constant acceleration.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 
-// Times, ways and speeds below are sums of a few rounded numbers of size 1 s and 1 mm.
+// Times, distances and speeds below are sums of a few rounded numbers of size 1 s and 1 mm.
 constexpr double rounding = 1e-15;
 
 void expect_at(const Profile& profile, double t, double position, double velocity) {
@@ -32,7 +32,8 @@ TEST(Profile, StandsStillUntilMoved) {
 }
 
 TEST(Profile, TrapezoidForthAndBack) {
-  // 2 mm at 4 mm/s and 50 mm/s^2: ramps of 0.08 s and 0.16 mm each, 1.68 mm at full speed in 0.42 s, 0.58 s in all.
+  // 2 mm at 4 mm/s and 50 mm/s^2: ramps of 0.08 s and 0.16 mm each, 1.68 mm at full speed in 0.42
+  // s, 0.58 s in all.
   for (const double sign : {1.0, -1.0}) {
     Profile profile(1e-3);
     profile.move(1.0, sign * 2e-3, 4e-3, 50e-3);
@@ -49,7 +50,8 @@ TEST(Profile, TrapezoidForthAndBack) {
 }
 
 TEST(Profile, ShortWayIsATriangle) {
-  // 0.1 mm at 50 mm/s^2 and up to 4 mm/s: the top is sqrt(a d) = 2.236 mm/s after sqrt(d/a) = 44.7 ms, in the middle of the way.
+  // 0.1 mm at 50 mm/s^2 and up to 4 mm/s: the maximum is sqrt(a d) = 2.236 mm/s after sqrt(d/a) =
+  // 44.7 ms, in the middle.
   const double a = 50e-3, d = 0.1e-3, half = std::sqrt(d / a);
   Profile profile(0.0);
   profile.move(0.0, d, 4e-3, a);
@@ -72,7 +74,7 @@ TEST(Profile, InfiniteAccelerationJumps) {
 }
 
 TEST(Profile, ChangeStillAtWorkIsCutShort) {
-  // Braked after 0.04 s of a ramp of 0.08 s: 2 mm/s and 0.04 mm reached, as much again while braking.
+  // Braked after 0.04 s of a ramp of 0.08 s, at 2 mm/s and 0.04 mm; braking takes another 0.04 mm.
   Profile profile(0.0);
   profile.change_velocity(0.0, 4e-3, 50e-3);
   profile.change_velocity(0.04, 0.0, 50e-3);
@@ -83,7 +85,7 @@ TEST(Profile, ChangeStillAtWorkIsCutShort) {
 }
 
 TEST(Profile, ReversalCrossesZeroAtTheLimit) {
-  // From 4 mm/s to -4 mm/s at 50 mm/s^2: 0.16 s, back at the same place after them.
+  // From 4 mm/s to -4 mm/s at 50 mm/s^2: 0.16 s, after which it is back at the same position.
   Profile profile(0.0);
   profile.change_velocity(0.0, 4e-3, inf);
   profile.change_velocity(1.0, -4e-3, 50e-3);
@@ -93,7 +95,8 @@ TEST(Profile, ReversalCrossesZeroAtTheLimit) {
 }
 
 TEST(Profile, ChangeToTheVelocityJustReachedHoldsIt) {
-  // Reversing from 1/16 m/s at 1/4 m/s^2 from t = 1 the velocity is exactly 0 at t = 1.25: asked for 0 there, it must stay there.
+  // Reversing from 1/16 m/s at 1/4 m/s^2 from t = 1 the velocity is exactly 0 at t = 1.25;
+  // commanded to 0 there, it must stay 0.
   Profile profile(0.0);
   profile.change_velocity(0.0, 0.0625, inf);
   profile.change_velocity(1.0, -0.0625, 0.25);
@@ -119,7 +122,8 @@ TEST(Profile, AnySequenceOfChangesIsContinuousAndWithinItsLimit) {
       const ProfilePoint a = profile.at(s), b = profile.at(s + h);
       fastest = std::max(fastest, std::abs(a.velocity));
       ASSERT_LE(std::abs(b.velocity - a.velocity), limit * h * (1.0 + 1e-9));
-      // Over h the velocity lies between both ends but for one turn inside, which adds limit h/2 at most.
+      // Over h the velocity lies between both ends except for one reversal inside, which adds at
+      // most limit h/2.
       ASSERT_LE(std::abs(b.position - a.position - 0.5 * h * (a.velocity + b.velocity)), 0.25 * limit * h * h * (1.0 + 1e-9));
     }
     EXPECT_LE(fastest, profile.top_speed() * (1.0 + 1e-12));
@@ -129,8 +133,9 @@ TEST(Profile, AnySequenceOfChangesIsContinuousAndWithinItsLimit) {
 }
 
 TEST(Profile, MovesOnFromAMoveUnderWay) {
-  // From 1 m/s at 2 m/s^2 to 3 m beyond: the top v with v^2 - 1/2 = a d = 6 would be 2.55 m/s. Up to 2 m/s: 0.5 s and 0.75 m, down again 1 s
-  // and 1 m, between them 1.25 m in 0.625 s.
+  // From 1 m/s at 2 m/s^2 to 3 m further: without a limit the maximum v with v^2 - 1/2 = a d = 6
+  // would be 2.55 m/s. Up to 2 m/s: 0.5 s and 0.75 m, down again 1 s and 1 m, between them 1.25 m
+  // in 0.625 s.
   Profile profile(0.0);
   profile.change_velocity(0.0, 1.0, inf);
   profile.move_to(1.0, 4.0, 2.0, 2.0);
@@ -138,7 +143,7 @@ TEST(Profile, MovesOnFromAMoveUnderWay) {
   expect_at(profile, 1.5, 1.75, 2.0);
   expect_at(profile, 2.125, 3.0, 2.0);
   expect_at(profile, 10.0, 4.0, 0.0);
-  // Slower than it goes: from 1 m/s to 0.5 m/s in 0.25 s and 0.1875 m, and so on.
+  // Slower than the current speed: from 1 m/s to 0.5 m/s in 0.25 s and 0.1875 m, and so on.
   Profile slower(0.0);
   slower.change_velocity(0.0, 1.0, inf);
   slower.move_to(1.0, 4.0, 0.5, 2.0);
@@ -147,7 +152,8 @@ TEST(Profile, MovesOnFromAMoveUnderWay) {
 }
 
 TEST(Profile, BrakesFirstWhereTheMoveLeadsPastTheTargetOrAway) {
-  // From 1 m/s at 2 m/s^2 it rests after 0.5 s and 0.25 m. A target 0.1 m on, or 1 m back, is reached from there.
+  // From 1 m/s at 2 m/s^2 it stops after 0.5 s and 0.25 m. A target 0.1 m ahead, or 1 m behind, is
+  // reached from there.
   for (const double target : {1.1, 0.0}) {
     Profile profile(0.0);
     profile.change_velocity(0.0, 1.0, inf);

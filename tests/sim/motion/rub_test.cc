@@ -1,4 +1,5 @@
-// The rubbing finger: the spot asked for touches, rates are the poses' own, and the processes have the moments that the law says.
+// The rubbing finger: the requested spot touches, rates match the poses, and the processes have the
+// law's moments.
 #include "sim/motion/motion.h"
 
 #include <algorithm>
@@ -24,13 +25,14 @@ std::unique_ptr<Motion> rub(const MotionKey& key, const Changes& changes = {}) {
   return rub_motion().create(parameters, key);
 }
 
-// Depth of a compression of 1.5 mm where the deepest is 3.5 mm.
+// Depth for a compression of 1.5 mm and a maximum depth of 3.5 mm.
 const double pressed = 3.5e-3 * std::tanh(1.5 / 3.5);
 
 // The load's process p from the depth: atanh(depth/deepest) deepest/compression = exp(0.2 p).
 double load_of(double depth) { return std::log(std::atanh(depth / 3.5e-3) * 3.5 / 1.5) / 0.2; }
 
-// Its rate over the pole, of a finger that is pressed on its lowest line: dp/d(depth) = 1/(0.2 deepest (1 - u^2) atanh u), u = depth/deepest.
+// Its rate over the pole, for a finger pressed at its lowest line: dp/d(depth) = 1/(0.2 deepest (1
+// - u^2) atanh u), u = depth/deepest.
 double load_rate(const BodyState& pad) {
   const double u = -pad.pose.position.z() / 3.5e-3;
   return -pad.velocity.z() / (0.2 * 3.5e-3 * (1.0 - u * u) * std::atanh(u)) / pole;
@@ -43,14 +45,15 @@ const Changes restless{{"site", Lengths{-6e-3, 4e-3}},
                        {"direction", 0.7},
                        {"rotation", -0.6}};
 
-// The lowest point of the ellipsoid {centre + D v : |v| = 1}, D = diag(a, b, c), seen along the world's Z in the pad frame, r: the third row
-// of the rotation: v = -D r/|D r|.
+// The lowest point of the ellipsoid {centre + D v : |v| = 1}, D = diag(a, b, c), along the world's
+// Z in the pad frame. With r the third row of the rotation, v = -D r/|D r|.
 Eigen::Vector3d lowest(const BodyState& pad, const Eigen::Vector3d& half, const Eigen::Vector3d& centre) {
   const Eigen::Vector3d seen = half.cwiseProduct(pad.pose.rotation.row(2).transpose());
   return centre - half.cwiseProduct(seen) / seen.norm();
 }
 
-// The spot is (x, k b sin g, -k c cos g) with g = arc/mean(b, c), k = sqrt(1 - (x/a)^2); rounding alone separates both.
+// The spot is (x, k b sin g, -k c cos g) with g = arc/mean(b, c), k = sqrt(1 - (x/a)^2), up to
+// rounding.
 TEST(Rub, TheSpotAskedForIsTheLowestPoint) {
   const Eigen::Vector3d half(13.85e-3, 9.85e-3, 10.1e-3), centre(1e-3, -0.5e-3, 2e-3);
   for (const double x : {-9e-3, 0.0, 6.2e-3}) {
@@ -80,11 +83,12 @@ TEST(Rub, StandsOverTheSurfaceUntilItsStartAndThenComesDown) {
     EXPECT_EQ(motion->pad_at(t).velocity.norm(), 0.0);
   }
   EXPECT_NEAR(motion->pad_at(0.6).pose.position.z(), -pressed, 1e-15);
-  EXPECT_EQ(motion->pad_at(0.6).pose.position.x(), 0.0);  // slides only when it is down
+  EXPECT_EQ(motion->pad_at(0.6).pose.position.x(), 0.0);  // slides only after contact
 }
 
-// Rates by central differences inside the cubics, h = 1 us. The third derivative of a cubic that moves by mm in some ms at the fastest warp
-// is below 1e5 m/s^3, and h^2/6 of it 2e-8 m/s; of angles, over a centimetre, a hundred times as much. Rounding: 1e-2 m * 1e-16/h = 1e-12.
+// Rates by central differences inside the cubics, h = 1 us. The third derivative of a cubic that
+// moves by mm within some ms, at the fastest warp, is below 1e5 m/s^3, and h^2/6 times that is 2e-8
+// m/s; for angles, over a centimetre, a hundred times as much. Rounding: 1e-2 m * 1e-16/h = 1e-12.
 TEST(Rub, VelocityIsTheRateOfItsPose) {
   const auto motion = rub({11, 2}, restless);
   const double h = 1e-6;
@@ -101,7 +105,8 @@ TEST(Rub, VelocityIsTheRateOfItsPose) {
   EXPECT_LE(fastest, motion->top_speed(10.1e-3));
 }
 
-// Poses and rates go on smoothly over the knots: both sides of one, 2 ns apart, differ by no more than rate and curvature times that.
+// Poses and rates are smooth at the knots: 2 ns apart, both sides differ by at most rate and
+// curvature times 2 ns.
 TEST(Rub, IsSmoothOverItsKnots) {
   const auto motion = rub({5, 3}, restless);
   for (int k = 20; k < 400; ++k) {
@@ -111,9 +116,10 @@ TEST(Rub, IsSmoothOverItsKnots) {
   }
 }
 
-// The load is a process. Over 200 trials x 10 instants 3 s apart, over which it forgets all but (1 + 7.5) exp(-7.5),
-// a product of two values of variance 1 and covariance r has the standard error sqrt((1 + r^2)/2000) <= 0.0316; five are allowed. Its rate
-// has the variance pole^2 with the standard error pole^2 sqrt(2/2000).
+// The load is a stationary process. Over 200 trials x 10 instants 3 s apart, after which all but (1
+// + 7.5) exp(-7.5) is forgotten, a product of two values of variance 1 and covariance r has the
+// standard error sqrt((1 + r^2)/2000) <= 0.0316; five are allowed. The rate has the variance pole^2
+// with the standard error pole^2 sqrt(2/2000).
 TEST(Rub, LoadIsNoiseBehindTwoEqualLowPasses) {
   const std::vector<double> lags{0.0, 0.1, 0.4, 1.0};
   std::vector<double> products(lags.size(), 0.0);
@@ -135,8 +141,8 @@ TEST(Rub, LoadIsNoiseBehindTwoEqualLowPasses) {
   EXPECT_NEAR(rates / draws, 1.0, 5.0 * 0.0316);
 }
 
-// A rate is pole exp(warp g) u: its square has the mean pole^2 exp(2 warp^2), and relative to that the standard error
-// sqrt((3 exp(4 warp^2) - 1)/2000) = 0.06 at warp = 0.5.
+// A rate is pole exp(warp g) u: its mean square is pole^2 exp(2 warp^2), with a relative standard
+// error of sqrt((3 exp(4 warp^2) - 1)/2000) = 0.06 at warp = 0.5.
 TEST(Rub, WarpMakesFitsAndStarts) {
   double rates = 0.0;
   int draws = 0;
@@ -149,8 +155,9 @@ TEST(Rub, WarpMakesFitsAndStarts) {
   EXPECT_NEAR(rates / draws / std::exp(0.5), 1.0, 5.0 * 0.06);
 }
 
-// q = max(0, m + z) with m = 0.6: E q = m F(m) + f(m) = 0.7687 and E q^2 = (1 + m^2) F(m) + m f(m) = 1.1869, F and f of the standard normal, and
-// F(-m) = 0.2743 of the time it rests. 2,000 values at knots: standard errors sqrt(1.1869 - 0.7687^2)/44.7 = 0.0173 and 0.01.
+// q = max(0, m + z) with m = 0.6: E q = m F(m) + f(m) = 0.7687 and E q^2 = (1 + m^2) F(m) + m f(m)
+// = 1.1869, with F and f of the standard normal; it rests for F(-m) = 0.2743 of the time. 2,000
+// values at knots: standard errors sqrt(1.1869 - 0.7687^2)/44.7 = 0.0173 and 0.01.
 TEST(Rub, SlidesByFitsAndStarts) {
   double way = 0.0, rests = 0.0;
   int draws = 0;
@@ -167,9 +174,9 @@ TEST(Rub, SlidesByFitsAndStarts) {
   EXPECT_NEAR(rests / draws, 0.2743, 5.0 * 0.01);
 }
 
-// The same process drives both, so the angle is the way times rotation/speed, about the spot.
-// Start 50 ms, approach 100 ms, wait 300 ms: at rest until 450 ms. The depth's logarithm is a fifth of what it is without `rest`, and the same from
-// 550 ms on.
+// One process drives both, so the angle is the distance times rotation/speed, about the spot. Start
+// 50 ms, approach 100 ms, wait 300 ms: at rest until 450 ms. Until then the logarithm of the depth
+// is a fifth of its value without `rest`; from 550 ms on both are equal.
 TEST(Rub, WaitsAndRocksLessUntilItMoves) {
   const Changes all{{"load_sd", 0.2}, {"speed", 8e-3}};
   Changes resting = all;
@@ -196,7 +203,8 @@ TEST(Rub, TurnsAboutTheSpotAsItWouldSlide) {
   }
 }
 
-// Turned by 90 degrees, and told to go along its own -Y, it goes along the world's X: R^T (1, 0, 0) = (0, -1, 0).
+// Turned by 90 degrees and commanded along its own -Y, it moves along the world's X: R^T (1, 0, 0)
+// = (0, -1, 0).
 TEST(Rub, DirectionIsThePadsOwn) {
   const double quarter = 0.5 * std::numbers::pi;
   const auto motion = rub({1, 0}, {{"yaw", quarter}, {"direction", -quarter}, {"speed", 8e-3}});
@@ -225,7 +233,7 @@ TEST(Rub, StaysOnTheSkinHoweverMuchItWanders) {
     EXPECT_GE(x, -0.95 * 13.85e-3);
     least = std::min(least, x);
   }
-  EXPECT_LT(least, -12e-3);  // it does wander: two thirds of a standard deviation lead to 9 mm + 4.16 mm tanh(6/4.16) = 12.7 mm
+  EXPECT_LT(least, -12e-3);  // it moves: two thirds of a standard deviation lead to 9 mm + 4.16 mm tanh(6/4.16) = 12.7 mm
 }
 
 TEST(Rub, RefusesASiteBesideTheSkin) {

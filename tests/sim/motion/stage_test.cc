@@ -1,4 +1,4 @@
-// The stage: where the pad is, how fast, when; and what it refuses.
+// The stage: position, speed, timing and refusals.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -44,7 +44,8 @@ TEST(MotionCatalogue, EntriesAreDocumentedAndTheirDefaultsWork) {
 }
 
 TEST(Stage, PressesFromTheGapToTheCompressionAndLiftsOff) {
-  // 1.5 mm at 4 mm/s and 50 mm/s^2: 1.5/4 + 4/50 = 0.455 s; half of the way in half of the time.
+  // 1.5 mm at 4 mm/s and 50 mm/s^2: 1.5/4 + 4/50 = 0.455 s; half of the distance in half of the
+  // time.
   const auto motion = stage({{"retract", 5.0}});
   EXPECT_NEAR(height(*motion, 0.0), 0.5e-3, 1e-18);
   EXPECT_NEAR(height(*motion, 0.2275), -0.25e-3, 1e-15);
@@ -59,14 +60,15 @@ TEST(Stage, PressesFromTheGapToTheCompressionAndLiftsOff) {
 }
 
 TEST(Stage, TallestTipReachesTheCompressionWhateverTheTilt) {
-  // The middle pillar's tip is the pad's origin: pressed in by the compression, turned or not.
+  // The middle pillar's tip is the pad's origin: pressed in by the compression at any rotation.
   for (const double about_x : {0.0, 0.02, -0.05}) {
     for (const double about_y : {0.0, 0.03}) {
       const auto motion = stage(
           {{"tilt", std::vector<double>{about_x, about_y}}, {"rotation", 0.4}, {"pivot", std::vector<double>{3e-3, -2e-3}}});
       for (const double t : {1.0, 2.5, 4.0})
         EXPECT_NEAR((motion->pad_at(t).pose * Eigen::Vector3d(0.0, 0.0, 0.0)).z(), -1e-3, 1e-15);
-      // A tip at +x sinks by x sin(tilt about Y), one at +y rises by y sin(tilt about X) cos(tilt about Y).
+      // A tip at +x sinks by x sin(tilt about Y); one at +y rises by y sin(tilt about X) cos(tilt
+      // about Y).
       const Pose pose = motion->pad_at(1.0).pose;
       EXPECT_NEAR((pose * Eigen::Vector3d(7e-3, 0.0, 0.0)).z(), -1e-3 - 7e-3 * std::sin(about_y), 1e-15);
       EXPECT_NEAR((pose * Eigen::Vector3d(0.0, 7e-3, 0.0)).z(), -1e-3 + 7e-3 * std::sin(about_x) * std::cos(about_y), 1e-15);
@@ -99,7 +101,7 @@ TEST(Stage, RestsAtTheEndOfItsTravel) {
     EXPECT_NEAR(motion->pad_at(t).pose.position.x(), 6e-3, 1e-15) << t;
     EXPECT_EQ(motion->pad_at(t).velocity.x(), 0.0) << t;
   }
-  // There and back and there again, with no pause.
+  // Forward, back and forward again, without a pause.
   const auto thrice = stage({{"travel", 6e-3}, {"strokes", std::int64_t{3}}});
   EXPECT_NEAR(thrice->pad_at(3.58).pose.position.x(), 6e-3, 1e-15);
   EXPECT_NEAR(thrice->pad_at(3.58 + 0.79).pose.position.x(), 3e-3, 1e-14);
@@ -128,7 +130,7 @@ TEST(Stage, HasMotorsWhereTheyAreToBeFelt) {
 }
 
 TEST(Stage, StopsAndReversesOnTime) {
-  // Braked 0.5 s after the start: v x 0.5 s in all, at rest after another 0.08 s.
+  // Braked 0.5 s after the start: v x 0.5 s in total, at rest after another 0.08 s.
   const auto stopped = stage({{"stop", 0.5}});
   EXPECT_NEAR(stopped->pad_at(2.5).velocity.x(), 4e-3, 1e-15);
   EXPECT_NEAR(stopped->pad_at(2.54).velocity.x(), 2e-3, 1e-14);
@@ -136,13 +138,15 @@ TEST(Stage, StopsAndReversesOnTime) {
     EXPECT_NEAR(stopped->pad_at(t).pose.position.x(), 2e-3, 1e-15);
     EXPECT_NEAR(stopped->pad_at(t).velocity.x(), 0.0, 1e-14);
   }
-  // Reversed at 0.5 s: v t - v^2/(2 a) forth = 1.84 mm by then, +-0.16 mm during the turn, 0 again after 1.84/4 = 0.46 s more.
+  // Reversed at 0.5 s: v t - v^2/(2 a) = 1.84 mm forward by then, +-0.16 mm during the reversal, 0
+  // again after another 1.84/4 = 0.46 s.
   const auto reversed = stage({{"reverse", 0.5}});
   EXPECT_NEAR(reversed->pad_at(2.5).pose.position.x(), 1.84e-3, 1e-15);
   EXPECT_NEAR(reversed->pad_at(2.58).pose.position.x(), 2.0e-3, 1e-15);
   EXPECT_NEAR(reversed->pad_at(2.66).velocity.x(), -4e-3, 1e-14);
   EXPECT_NEAR(reversed->pad_at(2.66 + 0.46).pose.position.x(), 0.0, 1e-15);
-  // Stopped in the middle of the turn-back, where its velocity is exactly zero: 1/16 m/s at 1/4 m/s^2 takes 0.25 s.
+  // Stopped in the middle of the reversal, where its velocity is exactly zero: 1/16 m/s at 1/4
+  // m/s^2 takes 0.25 s.
   const auto both = stage({{"speed", 0.0625}, {"acceleration", 0.25}, {"reverse", 1.0}, {"stop", 1.25}});
   EXPECT_NEAR(both->pad_at(3.25).velocity.x(), 0.0, 1e-15);
   EXPECT_NEAR(both->pad_at(6.0).velocity.x(), 0.0, 1e-15) << "it stays at rest";
@@ -161,12 +165,12 @@ TEST(Stage, PivotMovesOnAStraightLineWhileThePadTurnsAboutIt) {
     const double way = 4e-3 * (t - 2.0), angle = 0.5 * (t - 2.0);
     EXPECT_NEAR((pad.pose * pivot - pivot - way * d - Eigen::Vector3d(0.0, 0.0, -1e-3)).norm(), 0.0, 1e-15) << "t " << t;
     EXPECT_NEAR((pad.pose.rotation - Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix()).norm(), 0.0, 1e-14);
-    // Velocity of the pivot point: v d, nothing of the turn.
+    // Velocity of the pivot point: v d, without a share of the turn.
     const Eigen::Vector3d at_pivot = pad.velocity + pad.angular_velocity.cross(pad.pose * pivot - pad.pose.position);
     EXPECT_NEAR((at_pivot - 4e-3 * d).norm(), 0.0, 1e-15);
   }
-  // Tilted, the pivot is met in the surface's plane: the pad's own point strays by |pivot| tilt^2/2 at most, and stays at one
-  // height.
+  // When tilted, the pivot lies in the surface's plane: the pad's own point deviates by at most
+  // |pivot| tilt^2/2 and stays at one height.
   const double tilt = 0.03;
   const auto tilted = stage({{"rotation", 0.5},
                              {"pivot", std::vector<double>{pivot.x(), pivot.y()}},
@@ -179,9 +183,9 @@ TEST(Stage, PivotMovesOnAStraightLineWhileThePadTurnsAboutIt) {
 }
 
 TEST(Stage, VelocitiesAreTheDerivativesOfThePose) {
-  // The central difference over +-h errs by h/2 times the largest acceleration, and by 1e-17 m/h of rounding. Accelerations: 50
-  // mm/s^2 sideways and down, lever x (alpha + rate^2) <= 5 mm x (8.8 + 0.3) = 45 mm/s^2 for turning about the pivot; the angle's
-  // own is 8.8 rad/s^2.
+  // The error of the central difference over +-h is h/2 times the largest acceleration, plus 1e-17
+  // m/h of rounding. Accelerations: 50 mm/s^2 sideways and down, lever x (alpha + rate^2) <= 5 mm x
+  // (8.8 + 0.3) = 45 mm/s^2 for turning about the pivot; the angle's own is 8.8 rad/s^2.
   const double h = 1e-6, acceleration = 2.0 * 50e-3 + 45e-3, alpha = 8.8;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     RandomStream draw(seed, 0, "stage");

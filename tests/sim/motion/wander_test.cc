@@ -1,4 +1,4 @@
-// The hand of a calibration: within its limits, spread over them, and as fast as it says.
+// The calibration's hand motion: within its limits, spread over them, with consistent velocities.
 #include "sim/motion/motion.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::unique_ptr<Motion> wander(const MotionKey& key, const Changes& changes = {}
   return wander_motion().create(parameters, key);
 }
 
-// Compression [m], then along X and Y [m] and about X, Y and Z [rad], taken out of R = Rz Ry Rx.
+// Compression [m], then along X and Y [m] and about X, Y and Z [rad], extracted from R = Rz Ry Rx.
 std::array<double, 6> coordinates(const BodyState& pad) {
   const Eigen::Matrix3d& r = pad.pose.rotation;
   return {-pad.pose.position.z(),       pad.pose.position.x(), pad.pose.position.y(),
@@ -38,10 +38,12 @@ TEST(Wander, StandsStillOverTheSurfaceUntilItsStart) {
   }
 }
 
-// A coordinate is limit * w * c with w even over (-1, 1), c over (0, 1) and both independent. So c has the quantiles that its share says,
-// and of w c the median of |w c| = m solves m (1 - ln m) = 1/2: m = 0.1867. 400 hands at instants 5 s apart, over which waves of up to
-// 0.5 Hz forget; 4,000 draws have a standard error of 0.0079 in a share, of which five are allowed, and 0.004 for g, which is the sum of
-// eight sines and not quite normal: its fourth moment is 3 - 3/16, which moves the share within |g| < 0.67 by less than that.
+// A coordinate is limit * w * c with w symmetric over (-1, 1), c over (0, 1), both independent. So
+// c has the quantiles of its share, and the median m of |w c| solves m (1 - ln m) = 1/2: m =
+// 0.1867. 400 hands at instants 5 s apart, independent for waves of up to 0.5 Hz: 4,000 draws have
+// a standard error of 0.0079 in a share, five of which are allowed. For g, a sum of eight sines and
+// so not quite normal, 0.004 is added: its fourth moment is 3 - 3/16, which changes the share
+// within |g| < 0.67 by less than that.
 TEST(Wander, IsSpreadOverItsLimits) {
   const Changes limits{{"compression", 0.8e-3},
                        {"shear", std::vector<double>{0.5e-3, 0.25e-3}},
@@ -64,7 +66,8 @@ TEST(Wander, IsSpreadOverItsLimits) {
   for (const int count : within) EXPECT_NEAR(count / static_cast<double>(draws), 0.5, 5.0 * 0.0079 + 0.004);
 }
 
-// Velocities are the poses' rates, by central differences: h = 10 us leaves omega^2 h^2/6 = 2e-9 of them and rounding of 1e-16/h = 1e-11.
+// Velocities are the poses' rates, by central differences: h = 10 us gives a relative error of
+// omega^2 h^2/6 = 2e-9 and rounding of 1e-16/h = 1e-11.
 TEST(Wander, VelocityIsTheRateOfItsPose) {
   const auto motion = wander({11, 2});
   const double h = 1e-5;

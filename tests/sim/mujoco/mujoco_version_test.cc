@@ -5,7 +5,8 @@
 namespace slipbench {
 namespace {
 
-// The pin is written once, in cmake/SlipbenchDependencies.cmake; the library says its version itself.
+// The pinned version is in cmake/SlipbenchDependencies.cmake only; the library reports its own
+// version.
 TEST(MujocoVersion, LoadedLibraryIsThePinnedOne) { EXPECT_EQ(mujoco_library_version(), SLIPBENCH_MUJOCO_VERSION); }
 
 TEST(MujocoVersion, HeadersAreOfTheLoadedLibrary) { EXPECT_TRUE(mujoco_header_matches_library()); }

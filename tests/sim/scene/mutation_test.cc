@@ -1,5 +1,5 @@
-// Scene files damaged at random: the answer is a valid plan or an InputError that names the file, never a crash, a hang or another
-// exception. 10,000 of them, always the same ones.
+// Randomly damaged scene files give a valid plan or an InputError that names the file, never a
+// crash, a hang or another exception. 10,000 files, the same ones in every run.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -93,7 +93,7 @@ class Mutator {
     text[colon - 1] = static_cast<char>('a' + below(26));
   }
 
-  // Replaces the digits at or after a random place.
+  // Replaces the digits at or after a random position.
   void change_number(std::string& text) {
     const std::size_t first = text.find_first_of("0123456789", below(text.size()));
     if (first == std::string::npos) return;
@@ -130,7 +130,8 @@ TEST_P(Mutation, IsAValidPlanOrAnInputError) {
       FAIL() << error.what() << "\nmutant " << number << ":\n" << text;
     }
   }
-  // A mutation is small: some leave a valid scene (a comment was hit, or a number stayed in range), most do not.
+  // Mutations are small: some leave a valid scene (in a comment, or a number in range), most do
+  // not.
   EXPECT_GT(valid, count / 20);
   EXPECT_LT(valid, count);
 }

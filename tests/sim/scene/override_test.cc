@@ -48,7 +48,8 @@ TEST(Override, ReplacesAValue) {
   EXPECT_EQ(read({{"motion", "{start: 1 s}"}}).motion.parameters.number("speed"), 0.004) << "a map is replaced, not merged";
 }
 
-// A value that an entry of the sweep has: in an axis of maps, in a draw, whose name may begin as the axis does. What none has is an entry of its own.
+// Values inside an entry of the sweep: in an axis of maps, and in a draw whose name may begin like
+// the axis. A value in no entry becomes an entry of its own.
 TEST(Override, ReachesIntoTheSweep) {
   const Catalogues catalogues = test_catalogues();
   const std::string text = std::string(base) +
@@ -62,13 +63,14 @@ TEST(Override, ReachesIntoTheSweep) {
   EXPECT_EQ(TrialPlan(with({{"sweep.time_step", "[1 ms, 2 ms]"}}, text), catalogues, 0, 1).size(), 4U);
 }
 
-// What a comparison of settings writes before its own, whatever the scene says: nothing else of the scene may tell.
+// A comparison of settings writes these values before its own, for any scene: nothing else in the
+// scene may affect it.
 TEST(Override, TakesKeysBackInEveryScene) {
   const Catalogues catalogues = test_catalogues();
   const auto trace_of = [&](const std::string& text, const std::vector<Override>& changes) {
     Trace trace;
     read_scene(with(changes, text).root(), catalogues, &trace);
-    std::map<std::string, std::string> values;  // however they are written
+    std::map<std::string, std::string> values;  // in any notation
     for (const auto& [path, read] : trace) values[path] = read.json;
     return values;
   };
@@ -149,7 +151,7 @@ TEST(Override, TakesItsPathOutOfTheSweep) {
   const TrialPlan fixed = plan(catalogues, {{"motion.compression", "0.5 mm"}});
   EXPECT_EQ(fixed.size(), 4u);
   for (std::size_t i = 0; i < fixed.size(); ++i) EXPECT_EQ(fixed.trial(i).scene.motion.parameters.number("compression"), 0.0005);
-  // The whole map is fixed: every axis below it goes.
+  // The whole map is fixed: every axis below it is removed.
   EXPECT_EQ(plan(catalogues, {{"motion", "{speed: 3 mm/s}"}}).size(), 1u);
 }
 
@@ -172,7 +174,8 @@ TEST(Override, ChangesTheSweepItself) {
   EXPECT_EQ(plan(catalogues, {{"sweep", "{}"}}).size(), 1u);
 }
 
-// What was typed is never dropped: below a typed value a typed sweep applies to it, in either order; of the same value there is one.
+// Typed values are never dropped: a typed sweep below a typed value applies to it, in either order;
+// one value can be typed only once.
 TEST(Override, KeepsASweepThatWasTyped) {
   const Catalogues catalogues = test_catalogues();
   const Override whole{"motion", "{start: 1 s}"};

@@ -1,4 +1,5 @@
-// What a scene that is wrong is answered: every message names the place, what was found, what is allowed and the nearest name.
+// Errors of invalid scenes: every message names the place, what was found, what is allowed and the
+// nearest name.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,7 +13,7 @@
 namespace slipbench {
 namespace {
 
-// Two lines that make a valid scene: what a case adds stands in line 3 and below.
+// Two lines that make a valid scene; a case adds line 3 and below.
 const std::string head = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n";
 
 std::string answer(const std::string& text) {
@@ -20,20 +21,20 @@ std::string answer(const std::string& text) {
   return refusal_of([&] { parse_scene(SceneFile::from_text(text, "s.yaml"), catalogues); });
 }
 
-using Case = Refused<>;  // its place is the line, "" where no line is at fault
+using Case = Refused<>;  // its place is the line, "" if no line is at fault
 
-// Each text, between `before` and `after`, is refused as its case has it.
+// Expects each text, between `before` and `after`, to be refused as its case states.
 void expect_answers(const std::string& before, const std::vector<Case>& cases, const std::string& after = "\n") {
   for (const auto& [text, line, words] : cases)
     EXPECT_THAT(answer(before + text + after), refused_at(line == "accepted" ? line : "s.yaml:" + line, words)) << text;
 }
 
-// yaml-cpp 0.8 names the anchor, too.
+// yaml-cpp 0.8 also names the anchor.
 TEST(SceneMessages, AnAliasWithoutAnAnchorIsRefused) {
   EXPECT_THAT(answer(head + "seed: 1\nmotion: *a\n"), refused_at("s.yaml:4", {"anchor"}));
 }
 
-// Two bodies and a pad that touches one, in four lines; what a case adds stands in line 5 and below.
+// Two bodies and a pad that touches one, in four lines; a case adds line 5 and below.
 const std::string bodies_head =
     "slipbench: 1\nbodies: {box: {shape: box}, table: {shape: plane}}\nsensors:\n  pad: {type: papillarray, touches: [box]}\n";
 const std::string pad = "slipbench: 1\nsensors: {pad: {type: papillarray, ";
@@ -342,7 +343,7 @@ TEST(SceneMessages, OfSweep) {
   expect_answers(head, below_head);
 }
 
-// A name that is near no other is answered by all that are declared.
+// A name without a near match is answered with all declared names.
 TEST(SceneMessages, UnknownNameListsAllThatAreAllowed) {
   const Catalogues catalogues = test_catalogues();
   const auto names = [](const auto& declared, std::vector<std::string> more = {}) {

@@ -1,4 +1,4 @@
-// What a valid scene is read as.
+// Values of valid scenes.
 #include <unistd.h>
 
 #include <cmath>
@@ -57,7 +57,8 @@ TEST(Scene, DetectorReadsItsSensor) {
   EXPECT_EQ(two.detector->parameters.number("threshold"), 0.3);
 }
 
-// A path is meant from the scene's own folder, wherever it is set; the default is a name, not a path, and so stays as it is.
+// A path is relative to the scene's folder, wherever it is set; the default is a name, not a path,
+// and stays unchanged.
 TEST(Scene, PathsAreFromItsFolder) {
   const Catalogues catalogues = test_catalogues();
   const auto memories = [&](const std::string& value, const std::string& folder, const std::string& set) {
@@ -74,7 +75,7 @@ TEST(Scene, PathsAreFromItsFolder) {
   EXPECT_EQ(memories("", "scenes/", "mine"), "scenes/mine");
 }
 
-// A trial reports a swept path as the scene says it: it holds on any machine.
+// A trial reports a swept path as the scene writes it, so that it is valid on any machine.
 TEST(Scene, SweptPathsAreReportedAsWritten) {
   const Catalogues catalogues = test_catalogues();
   const SceneFile file =
@@ -128,7 +129,7 @@ expect: {gross_slip_by: 1.0 s}
   EXPECT_EQ(left.integer("bristles"), 6);
   EXPECT_EQ(left.choice("profile"), "hexapod");
   EXPECT_FALSE(left.flag("bias"));
-  // typical: every part of the catalogue at its defaults.
+  // typical: every part of the catalogue with its defaults.
   ASSERT_EQ(scene.sensors[0].electronics.size(), 7u);
   EXPECT_EQ(scene.sensors[0].electronics[0].name, "noise");
   EXPECT_EQ(scene.sensors[0].electronics[1].name, "drift");
@@ -150,7 +151,7 @@ expect: {gross_slip_by: 1.0 s}
 TEST(Scene, ReadsItsWishForAccuracy) {
   const AccuracyScene accuracy = read(minimal + "accuracy: {creep: 2 um/s, onset: 0.5 %}\ntime_step: auto\n").accuracy.value();
   ASSERT_EQ(accuracy.wishes.size(), 2U);
-  EXPECT_EQ(accuracy.wishes[0].measure, "onset");  // in the order of what may be wished for
+  EXPECT_EQ(accuracy.wishes[0].measure, "onset");  // in the order of the possible wishes
   EXPECT_EQ(accuracy.wishes[0].limit, 0.005);
   EXPECT_EQ(accuracy.wishes[1].measure, "creep");
   EXPECT_EQ(accuracy.wishes[1].limit, 2e-6);
@@ -201,7 +202,7 @@ TEST(Materials, AreThoseOfTheBenchWithTheirSources) {
 // Tables of a scene: rows in the scene itself and in CSV files.
 const std::string csv = "places.csv";
 
-// One a process, since tests run side by side.
+// One folder per process, because tests run in parallel.
 std::string folder() {
   const std::string path = testing::TempDir() + "tables_" + std::to_string(getpid()) + "/";
   std::filesystem::create_directories(path);

@@ -1,4 +1,4 @@
-// The scenes that come with the program.
+// The scenes shipped with the program.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,21 +62,23 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
       EXPECT_GE(motion.number("speed"), 0.0005);
       EXPECT_LE(motion.number("speed"), 0.016);
     }
-    // What does not stop within 50 to 100 ms moves to the end, 2 s, and turns no further than a hexapod can.
+    // Motions that do not stop within 50 to 100 ms last to the end, 2 s, and turn no further than a
+    // hexapod can.
     const double stop = motion.number("stop");
     if (std::isfinite(stop)) {
       ++kinds["stop"];
       EXPECT_DOUBLE_EQ(stop, motion.number("speed") <= 0.002 ? 0.100 : 0.050) << "trial " << i;
     }
     EXPECT_LE(std::abs(motion.number("rotation")) * 2.0, 30.001 * degree);
-    // One mounting, flat but for the error of a mount: the published memory knows no tilt.
+    // One mounting, flat within the error of a mount: the published memory does not include tilt.
     EXPECT_LE(std::hypot(motion.vector("tilt")[0], motion.vector("tilt")[1]), 0.2 * degree);
     compressions.insert(motion.number("compression"));
     directions.insert(motion.number("direction"));
     speeds.insert(motion.number("speed"));
     friction += std::log(scene.friction.static_coefficient) / static_cast<double>(plan.size());
   }
-  // 4 compressions of 50 motions: 4 translations at 6 speeds and 6 that stop, 8 rotations, 2 of both at 6 speeds.
+  // 4 compressions of 50 motions: 4 translations at 6 speeds and 6 that stop, 8 rotations, 2 of
+  // both at 6 speeds.
   EXPECT_EQ(kinds["translation"], 4 * (4 * 6 + 6));
   EXPECT_EQ(kinds["rotation"], 4 * 8);
   EXPECT_EQ(kinds["both"], 4 * 2 * 6);
@@ -84,11 +86,13 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
   EXPECT_EQ(speeds, (std::set{0.0, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016}));
   EXPECT_EQ(compressions, (std::set{0.0006, 0.0009, 0.00105, 0.0013}));
   EXPECT_EQ(directions.size(), 200u) << "every trial draws its own direction";
-  // A tip slides at D_t/D_z = mu k_n/k_t: published are 1.45 to 1.9, whose middle is mu 0.907. The mean of 200 draws of 7 % has an error of 0.5 %.
+  // A tip slides at D_t/D_z = mu k_n/k_t: published are 1.45 to 1.9, whose middle corresponds to mu
+  // 0.907. The mean of 200 draws of 7 % has an error of 0.5 %.
   EXPECT_NEAR(std::exp(friction), 0.5 * (1.45 + 1.9) * 0.65 / 1.2, 0.02);
 }
 
-// A fit of stiffness, friction and tilt takes presses at two depths, slides or turns in each, and a tilt that is written down.
+// Fitting stiffness, friction and tilt needs presses at two depths, slides or turns in each, and a
+// documented tilt.
 TEST(ShippedScenes, RecordingsAreTenPressesThatSlideOrTurn) {
   const Catalogues catalogues = test_catalogues();
   const TrialPlan plan(shipped("papillarray/recordings.yaml"), catalogues, 0, 1);
@@ -104,7 +108,7 @@ TEST(ShippedScenes, RecordingsAreTenPressesThatSlideOrTurn) {
   EXPECT_NE(node_at(shipped("papillarray/recordings.yaml").root(), split_path("motion.tilt.1", {})), nullptr);
 }
 
-// Their runs are in tests/tools/program/run/bodies_test.cc.
+// tests/tools/program/run/bodies_test.cc runs these scenes.
 TEST(ShippedScenes, BodiesMoveByForces) {
   const Catalogues catalogues = test_catalogues();
   for (const std::string name : {"held_box", "pressed_box", "sliding_block"}) {

@@ -48,7 +48,7 @@ TEST_F(SweepTest, TheLastAxisVariesFastest) {
   }
 }
 
-// Trials that would differ in a name alone are no sweep: ptfe and rubber came out alike.
+// Trials that differ only in a name are not a sweep: ptfe and rubber would give equal results.
 TEST_F(SweepTest, NamesWhoseFiguresTheSceneReplacesAreRefused) {
   const std::string friction = "friction: {static: 0.5, kinetic: 0.4}\n";
   const auto refusal = [&](const std::string& text) -> std::string { return refusal_of([&] { static_cast<void>(plan(text)); }); };
@@ -60,7 +60,8 @@ TEST_F(SweepTest, NamesWhoseFiguresTheSceneReplacesAreRefused) {
               refused_at("s.yaml:3", {"description", "sweep"}));
   EXPECT_EQ(refusal("sweep: {scene: [{description: slow, motion: {speed: 1}}, {description: fast, motion: {speed: 2}}]}\n"),
             "accepted");
-  // The material's ratio is left of it; a scale multiplies it; one value of another axis leaves it alone; other keys go with it.
+  // The material's ratio still matters; a scale multiplies it; a single value of another axis does
+  // not change it; other keys are combined with it.
   EXPECT_EQ(refusal("friction: {static: 0.3}\nsweep: {surface.material: [acrylic, felt]}\n"), "accepted");
   EXPECT_EQ(refusal("friction: {scale: 0.5}\nsweep: {surface.material: [ptfe, felt]}\n"), "accepted");
   EXPECT_EQ(
@@ -114,7 +115,7 @@ TEST_F(SweepTest, AMapOnAnAxisIsMergedIntoTheScene) {
   EXPECT_EQ(drawn(grid, 1), expected_second);
 }
 
-// What belongs to several sections of the scene and goes together is one axis, and what is fixed leaves it.
+// Keys of several sections that belong together form one axis, and fixed keys leave it.
 TEST_F(SweepTest, MapsOfTheAxisSceneAreMergedIntoTheSceneItself) {
   const std::string text =
       "friction: {static: 0.4}\nsweep: {scene: [{motion: {speed: 5 mm/s}, friction: {static: 0.6}}, {motion: {speed: 3 mm/s}}], motion.direction: [1, 2]}\n";
@@ -167,7 +168,7 @@ TEST_F(SweepTest, ADrawDependsOnItsOwnKeyOnly) {
   const TrialPlan after = plan("sweep:\n" + scale + speed, 20);
   const TrialPlan before = plan("sweep:\n" + speed + scale, 20);
   std::set<std::string> values;
-  for (std::size_t i = 20; i-- > 0;) {  // in another order than they were made
+  for (std::size_t i = 20; i-- > 0;) {  // in reverse order
     const std::string value = drawn(alone, i).at("motion.speed");
     EXPECT_EQ(drawn(after, i).at("motion.speed"), value);
     EXPECT_EQ(drawn(before, i).at("motion.speed"), value);
@@ -176,7 +177,7 @@ TEST_F(SweepTest, ADrawDependsOnItsOwnKeyOnly) {
   }
   EXPECT_EQ(values.size(), 20u);
   EXPECT_NE(drawn(plan("sweep:\n" + speed, 20, 2), 0), drawn(alone, 0)) << "another seed, other draws";
-  // Trial i draws the same whatever number of trials there is.
+  // Trial i draws the same for any number of trials.
   EXPECT_EQ(drawn(plan("sweep:\n" + speed, 5), 4), drawn(alone, 4));
 }
 
@@ -222,8 +223,9 @@ TEST_F(SweepTest, ATruncatedNormalDrawStaysWithinItsBounds) {
     ASSERT_LE(value, 0.5);
     sum += value;
   }
-  // Mean of a standard normal cut to [a, b]: (phi(a) - phi(b)) / (Phi(b) - Phi(a)); its deviation is below that of the uniform
-  // distribution over [a, b], as its density is less spread.
+  // Mean of a standard normal cut to [a, b]: (phi(a) - phi(b)) / (Phi(b) - Phi(a)). Its deviation
+  // is below that of the uniform distribution over [a, b], because its density is more
+  // concentrated.
   const auto phi = [](double x) { return std::exp(-x * x / 2) / std::sqrt(2 * std::numbers::pi); };
   const auto cdf = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
   const double mean = (phi(-1.0) - phi(0.5)) / (cdf(0.5) - cdf(-1.0));

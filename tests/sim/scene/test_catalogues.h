@@ -1,4 +1,5 @@
-// A small set of catalogues for tests of the parser: it depends on no sensor, effect or motion of the program.
+// A small set of catalogues for tests of the parser, independent of the program's sensors, effects
+// and motions.
 #pragma once
 
 #include "sim/scene/catalogues.h"
@@ -10,8 +11,8 @@ inline ParameterSpec spec(std::string name, ParameterType type, Quantity quantit
   return {std::move(name), type, quantity, std::move(default_text), range, std::move(choices), size, {}, "doc", "assumed"};
 }
 
-// The names and defaults of the program's stage, PapillArray and plane; two effects and two parts of electronics for the lists; two
-// detectors, one with a path.
+// Names and defaults of the program's stage, PapillArray and plane; two effects and two parts of
+// electronics for the lists; two detectors, one with a path.
 inline Catalogues test_catalogues() {
   using enum ParameterType;
   Catalogues catalogues;

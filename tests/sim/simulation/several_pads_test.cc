@@ -1,4 +1,4 @@
-// Pads on one stage do not feel each other: each has the history that it has alone, to the bit.
+// Pads on one stage do not interact: each has a bit-identical history without the others.
 #include <cmath>
 #include <cstring>
 
@@ -14,7 +14,7 @@ struct Rig {
   double rate;  // Hz
 };
 
-// All that a sensor can read of a tick.
+// Everything that a sensor can read in a tick.
 std::vector<double> bytes_of(const ContactFrame& frame) {
   std::vector<double> all{frame.time,
                           frame.stuck_fraction,
@@ -40,7 +40,7 @@ std::vector<double> bytes_of(const ContactFrame& frame) {
   return all;
 }
 
-// The ticks of every pad, in the order in which the bench takes them.
+// The ticks of every pad, in the simulation's order.
 std::vector<std::vector<std::vector<double>>> histories(const Scene& scene, const std::vector<Rig>& rigs) {
   std::vector<const PadLayout*> pads;
   std::vector<double> rates;
@@ -114,7 +114,8 @@ TEST(SeveralPads, EachHasItsOwnStepAndTheHistoryThatItHasAlone) {
   expect_each_as_alone({}, {rigs.rbegin(), rigs.rend()});
 }
 
-// Sampling times of 100 us, 1 ms and 2.4 kHz: 1 s/2400. None is a multiple of all others, and no step is shorter than its sensor needs.
+// Sampling times of 100 us, 1 ms and 1 s/2400 (2.4 kHz). None is a multiple of all others, and no
+// step is shorter than its sensor needs.
 TEST(SeveralPads, TicksAreMultiplesOfEachSamplingTime) {
   const std::vector<Rig> three{rigs[1], rigs[0], rigs[2]};
   const Scene asked = pressed_and_slid(3);

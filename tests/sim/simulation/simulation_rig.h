@@ -1,4 +1,4 @@
-// Scenes built by hand, without a parser.
+// Scenes built in C++, without the parser.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,8 @@ Named named(const Catalogue& catalogue, const std::string& name, const Changes& 
   return result;
 }
 
-// 4 s on a plane of friction 0.5 at 1 ms, with the stage's defaults but for `changes` and one sensor a pad.
+// 4 s on a plane of friction 0.5 at 1 ms, with the stage's defaults except `changes`, and one
+// sensor per pad.
 inline Scene scene(std::size_t sensors = 1, const Changes& changes = {}) {
   Scene result;
   result.duration = 4.0;

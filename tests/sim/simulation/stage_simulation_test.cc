@@ -1,4 +1,4 @@
-// The bench: time steps, what it refuses, and that pads, motion and surface come together as the scene says.
+// The bench: time steps, refusals, and the combination of pads, motion and surface.
 
 #include "sim/scene/catalogues.h"
 #include "tests/expect.h"
@@ -27,8 +27,8 @@ TEST(StageSimulation, TicksCoverTheDurationFromZero) {
 }
 
 TEST(StageSimulation, PressesAndSlidesAsTheSceneSays) {
-  // Touch: 0.5 mm below the start at 4 mm/s after a ramp of 0.16 mm in 0.08 s: 0.08 + 0.34/4 = 0.165 s. The centre slips when
-  // s(t) = mu k_n d/k_t = 0.910 mm: 2 + 0.04 + 0.910/4.
+  // Touch: 0.5 mm below the start at 4 mm/s after a ramp of 0.16 mm in 0.08 s: 0.08 + 0.34/4 =
+  // 0.165 s. The centre slips when s(t) = mu k_n d/k_t = 0.910 mm: 2 + 0.04 + 0.910/4.
   const Scene asked = scene();
   StageSimulation b = simulation(asked, {&pillars}, {1000.0});
   double touch = 0.0, slip = 0.0;
@@ -77,8 +77,8 @@ TEST(StageSimulation, SensorsOfDifferentRatesRideOnTheSameStage) {
   EXPECT_EQ(b.contact(0).time, b.contact(1).time);
   for (Eigen::Index p = 0; p < 9; ++p)
     EXPECT_NEAR(b.contact(0).force(2, p), b.contact(1).force(2, p), 1e-12) << "same stiffness in all";
-  // After 2.1 s the pad has moved by 4 mm/s (0.1 - 0.04) s = 0.24 mm: the lightest bristles of all have slipped (0.4 of 0.50 mm),
-  // no pillar yet.
+  // After 2.1 s the pad has moved by 4 mm/s (0.1 - 0.04) s = 0.24 mm: the lightest bristles have
+  // slipped (0.4 of 0.50 mm), but no pillar has.
   EXPECT_EQ(b.contact(0).state, PadState::non_slip);
   EXPECT_EQ(b.contact(1).state_micro, PadState::incipient);
 }
@@ -101,14 +101,14 @@ TEST(StageSimulation, StepMustResolveTheTexture) {
   EXPECT_THAT(refusal(asked, {1000.0}), refused_at("time_step", {"1 ms", "625 us"}));
   asked.time_step = 0.5e-3;
   EXPECT_EQ(refusal(asked, {1000.0}), "accepted");
-  asked.time_step.reset();  // the longest that divides 1 ms: a half
+  asked.time_step.reset();  // the longest step that divides 1 ms: one half
   const StageSimulation b = simulation(asked, {&pillars}, {1000.0});
   EXPECT_DOUBLE_EQ(b.time_step(0), 0.5e-3);
   EXPECT_EQ(b.stride(0), 2U);
   EXPECT_EQ(b.ticks(0), 8000U);
 }
 
-// Whoever picks the bench picks another one for these: to come here is a bug.
+// The bench is chosen before, so other scenes arriving here are a bug.
 TEST(StageSimulation, ScenesOfOtherBenchesAreABug) {
   Scene articulated = scene(), dynamic = scene();
   articulated.fidelity = "articulated";
@@ -135,13 +135,15 @@ TEST(StageSimulation, RefusesWhatItCannotDo) {
   asked.time_step = 4e-3;
   EXPECT_THAT(refusal(asked, {250.0, 100.0}), refused_at("time_step", {"4 ms", "10 ms", "pad1"}));
 
-  // Tilted about X by 0.3 rad, the tips at y = -7 mm hang 7 mm sin(0.3) = 2.07 mm lower, and those 0.2 or 0.45 mm shorter are
-  // closer by cos(0.3): the edge at 0.5 - 2.07 + 0.19 = -1.38 mm is deepest.
+  // Tilted about X by 0.3 rad, the tips at y = -7 mm are 7 mm sin(0.3) = 2.07 mm lower, and those
+  // 0.2 or 0.45 mm shorter are closer by cos(0.3): the edge at 0.5 - 2.07 + 0.19 = -1.38 mm is
+  // deepest.
   asked = scene();
   asked.motion.parameters.set("tilt", std::vector{0.3, 0.0});
   EXPECT_EQ(refusal(asked, {1000.0}).find("motion.gap: the pad begins 1.37"), 0U) << refusal(asked, {1000.0});
 
-  // A crest of 5 mm stands 7 mm beside the middle (a quarter of the wavelength), under an edge pillar that is 0.5 + 0.2 mm above the plane.
+  // A crest of 5 mm is 7 mm from the middle (a quarter of the wavelength), under an edge pillar
+  // that is 0.5 + 0.2 mm above the plane.
   asked = scene();
   asked.effects = {named(effect_catalogue(), "texture", {{"height", 5e-3}, {"wavelength", 28e-3}})};
   EXPECT_THAT(refusal(asked, {1000.0}), refused_at("motion.gap", {"4.3 mm", "gap"}));
@@ -160,7 +162,8 @@ TEST(StageSimulation, RefusesWhatItCannotDo) {
 }
 
 TEST(StageSimulation, RefusesToPressThroughARoundShape) {
-  // The dome of the pad reaches 0.8 mm and more below its lowest pillars' first touch: past the middle of a rod of 0.7 mm.
+  // The dome of the pad reaches at least 0.8 mm below the first touch of its lowest pillars: beyond
+  // the middle of a rod of 0.7 mm.
   Scene asked = scene();
   asked.surface = named(surface_catalogue(), "cylinder", {{"radius", 0.7e-3}});
   StageSimulation thin = simulation(asked, {&pillars}, {1000.0});

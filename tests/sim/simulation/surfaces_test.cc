@@ -1,4 +1,4 @@
-// The shapes of a scene: where they stand in the world.
+// Position of a scene's shapes in the world.
 
 #include <cstddef>
 #include <variant>
@@ -11,7 +11,7 @@
 namespace slipbench::testing_bench {
 namespace {
 
-// Gap [m] and world normal at a point of the world, for an element that looks down.
+// Gap [m] and world normal at a point of the world, for an element that faces down.
 std::pair<double, Eigen::Vector3d> met(const PlacedSurface& placed, const Eigen::Vector3d& world) {
   const Eigen::Vector3d p = placed.pose.inverse() * world,
                         axis = placed.pose.rotation.transpose() * Eigen::Vector3d(0.0, 0.0, -1.0);
@@ -57,8 +57,8 @@ TEST(Surfaces, BoxHasItsSize) {
 }
 
 TEST(Surfaces, CylinderLiesAlongItsAngle) {
-  // Radius 30 mm: beside its highest line by s the gap is sqrt(s^2 + 30^2) - 30 mm, along it zero up to the end at half its
-  // length.
+  // Radius 30 mm: at the distance s from its highest line the gap is sqrt(s^2 + 30^2) - 30 mm;
+  // along the line it is zero up to the end at half its length.
   for (const double angle : {0.0, 0.5, -1.2}) {
     const PlacedSurface cylinder = placed("cylinder", {{"angle", angle}, {"length", 80e-3}});
     const Eigen::Vector3d along(std::cos(angle), std::sin(angle), 0.0), across(-std::sin(angle), std::cos(angle), 0.0);
@@ -69,7 +69,8 @@ TEST(Surfaces, CylinderLiesAlongItsAngle) {
 }
 
 TEST(Surfaces, UprightCylinderHasItsEndFaceUp) {
-  // Of 18 mm diameter: 0.5 mm deep inside the rim the face is met, 1 mm beside it and 1 mm below the side.
+  // Diameter 18 mm: 0.5 mm inside the rim the face applies, 1 mm outside it and 1 mm below the
+  // side.
   const PlacedSurface post = placed("upright_cylinder", {{"radius", 9e-3}, {"length", 20e-3}});
   for (const double angle : {0.0, 0.8, 3.0}) {
     const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0.0);
@@ -83,8 +84,8 @@ TEST(Surfaces, UprightCylinderHasItsEndFaceUp) {
 }
 
 TEST(Surfaces, CapsuleLiesAlongItsAngleAndEndsInHalfBalls) {
-  // Radius 30 mm, straight for 40 mm either way. On the straight part the highest line is at 0; 18 mm beyond its end, at the
-  // height of the axis plus 24 mm, lies the half ball: 18, 24, 30.
+  // Radius 30 mm, straight for 40 mm either way. On the straight part the highest line is at 0; 18
+  // mm beyond its end, 24 mm above the axis, is the half ball: 18, 24, 30.
   for (const double angle : {0.0, 0.5, -1.2}) {
     const PlacedSurface capsule = placed("capsule", {{"angle", angle}, {"length", 80e-3}});
     const Eigen::Vector3d along(std::cos(angle), std::sin(angle), 0.0), across(-std::sin(angle), std::cos(angle), 0.0);
@@ -104,12 +105,12 @@ TEST(TickTimes, AreQuotientsOfWholeNumbersWhereTheStepIsAnNthOfASecond) {
   const TickTimes milliseconds(0.001), tenths(0.0001);
   for (std::size_t k = 0; k < 60'000; ++k) ASSERT_EQ(milliseconds.at(k), tenths.at(10 * k)) << k;
   EXPECT_EQ(milliseconds.at(9), 0.009);  // the double next to 9/1000, as decimal text is read
-  EXPECT_NE(9.0 * 0.001, 0.009);         // which is why
+  EXPECT_NE(9.0 * 0.001, 0.009);         // the reason for TickTimes
   EXPECT_EQ(TickTimes(1.0 / 2400.0).at(24), 0.01);
 }
 
 TEST(TickTimes, AreMultiplesOfAStepThatIsNone) {
-  EXPECT_EQ(TickTimes(0.0003).at(7), 7.0 * 0.0003);  // 3,333.3 a second
+  EXPECT_EQ(TickTimes(0.0003).at(7), 7.0 * 0.0003);  // 3,333.3 per second
   EXPECT_EQ(TickTimes(2.0).at(3), 6.0);
 }
 

@@ -1,4 +1,4 @@
-// Two articulated pads hold a free box: the weight, the creep and the force at which it drops.
+// Two articulated pads hold a free box: the weight, the creep and the force at which the box drops.
 #include <cmath>
 #include <string>
 
@@ -16,13 +16,16 @@ constexpr double g = 9.81, mass = 0.1, half = 0.02;  // m/s2, kg, m
 // A free box of 100 g between two pads on slides.
 class Grip {
  public:
-  // The fingers push with `first` [N] each for 0.1 s, then within 0.4 s ever less down to `last`. `more`: further keys of the box.
+  // The fingers push with `first` [N] each for 0.1 s, then reduce that to `last` within 0.4 s.
+  // `more`: further keys of the box.
   Grip(double k_n, double k_t, double mu, double first, double last, const std::string& more = "") {
     PadLayout pad = oracle::nine_pillars(1, k_n, k_t);
     for (Element& element : pad.elements) {
-      // A fiftieth of the heights (4 and 9 um): unequal loads, and yet all press. On the middle ones alone the box would swing.
+      // A fiftieth of the heights (4 and 9 um) gives unequal loads with all pillars pressing. On
+      // the middle ones alone the box would swing.
       element.tip.z() *= 0.02;
-      // Bare springs ring for seconds: dashpots that damp the box on its eighteen pillars at ratio 0.2.
+      // Bare springs ring for seconds: these dashpots damp the box on its eighteen pillars at ratio
+      // 0.2.
       element.c_tangential = 0.4 * std::sqrt(mass * 18.0 * k_t) / 18.0;
     }
     // Placed so that the pads push with about `first`.
@@ -43,13 +46,13 @@ class Grip {
         folder_.file("scene.yaml"), DynamicSimulationOptions{}, &pad);
   }
 
-  // The height of the box at `time` [s], after all that has been asked for before.
+  // Runs to `time` [s] and returns the height of the box. Times must ascend.
   double height_at(double time) {
     rig_->run_to(time);
     return rig_->body("box").pose.position.z();
   }
   [[nodiscard]] const ContactFrame& frame() { return (*rig_)->contact(1); }
-  // What the box pulls the pad down with [N].
+  // Force of the box on the pad, downwards [N].
   [[nodiscard]] double share_of_weight() {
     return -(rig_->body("right").pose.rotation * frame().force.rowwise().sum().matrix()).z();
   }
@@ -60,8 +63,9 @@ class Grip {
 };
 
 TEST(ArticulatedGrip, ABoxDropsJustUnderTheLeastForceAndHoldsJustOverIt) {
-  // Two pads carry m g by 2 mu F at most, whatever the shares of the pillars: F = m g/(2 mu). Under it the box falls at g (1 -
-  // F/F_least), 0.2 % of g for 0.2 %: 1.6 mm in 0.4 s, and faster still. Over it nothing moves once it hangs. Bar: 0.5 %.
+  // Two pads carry m g by at most 2 mu F for any shares of the pillars: F = m g/(2 mu). Below it
+  // the box falls at g (1 - F/F_least), 0.2 % of g for 0.2 %: 1.6 mm in 0.4 s, and increasingly
+  // faster. Above it nothing moves after the transient. Limit: 0.5 %.
   for (const double mu : {0.2, 0.5, 1.0}) {
     const double least = mass * g / (2.0 * mu);
     Grip under(3000.0, 500.0, mu, 2.0 * least, 0.998 * least), over(3000.0, 500.0, mu, 2.0 * least, 1.002 * least);
@@ -74,8 +78,8 @@ TEST(ArticulatedGrip, ABoxDropsJustUnderTheLeastForceAndHoldsJustOverIt) {
 }
 
 TEST(ArticulatedGrip, AHeldBoxDoesNotCreepAndItsWeightIsCarried) {
-  // At 1.2 times the least force, in the middle and out of it: the pads carry half the weight each, and the box hangs still. Bar:
-  // 0.5 um/s.
+  // At 1.2 times the least force, centred and off centre, each pad carries half the weight and the
+  // box does not move. Limit: 0.5 um/s.
   for (const double k_t : {500.0, 3900.0}) {
     for (const std::string more : {"", ", position: [0, 0.13 mm, 0], rotation: [0.004 rad, 0, 0]"}) {
       Grip grip(k_t > 1000.0 ? 7100.0 : 3000.0, k_t, 0.5, 3.0, 1.2 * mass * g, more);

@@ -1,4 +1,4 @@
-// `fidelity: articulated` in scenes whose bodies move by forces: what the program makes of them, and what it refuses.
+// `fidelity: articulated` in scenes whose bodies move by forces: results and refusals.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -29,7 +29,7 @@ std::string answer(const std::string& scene, const std::string& model = two_fing
   });
 }
 
-// The stage over a floor that does not move, once as a surface and once as a body.
+// The stage over a fixed floor, once as a surface and once as a body.
 TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   const std::string motion =
       "fidelity: articulated\nduration: 1 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\n"
@@ -50,7 +50,7 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
     const ContactFrame &one = rig->contact(0), &other = simulation->contact(0);
     ASSERT_EQ(one.time, other.time);
     ASSERT_EQ(one.unit_state, other.unit_state) << tick;
-    // The solver stops at another digit, for the tolerance is relative to the model's inertia.
+    // The solver stops at another digit, because its tolerance is relative to the model's inertia.
     ASSERT_LT((one.force - other.force).abs().maxCoeff(), 1e-6) << tick;
     for (const UnitState state : one.unit_state) slipping += state == UnitState::slip ? 1 : 0;
     const Pose &pad = rig.body("pad").pose, &told = simulation->bodies().front().state.pose;
@@ -59,9 +59,9 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   EXPECT_GT(slipping, 1000U) << "the comparison has seen a slide";
 }
 
-// A free box that the fingers press unequally is where the scene puts it when the run begins, not where the presses balance: a
-// pillar whose tip lies z behind its pad's origin stands 0.27 mm - z in the box's face, 0.1 mm less on the left of a box that is
-// 0.1 mm to the right, and so much more on the right.
+// A free box under unequal presses of the fingers starts at the scene's pose, not in equilibrium: a
+// pillar whose tip lies z behind its pad's origin is 0.27 mm - z deep in the box's face, 0.1 mm
+// less on the left if the box is 0.1 mm to the right, and as much more on the right.
 TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -83,7 +83,7 @@ TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
             << mass << ' ' << pad << ' ' << u;
         if (depth > 0.0) touching.push_back(static_cast<std::uint32_t>(u));
       }
-      // As with fields, what touches at the start begins to at 0 s.
+      // As with fields, contacts present at the start begin at 0 s.
       std::vector<std::uint32_t> touched;
       for (const ContactEvent& event : rig->contact(pad).events) {
         EXPECT_EQ(event.time, 0.0);
@@ -97,8 +97,8 @@ TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
   }
 }
 
-// A pad that stands still under a box of 100 g, 0.2 mm inside it, and no other: its springs throw it up by what they have stored,
-// sum k_n delta^2/2 over m g, less what the dashpots take.
+// A fixed pad under a box of 100 g, 0.2 mm inside it, without other contacts: the springs throw the
+// box up with their energy, sum k_n delta^2/2 over m g, minus the dashpots' loss.
 TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
   const ModelFolder folder;
   folder.write("fingers.xml", "<mujoco><worldbody><site name='up' euler='180 0 0'/></worldbody></mujoco>");
@@ -121,11 +121,12 @@ TEST(ArticulatedScene, ABoxPressedFromOneSideIsThrownByTheSpringsAlone) {
   EXPECT_GT(highest, 0.2 * stored / weight_of_100_g);
 }
 
-// Drawn at v, a pillar under f_n with a dashpot tau beside its spring k_t is held by k_t v (t + tau), and slips at mu f_n: tau
-// before the field's pillar, whose labels see springs alone. Early beyond that by 0.6 sqrt(m/k_t) = 30 us, a free tip's damping, and
-// late by 0.2 steps of trailing (articulated_stage_test.cc) and by 0.17 of a step, for a slip that begins at the share s of one
-// gets but to (1 - s) v/2 by its end while the dashpot lets go (tau = h), and is then looked for at 2 s/(1 + s). The stage takes 1
-// ms to get to its speed and so is half of that behind.
+// Drawn at v, a pillar under f_n with a dashpot tau in parallel with its spring k_t is held by k_t
+// v (t + tau), and slips at mu f_n: tau before the field's pillar, whose labels use springs alone.
+// Slip is also early by 0.6 sqrt(m/k_t) = 30 us (a free tip's damping), late by 0.2 steps of
+// trailing (articulated_stage_test.cc), and late by 0.17 of a step: slip that begins at the share s
+// of a step reaches only (1 - s) v/2 by its end while the dashpot relaxes (tau = h), and is then
+// located at 2 s/(1 + s). The stage takes 1 ms to reach its speed and so is half of that behind.
 TEST(ArticulatedScene, StageSlideIsEarlyByTheDashpotsTime) {
   const double speed = 8e-3, start = 0.5 + 0.5e-3, tau = 1e-3, dt = 1e-3, early = 0.6 * std::sqrt(1e-5 / 3900.0);
   DynamicRig rig(
@@ -150,7 +151,7 @@ TEST(ArticulatedScene, StageSlideIsEarlyByTheDashpotsTime) {
   }
 }
 
-// A tip is what it is, whatever the model says of joints, geoms and pairs that are not its own.
+// A tip is independent of the model's defaults for joints, geoms and pairs.
 TEST(ArticulatedScene, DefaultsOfTheModelDoNotReachThePillars) {
   const auto height = [](const std::string& defaults) {
     const ModelFolder folder;
@@ -160,7 +161,8 @@ TEST(ArticulatedScene, DefaultsOfTheModelDoNotReachThePillars) {
     return rig.body("box").pose.position.z();
   };
   const double plain = height("");
-  // What the model has itself keeps what it says: the fingers' joints and geoms set none of these but the joints' damping.
+  // The model's own elements keep their attributes: the fingers' joints and geoms set only the
+  // joints' damping.
   EXPECT_EQ(
       height(
           "<default><joint damping='7' pos='0.1 0 0'/><geom margin='0.001' density='1e5' solimp='0.5 0.6'/><pair solref='0.1 1' margin='0.01' gap='0.01' condim='1'/></default>"),
@@ -169,7 +171,7 @@ TEST(ArticulatedScene, DefaultsOfTheModelDoNotReachThePillars) {
   EXPECT_NEAR(plain, 0.1 - weight_of_100_g / (10.0 * 3900.0), 1e-3 * 25e-6);
 }
 
-// Light boxes take noslip more iterations: with 10 one of 5 g was shaken loose in 0.5 s.
+// Light boxes need more noslip iterations: with 10 a box of 5 g was shaken loose in 0.5 s.
 TEST(ArticulatedScene, LightBoxIsHeld) {
   for (const double mass : {5e-3, 2e-3}) {
     const ModelFolder folder;
@@ -185,20 +187,21 @@ TEST(ArticulatedScene, LightBoxIsHeld) {
   }
 }
 
-// How easily the box of 40 x 40 x 60 mm and mass m gives way to a push on the face at x at (y, z) from its middle [1/kg].
+// Compliance [1/kg] of the box of 40 x 40 x 60 mm and mass m to a push on the face at x, at (y, z)
+// from its middle.
 double box_gives_way(double m, double y, double z) {
   const double about_y = m / 12.0 * (0.04 * 0.04 + 0.06 * 0.06), about_z = m / 12.0 * (0.04 * 0.04 + 0.04 * 0.04);
   return 1.0 / m + z * z / about_y + y * y / about_z;
 }
 
-// The step that a message allows [s].
+// Returns the step that a message allows [s].
 double allowed_step(const std::string& message) {
   EXPECT_THAT(message, refused_at("time_step", {"1 ms", "articulated"}));
   return parse_quantity(message.substr(message.find("up to ") + 6), Quantity::time);
 }
 
-// The contact may be a quarter of the compliance: h = sqrt(0.25 15/(k_n w)) with the 7.1 kN/m of a pillar and w of the corners, 7
-// mm from the middle both ways, on the box and its finger of 50 g.
+// The contact may be a quarter of the compliance: h = sqrt(0.25 15/(k_n w)) with the 7.1 kN/m of a
+// pillar and w at the corners, 7 mm from the middle both ways, for the box and its finger of 50 g.
 TEST(ArticulatedScene, StepIsLimitedByTheLightestBody) {
   const std::string light = replaced(held, "mass: 100 g", "mass: 1 g");
   EXPECT_NEAR(allowed_step(answer(light)), std::sqrt(0.25 * 15.0 / (7100.0 * (box_gives_way(1e-3, 7e-3, 7e-3) + 1.0 / 50e-3))),
@@ -212,16 +215,17 @@ const std::string with_wall =
                       "touches: [wall, box]"),
              "touches: [box]", "touches: [wall, box]");
 
-// A slide makes up for one body. Of the wall, which does not move, a press may be wrong by 1 %: h = sqrt(0.01 15/(k_n w)), w that
-// by which the box moves the more easily.
+// A slide compensates for one body. At the wall, which does not move, a press may be wrong by 1 %:
+// h = sqrt(0.01 15/(k_n w)), with w the larger of the box's compliances.
 TEST(ArticulatedScene, StepIsLimitedByBodiesThatMoveUnalike) {
   EXPECT_NEAR(allowed_step(answer(replaced(with_wall, "mass: 100 g", "mass: 5 g"))),
               std::sqrt(0.01 * 15.0 / (7100.0 * box_gives_way(5e-3, 7e-3, 7e-3))), 2e-6);
 }
 
-// 4 N on five of nine pillars, four of them 0.2 mm shorter: f + 4 (f - k_n 0.2 mm) = 4 N. That MuJoCo's contact gets softer on
-// light bodies (by w h^2/15, 6 % of a pillar's compliance at 2 g and 0.5 ms) is made up for, whichever of the touched bodies is
-// named first, with the box's turning and the dampers of the fingers (5 N s/m, which are 50 g + 5 N s/m h to a step).
+// 4 N on five of nine pillars, four of them 0.2 mm shorter: f + 4 (f - k_n 0.2 mm) = 4 N. MuJoCo's
+// contact gets softer on light bodies (by w h^2/15, 6 % of a pillar's compliance at 2 g and 0.5
+// ms). This is compensated in either order of the touched bodies, including the box's turning and
+// the dampers of the fingers (5 N s/m, which are 50 g + 5 N s/m h to a step).
 TEST(ArticulatedScene, LightBoxIsPressedAsAHeavyOne) {
   const double middle = (4.0 + 4.0 * 7100.0 * 0.2e-3) / 5.0, edge = middle - 7100.0 * 0.2e-3;
   const std::string at_500_hz = "type: papillarray, rate: 500 Hz";
@@ -274,7 +278,8 @@ TEST(ArticulatedScene, ModelsThatWouldHaveOtherPillarsAreRefused) {
               refused_at("model", {"0.001 kg", "1e-05 kg"}));
 }
 
-// A table under the box: beside the pillars' recipe MuJoCo's own friction is a fraction of mu f_n (sim/mujoco/README.md).
+// A table under the box: with the pillars' recipe MuJoCo's own friction is a fraction of mu f_n
+// (sim/mujoco/README.md).
 TEST(ArticulatedScene, FrictionOfOtherContactsIsRefusedWhenItComes) {
   const std::string table = replaced(held, "bodies: {", "bodies: {table: {shape: plane, position: [0, 0, 0.06]}, ");
   EXPECT_EQ(answer(table), "accepted") << "10 mm under the box, which hangs";

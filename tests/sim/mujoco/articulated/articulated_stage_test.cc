@@ -1,11 +1,13 @@
-// A pad of articulated pillars that moves as prescribed, against closed forms.
+// A pad of articulated pillars with prescribed motion, against closed forms.
 //
-// How far a closed form may be missed follows from the recipe (sim/mujoco/articulated/articulated.h):
-//   trailing   a stuck tip keeps 1/(1 + 2/(0.8 x 0.5)) = 1/6 of its velocity from step to step: a drive that jumps to its speed is
-//              followed 1/6 + 1/36 + ... = 0.2 steps late
-//   damping    of ratio 0.3 with a tip of 0.01 g adds c v to a stuck pillar's force, c = 0.6 sqrt(k_t m): slip comes c/k_t early,
-//              85 us at 500 N/m, and the ringing after it is gone, by e^-10, in 10/(0.3 sqrt(k_t/m)) = 5 ms
-//   recruiting slip in the main solve presses a little harder: 0.3 % at 100 mm/s and in proportion to the speed (measured)
+// The recipe (sim/mujoco/articulated/articulated.h) determines the expected deviations:
+// - trailing: a sticking tip keeps 1/(1 + 2/(0.8 x 0.5)) = 1/6 of its velocity from step to step,
+//   so it follows a drive that jumps to its speed 1/6 + 1/36 + ... = 0.2 steps late;
+// - damping: ratio 0.3 with a tip of 0.01 g adds c v to a sticking pillar's force, c = 0.6 sqrt(k_t
+//   m). Slip comes c/k_t early, 85 us at 500 N/m, and the ringing after it decays by e^-10 in
+//   10/(0.3 sqrt(k_t/m)) = 5 ms;
+// - recruiting: slip in the main solve presses slightly harder, 0.3 % at 100 mm/s and proportional
+//   to the speed (measured).
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -31,7 +33,7 @@ constexpr Stiffness soft{3000.0, 500.0}, real{7100.0, 3900.0};
 
 double normal_force(const PadLayout& pad, std::size_t u, double k_n) { return k_n * (depth - pad.elements[u].tip.z()); }
 
-// Steps a bench through `pose(t)` for t = 0, dt, ..., duration and hands every frame to `look`.
+// Steps a bench through `pose(t)` for t = 0, dt, ..., duration and passes every frame to `look`.
 void drive(ArticulatedStage& simulation, double dt, double duration, const std::function<Pose(double)>& pose,
            const std::function<void(const ContactFrame&)>& look) {
   const auto ticks = static_cast<std::size_t>(std::lround(duration / dt));
@@ -55,8 +57,8 @@ struct Slide {
 class ArticulatedSlide : public testing::TestWithParam<Slide> {};
 
 TEST_P(ArticulatedSlide, EveryPillarSlipsAtTheClosedFormsTimeAndGoesOnAtCoulombsForce) {
-  // A pillar pressed by f_n whose root moves at v slips at mu f_n/(k_t v); from then on f_t = mu f_n and its tip moves at v. Bar: 2
-  // %.
+  // A pillar pressed by f_n whose root moves at v slips at mu f_n/(k_t v); from then on f_t = mu
+  // f_n and its tip moves at v. Limit: 2 %.
   const auto [stiffness, v, dt] = GetParam();
   const double recruited = 3e-3 * v / 0.1 + 1e-4;
   const PadLayout pad = oracle::nine_pillars(1, stiffness.k_n, stiffness.k_t);
@@ -73,7 +75,7 @@ TEST_P(ArticulatedSlide, EveryPillarSlipsAtTheClosedFormsTimeAndGoesOnAtCoulombs
           const auto c = static_cast<Eigen::Index>(u);
           const double f_n = normal_force(pad, u, stiffness.k_n);
           ASSERT_NEAR(frame.contact_force(2, c), f_n, recruited * f_n) << frame.time;
-          if (frame.time < onset(u) + ringing + 8.0 * dt) continue;  // the tip runs up to the pad's speed
+          if (frame.time < onset(u) + ringing + 8.0 * dt) continue;  // the tip accelerates to the pad's speed
           ASSERT_EQ(frame.unit_state[u], UnitState::slip) << frame.time;
           ASSERT_NEAR(frame.contact_force(0, c), -mu * f_n, recruited * mu * f_n) << frame.time;
           ASSERT_NEAR(frame.contact_force(1, c), 0.0, 1e-6 * f_n) << frame.time;
@@ -84,7 +86,7 @@ TEST_P(ArticulatedSlide, EveryPillarSlipsAtTheClosedFormsTimeAndGoesOnAtCoulombs
   for (std::size_t u = 0; u < 9; ++u) {
     EXPECT_NEAR(slips.times()[u], onset(u), early + late * dt) << u;
     EXPECT_NEAR(slips.times()[u], onset(u), 0.02 * onset(u)) << u;
-    // What it has slipped since.
+    // Distance slipped since.
     const auto c = static_cast<Eigen::Index>(u);
     EXPECT_NEAR(simulation.frame().slip_distance[c], v * (simulation.frame().time - onset(u)), v * (2.0 * early + late * dt))
         << u;
@@ -95,14 +97,15 @@ TEST_P(ArticulatedSlide, EveryPillarSlipsAtTheClosedFormsTimeAndGoesOnAtCoulombs
   EXPECT_NEAR(simulation.frame().slip_direction, 0.0, 1e-6);
 }
 
-// 4 ms is taken in two parts.
+// 4 ms is split into two substeps.
 INSTANTIATE_TEST_SUITE_P(Speeds, ArticulatedSlide,
                          testing::Values(Slide{soft, 4e-3, 1e-3}, Slide{soft, 20e-3, 1e-3}, Slide{soft, 100e-3, 1e-3},
                                          Slide{soft, 4e-3, 2e-3}, Slide{soft, 4e-3, 4e-3}, Slide{soft, 20e-3, 2e-4},
                                          Slide{real, 4e-3, 1e-3}, Slide{real, 20e-3, 1e-3}));
 
 TEST(ArticulatedStage, APadHeldUnderShearDoesNotCreep) {
-  // Drawn to 60 % of the corners' way to slip and held: the tips' deflection is the way, and stays. Bar: 0.5 um/s.
+  // Drawn to 60 % of the corners' distance to slip and held: the tips' deflection equals the
+  // distance, and stays. Limit: 0.5 um/s.
   const PadLayout pad = oracle::nine_pillars(1, soft.k_n, soft.k_t);
   const double dt = 1e-3, v = 4e-3, way = 0.6 * mu * normal_force(pad, 0, soft.k_n) / soft.k_t, arrived = way / v;
   ArticulatedStage simulation(pad, Plane{}, {mu, mu}, dt);
@@ -121,7 +124,8 @@ TEST(ArticulatedStage, APadHeldUnderShearDoesNotCreep) {
 }
 
 TEST(ArticulatedStage, ASlideThatStopsStopsSlipping) {
-  // Stopped when the corners slip and the others do not: the corners stick from the stop on, at the force with which they slid.
+  // Stopped when the corners slip and the others do not: from then on the corners stick, at their
+  // sliding force.
   const PadLayout pad = oracle::nine_pillars(1, soft.k_n, soft.k_t);
   const double dt = 1e-3, v = 4e-3;
   const double corner = mu * normal_force(pad, 0, soft.k_n) / (soft.k_t * v),
@@ -145,15 +149,16 @@ TEST(ArticulatedStage, ASlideThatStopsStopsSlipping) {
     if (!at_corner) continue;
     EXPECT_NEAR(sticks.times()[u], stop, 2.0 * dt) << u;
     const double f_n = normal_force(pad, u, soft.k_n);
-    // Damping lets go of c v when the tip stops (0.1 mN), the spring of nothing.
+    // When the tip stops, the damping force c v vanishes (0.1 mN); the spring's does not change.
     EXPECT_NEAR(simulation.frame().contact_force(0, static_cast<Eigen::Index>(u)), -mu * f_n, 1e-3 * mu * f_n) << u;
   }
 }
 
 TEST(ArticulatedStage, ATurnLetsGoByRadius) {
-  // A tip at radius r has stretched by 2 r sin(angle/2) when the pad has turned by `angle`, so it slips at 2 asin(mu f_n/(2 k_t
-  // r)). All heights the same here: the corners (r = 7 sqrt(2) mm) go first, then the edges (7 mm), and the centre never. A tip's
-  // chord in a step of rate dt is off by less than (rate dt)^2: 1e-6. Once slipping, the pad turns about its middle at `rate`.
+  // When the pad has turned by `angle`, a tip at radius r has stretched by 2 r sin(angle/2), so it
+  // slips at 2 asin(mu f_n/(2 k_t r)). All heights are equal here: the corners (r = 7 sqrt(2) mm)
+  // slip first, then the edges (7 mm), the centre never. A tip's chord in a step of rate dt is off
+  // by less than (rate dt)^2: 1e-6. Once slipping, the pad turns about its middle at `rate`.
   PadLayout pad = oracle::nine_pillars(1, soft.k_n, soft.k_t);
   for (Element& element : pad.elements) element.tip.z() = 0.0;
   const double dt = 1e-3, rate = 1.0, compression = 1e-3, friction = 0.3;
@@ -187,15 +192,16 @@ TEST(ArticulatedStage, ATurnLetsGoByRadius) {
 }
 
 TEST(ArticulatedStage, TouchAndLiftOffHappenAtTheirTimesAndLeaveNoForceBehind) {
-  // The pad goes down and up at w = 20 mm/s from 0.1 mm above its middle pillar's touch to 0.8 mm below, sliding a little: pillar u
-  // touches when its height h above the middle one is used up, (0.1 mm + h)/w after the start of each cycle, and lifts off the same
-  // time before its end. The contact's damper over its spring, 2/sqrt(3) = 1.2 steps, is the time by which it lets go early,
-  // contacts begin and end at steps.
+  // The pad goes down and up at w = 20 mm/s from 0.1 mm above its middle pillar's touch to 0.8 mm
+  // below, sliding a little: pillar u, with height h above the middle one, touches (0.1 mm + h)/w
+  // after the start of each cycle, and detaches the same time before its end. The contact's damper
+  // over its spring, 2/sqrt(3) = 1.2 steps, is the time by which it detaches early. Contacts begin
+  // and end at steps.
   const PadLayout pad = oracle::nine_pillars(1, soft.k_n, soft.k_t);
   const double dt = 1e-3, w = 20e-3, above = 1e-4, below = 0.8e-3, cycle = 2.0 * (above + below) / w;
   ArticulatedStage simulation(pad, Plane{}, {mu, mu}, dt);
   constexpr int cycles = 20;
-  // The first touch and the last detach of each cycle: a tip that lets go may bounce once.
+  // The first touch and the last detach of each cycle: a detaching tip may bounce once.
   const std::vector<double> never(cycles, std::nan(""));
   std::vector<std::vector<double>> touches(9, never), detaches(9, never);
   drive(
@@ -225,8 +231,8 @@ TEST(ArticulatedStage, TouchAndLiftOffHappenAtTheirTimesAndLeaveNoForceBehind) {
 }
 
 TEST(ArticulatedStage, AUnitOfTwoBristlesSlipsInParts) {
-  // Bristles of weights 1.6 and 0.4 share a pillar: the light one lets go at 0.4 times the time at which the mean would, the heavy
-  // one at 1.6 times.
+  // Bristles of weights 1.6 and 0.4 share a pillar: the light one slips at 0.4 times the mean's
+  // time, the heavy one at 1.6 times.
   const PadLayout pad = oracle::nine_pillars(2, soft.k_n, soft.k_t);
   const double dt = 1e-3, v = 20e-3;
   const double mean = mu * soft.k_n * depth / (soft.k_t * v);
@@ -248,10 +254,10 @@ TEST(ArticulatedStage, AUnitOfTwoBristlesSlipsInParts) {
 class ArticulatedTilt : public testing::TestWithParam<double> {};
 
 TEST_P(ArticulatedTilt, ASlideOfATiltedPillarObeysCoulombAndHooke) {
-  // Pressed by d along the surface's normal and drawn by s along X, a pillar whose axis is turned by a about Y has the springs'
-  // forces
+  // Pressed by d along the surface's normal and drawn by s along X, a pillar whose axis is turned
+  // by a about Y has the spring forces
   //   N = d (k_t + D cos^2 a) - s D sin a cos a,  T = s (k_t + D sin^2 a) - d D sin a cos a,  D = k_n - k_t,
-  // and slips where T = mu N. The recipe's error grows with the tilt: 1.5 % up to 3 degrees.
+  // and slips at T = mu N. The recipe's error grows with the tilt: 1.5 % up to 3 degrees.
   const double a = GetParam() * 3.14159265358979 / 180.0, k_n = soft.k_n, k_t = soft.k_t, v = 4e-3, dt = 1e-3;
   const double difference = k_n - k_t, coupling = difference * std::sin(a) * std::cos(a);
   const double along = k_t + difference * std::pow(std::sin(a), 2), across = k_t + difference * std::pow(std::cos(a), 2);
@@ -263,7 +269,7 @@ TEST_P(ArticulatedTilt, ASlideOfATiltedPillarObeysCoulombAndHooke) {
   pad.elements[0].k_tangential = k_t;
   ArticulatedStage simulation(pad, Plane{}, {mu, mu}, dt);
   oracle::FirstTimes slips(1, EventKind::slip);
-  // Pressed first: the placing leaves it unstrained along its own axis, not the surface's.
+  // Pressed first: the placing leaves the pillar unstrained along its own axis, not the surface's.
   const double pressed = 0.1, start = 0.2;
   drive(
       simulation, dt, start + 1.5 * way / v,
@@ -282,7 +288,8 @@ TEST_P(ArticulatedTilt, ASlideOfATiltedPillarObeysCoulombAndHooke) {
 INSTANTIATE_TEST_SUITE_P(Degrees, ArticulatedTilt, testing::Values(-3.0, -1.0, 0.0, 1.0, 3.0));
 
 TEST(ArticulatedStage, WhatTipsDoWhileTheySettleIsNotInTheLabels) {
-  // Pushed along axes that are turned by 10 degrees, tan 10 degrees = 0.18, over a surface of mu 0.05 tips give way as they settle.
+  // Pushed along axes turned by 10 degrees, tan 10 degrees = 0.18, over a surface of mu 0.05, tips
+  // slip while they settle.
   const PadLayout pad = oracle::nine_pillars(1, soft.k_n, soft.k_t);
   ArticulatedStage simulation(pad, Plane{}, {0.05, 0.05}, 1e-3);
   Pose pose = at(0.0, -3e-3);

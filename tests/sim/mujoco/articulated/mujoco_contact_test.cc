@@ -1,13 +1,14 @@
-// MuJoCo's own contact friction, as a scene's `contact` sets it, on pads that move as prescribed, against what its regularisation
-// says.
+// MuJoCo's own contact friction with a scene's `contact` settings, on pads with prescribed motion,
+// against its regularisation's closed form.
 //
-// With solref (t_c, 1) and a constant impedance d a contact's friction is a damper within the cone (MuJoCo's documentation,
-// "Computation", constraint model): at rest of the tip f_t = b s/R_t for a creep s, with b = 2/(d t_c), R_t = (1 - d)/(d m
-// impratio), m the tip's mass, for the drive and the surface are far heavier. So a contact holds c = b/R_t = 2 m impratio/(t_c (1
-// - d)) [N s/m]. A spring k_t whose root is drawn at v then has
+// With solref (t_c, 1) and a constant impedance d a contact's friction is a damper within the cone
+// (MuJoCo's documentation, "Computation", constraint model): for a tip at rest f_t = b s/R_t at a
+// creep speed s, with b = 2/(d t_c), R_t = (1 - d)/(d m impratio), and m the tip's mass, because
+// the drive and the surface are far heavier. So the contact's damping is c = b/R_t = 2 m
+// impratio/(t_c (1 - d)) [N s/m]. A spring k_t whose root is drawn at v then has
 //   f_t(t) = c v (1 - exp(-t/tau)),  creep s(t) = v (1 - exp(-t/tau)),  tau = c/k_t,
-// and one that is held relaxes as exp(-t/tau). It comes to the cone, mu f_n, only where c v > mu f_n, and never before mu
-// f_n/(k_t v).
+// and a held one relaxes as exp(-t/tau). It reaches the cone, mu f_n, only if c v > mu f_n, and
+// never before mu f_n/(k_t v).
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -24,16 +25,16 @@ namespace slipbench::mujoco_contact_test {
 namespace {
 
 constexpr double mu = 0.5, depth = 1.5e-3, k_n = 3000.0, k_t = 500.0, dt = 1e-3, speed = 4e-3;
-constexpr double pressed = 0.1, start = 0.4;  // s: pressed in by then, drawn from then on
+constexpr double pressed = 0.1, start = 0.4;  // s: pressed in by then, and drawn from then on
 
-// MuJoCo's defaults, and what is changed in them.
+// MuJoCo's defaults with `changes`.
 Parameters contact(const std::vector<std::pair<std::string, Parameters::Value>>& changes) {
   Parameters result = defaults_of(contact_entry.parameters);
   for (const auto& [name, value] : changes) result.set(name, value);
   return result;
 }
 
-// Tips of 10 g in MuJoCo's stiffest safe contact at 1 ms, t_c = 2 ms, of constant impedance 0.9.
+// Tips of 10 g in MuJoCo's stiffest safe contact at 1 ms, t_c = 2 ms, with constant impedance 0.9.
 constexpr double tip_mass = 10e-3, time_constant = 2e-3, impedance = 0.9;
 Parameters plain(const std::string& integrator, const std::string& cone, double impratio, std::int64_t noslip,
                  double mass = tip_mass) {
@@ -47,7 +48,8 @@ Parameters plain(const std::string& integrator, const std::string& cone, double 
 }
 double holds(double mass, double impratio) { return 2.0 * mass * impratio / (time_constant * (1.0 - impedance)); }
 
-// Presses the pad in, draws it at `drive` [m/s] from `start` until `stop` [s] and hands every frame from `start` on to `look`.
+// Presses the pad in, draws it at `drive` [m/s] from `start` until `stop` [s] and passes every
+// frame from `start` on to `look`.
 void run(const Parameters& contact, double stop, double end, const std::function<void(const ContactFrame&)>& look,
          double drive = speed) {
   ArticulatedStage simulation(oracle::nine_pillars(1, k_n, k_t), Plane{}, {mu, mu}, user_pillars(contact, dt));
@@ -63,8 +65,9 @@ void run(const Parameters& contact, double stop, double end, const std::function
 
 double drawn(const ContactFrame& frame, Eigen::Index u) { return frame.contact_force.col(u).head<2>().matrix().norm(); }
 
-// When the mean of a creep v (1 - exp(-t/tau)), exponential over T = 10 ms, has come to 1 mm/s: it is v (1 - (tau e^(-t/tau) - T
-// e^(-t/T))/(tau - T)), as the creep itself long before.
+// Returns when the mean of a creep v (1 - exp(-t/tau)), exponential over T = 10 ms, reaches 1 mm/s.
+// The mean is v (1 - (tau e^(-t/tau) - T e^(-t/T))/(tau - T)); the creep itself reaches it long
+// before.
 double creep_is_slip(double tau) {
   const double T = 1e-2;
   double low = 0.0, high = 1.0;
@@ -76,9 +79,9 @@ double creep_is_slip(double tau) {
   return high;
 }
 
-// c = 100 N s/m holds 0.4 N at 4 mm/s, whatever the press, and the cones are mu f_n = 1.4 N to 2 N (the contact yields to a ninth
-// of the press): a quarter of the way there is the end of it. The tips slide under the cone at the pad's speed, and slip long
-// before they should, at 0.8 to 1.1 s.
+// c = 100 N s/m gives 0.4 N at 4 mm/s for any press, and the cones are mu f_n = 1.4 N to 2 N (the
+// contact yields to a ninth of the press): friction stops at a quarter of the cone. The tips slide
+// inside the cone at the pad's speed, long before the expected slip at 0.8 to 1.1 s.
 TEST(MujocoContact, FrictionAtImpratioOneNeverComesNearTheCone) {
   const double most = holds(tip_mass, 1.0) * speed, tau = holds(tip_mass, 1.0) / k_t;
   ASSERT_NEAR(most, 0.4, 1e-12);
@@ -98,8 +101,9 @@ TEST(MujocoContact, FrictionAtImpratioOneNeverComesNearTheCone) {
   }
 }
 
-// A slide that is too slow to read as slip goes its way all the same: what the pad is drawn by less what the tips are bent by.
-// c = 100 N s/m at 0.4 mm/s bends them by 0.04 N/k_t = 80 um. Bar: 1e-3 of the way.
+// A slide too slow to count as slip still has its distance: the pad's distance minus the bending of
+// the tips. c = 100 N s/m at 0.4 mm/s bends them by 0.04 N/k_t = 80 um. Limit: 1e-3 of the
+// distance.
 TEST(MujocoContact, SlideThatReadsAsStickHasItsDistance) {
   const double slow = 0.1 * speed, duration = 1.5;
   ContactFrame last;
@@ -117,7 +121,7 @@ TEST(MujocoContact, SlideThatReadsAsStickHasItsDistance) {
   }
 }
 
-// The rows of a pyramidal contact are other ones, and what is read from them the same: the pad's speed, once all have given way.
+// A pyramidal contact has other rows but gives the same readings: the pad's speed, once all slip.
 TEST(MujocoContact, PyramidalContactIsReadByItsEdges) {
   ContactFrame last;
   run(plain("implicitfast", "pyramidal", 1.0, 0), 10.0, start + 1.5, [&](const ContactFrame& frame) { last = frame; });
@@ -128,8 +132,9 @@ TEST(MujocoContact, PyramidalContactIsReadByItsEdges) {
   }
 }
 
-// With noslip a tip sticks until f_t = mu f_n, of the press that the contact yields to: t = mu f_n/(k_t v), early by the damping
-// of a stuck tip, c/k_t = 0.6 sqrt(m/k_t) = 2.7 ms, and goes on at that force. Bar: 3 %; met to a step.
+// With noslip a tip sticks until f_t = mu f_n for the reduced press of the yielding contact: t = mu
+// f_n/(k_t v), early by the damping of a stuck tip, c/k_t = 0.6 sqrt(m/k_t) = 2.7 ms, and then
+// keeps that force. Limit: 3 %; within a step.
 class NoslipOnset : public testing::TestWithParam<std::pair<std::string, std::int64_t>> {};
 TEST_P(NoslipOnset, IsThatOfThePress) {
   const auto& [integrator, noslip] = GetParam();
@@ -155,8 +160,9 @@ INSTANTIATE_TEST_SUITE_P(Iterations, NoslipOnset,
                          testing::Values(std::pair{"implicitfast", 1}, std::pair{"implicitfast", 3}, std::pair{"discrete", 3},
                                          std::pair{"Euler", 3}, std::pair{"implicit", 3}));
 
-// Held under shear, tips of 100 g (c = 1 kN s/m, tau = 2 s) let go of 22 % in half a second by every integrator that solves
-// contacts with the inertia alone, and their way is what they let go of; with noslip they do not move.
+// Held under shear, tips of 100 g (c = 1 kN s/m, tau = 2 s) lose 22 % of their force in half a
+// second with every integrator that solves contacts with the inertia alone, and their slip equals
+// that loss; with noslip they do not move.
 class HoldCreep : public testing::TestWithParam<std::string> {};
 TEST_P(HoldCreep, IsTheDampersAndNoneWithNoslip) {
   const double tau = holds(0.1, 1.0) / k_t, stop = start + 0.2, settled = stop + 0.1, end = settled + 0.5;
@@ -199,7 +205,8 @@ TEST_F(ContactScene, StageRunsToItsEndWithASetting) {
   EXPECT_EQ(simulation->contact(0).state, PadState::gross);
 }
 
-// 10 time constants, of two steps at least, and of any length where nothing is pressed in; a minute's steps are refused where something is.
+// 10 time constants, of at least two steps; of any length if nothing is pressed in. A minute's
+// steps are refused if something is.
 TEST(MujocoContact, SettlesForTenTimeConstants) {
   const auto steps = [](double time_constant, double step, bool indented) {
     return steps_to_settle(user_pillars(contact({{"solref", std::vector<double>{time_constant, 1.0}}}), step), indented);
@@ -215,7 +222,8 @@ TEST(MujocoContact, SettlesForTenTimeConstants) {
   EXPECT_EQ(steps_to_settle(direct, true), 100) << "2/(200 /s) = 10 ms";
 }
 
-// Tips of 0.1 g on 7.1 kN/m vibrate at 8,400 rad/s, and bear explicit springs of 2/8,400 s = 0.24 ms.
+// Tips of 0.1 g on 7.1 kN/m vibrate at 8,400 rad/s; explicit springs are stable up to 2/8,400 s =
+// 0.24 ms.
 TEST_F(ContactScene, ARunThatDivergesEndsWithMuJoCosWarning) {
   const auto simulation = bench_of("contact: {tip_mass: 0.1 g}\n");
   const std::string said = refusal_of([&] {

@@ -1,4 +1,5 @@
-// Scenes whose bodies move by forces, against closed forms and against the same model without the bench.
+// Scenes whose bodies move by forces, against closed forms and against the same model without the
+// bench.
 #include <cmath>
 #include <cstring>
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double g = 9.81;  // m/s2
 
-// MuJoCo's own loop over what the scene should have become, written out by hand.
+// MuJoCo's own loop over the model that the scene should give, written by hand.
 TEST(DynamicSimulation, HeldBoxIsTheModelWrittenByHandToTheBit) {
   const std::string fingers = two_fingers("integrator='implicitfast'");
   const ModelFolder folder;
@@ -60,8 +61,8 @@ TEST(DynamicSimulation, HeldBoxIsTheModelWrittenByHandToTheBit) {
   EXPECT_LT(data->qpos[4], 0.0998) << "the box has slipped: the comparison has seen more than a hold";
 }
 
-// At tick k: the pad's force is that of the poses recorded for tick k, and a pose is the one before moved by the velocity recorded
-// with it.
+// The pad's force at tick k is that of the poses recorded for tick k, and a pose is the previous
+// one moved by the velocity recorded with it.
 TEST(DynamicSimulation, TruthAndBodiesAreOfTheSameInstant) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -77,7 +78,7 @@ TEST(DynamicSimulation, TruthAndBodiesAreOfTheSameInstant) {
     const double depth = 0.02 + (box.inverse() * rig.body("left").pose.position).x();
     const double force = rig->contact(0).contact_force(2, middle);
     if (tick == 0) stiffness = force / depth;
-    // A tick's difference would be 0.5 mm/s * 250 us * 7 kN/m, about 1 mN.
+    // One tick would make a difference of 0.5 mm/s * 250 us * 7 kN/m, about 1 mN.
     EXPECT_NEAR(force, stiffness * depth, 1e-9);
     if (tick > 0) {
       EXPECT_NEAR((box.position - before.position - 0.00025 * rig.body("box").velocity).norm(), 0.0, 1e-15);
@@ -98,7 +99,8 @@ TEST(DynamicSimulation, HeldBoxHangsOnItsPadsAndOnNothingElse) {
   EXPECT_NEAR(std::abs(force(0)[0]) + std::abs(force(1)[0]), weight_of_100_g, 1e-6 * weight_of_100_g);
 }
 
-// The block slides under its own momentum from 0.501 s on: all pillars slip, so the friction is mu_k m g whatever their loads.
+// From 0.501 s on the block slides by its momentum: all pillars slip, so the friction is mu_k m g
+// for any distribution of loads.
 TEST(DynamicSimulation, SlidingBlockSlowsDownAtMuKineticTimesG) {
   const ModelFolder folder;
   folder.write("block.xml", guided_block("integrator='implicitfast'"));
@@ -113,21 +115,21 @@ TEST(DynamicSimulation, SlidingBlockSlowsDownAtMuKineticTimesG) {
   EXPECT_NEAR((from - to) / 0.08, 0.4 * g, 1e-4 * 0.4 * g);
 }
 
-// The block on an incline of angle a: mg cos a presses it on, mg sin a pulls. One coefficient, since with mu_k < mu_s pillars of
-// unequal load let go one after the other, below mu_s of the whole. tan a = mu breaks it loose: 0.2 % less does not, 0.2 % more
-// does.
+// The block on an incline of angle a: mg cos a presses it on, mg sin a pulls. mu_k = mu_s, because
+// with mu_k < mu_s pillars of unequal load slip one after the other, below mu_s of the whole. tan a
+// = mu makes it slip: 0.2 % less does not, 0.2 % more does.
 TEST(DynamicSimulation, BlockBreaksLooseOnAnInclineOfMu) {
   for (const double share : {0.998, 1.002}) {
     const double angle = std::atan(share * 0.5);
     const std::string gravity = "gravity='0 0 " + std::to_string(-g * std::cos(angle)) + "'";
     const ModelFolder folder;
     folder.write("block.xml", guided_block(gravity));
-    // What pulls grows within 1 s, so that nothing bounces.
+    // The pull grows within 1 s, so that nothing bounces.
     DynamicRig rig(
         block_on_table("duration: 4 s\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: {push: [[0.5 s, 0 N], [1.5 s, " +
                        std::to_string(g * std::sin(angle)) + " N]]}\n"),
         folder.file("scene.yaml"));
-    rig.run_to(3.4);  // what sticks has come to rest
+    rig.run_to(3.4);  // sticking blocks are at rest by then
     const double from = rig.body("sole").velocity.x();
     rig.run_to(3.9);
     const double gained = rig.body("sole").velocity.x() - from;
@@ -136,8 +138,8 @@ TEST(DynamicSimulation, BlockBreaksLooseOnAnInclineOfMu) {
   }
 }
 
-// The pad drags the box at the stage's speed against the friction of the table under both loads. The stage comes to 8 mm/s within
-// 0.2 s.
+// The pad drags the box at the stage's speed against the friction of the table under both loads.
+// The stage reaches 8 mm/s within 0.2 s.
 TEST(DynamicSimulation, StageDragsAFreeBoxOverATable) {
   DynamicRig rig(pressed_box("duration: 2 s\nmotion: {compression: 0.8 mm, speed: 8 mm/s, start: 1 s}\n"));
   rig.run_to(1.9);
@@ -153,7 +155,8 @@ TEST(DynamicSimulation, StageDragsAFreeBoxOverATable) {
   EXPECT_GT(rig->data()->ncon, 0);
 }
 
-// Implicit fields bear no noslip pass: what rests on MuJoCo's own contacts must not lose its friction for that.
+// Implicit fields exclude a noslip pass; bodies on MuJoCo's own contacts must not lose friction
+// because of that.
 TEST(DynamicSimulation, ImplicitPadDragsABoxAgainstAllOfTheTablesFriction) {
   for (const std::string mass : {"100 g", "5 g"}) {
     std::string scene = pressed_box(
@@ -174,7 +177,8 @@ TEST(DynamicSimulation, ImplicitPadDragsABoxAgainstAllOfTheTablesFriction) {
   }
 }
 
-// At half of what the table holds the box must not creep. Bar of the issue for held things: 0.5 um/s.
+// At half of the table's friction limit the box must not creep. Limit of the issue for held
+// objects: 0.5 um/s.
 TEST(DynamicSimulation, BoxOnATableDoesNotCreepUnderAPad) {
   for (const std::string solver : {"explicit", "implicit"}) {
     DynamicRig rig(pressed_box("field_solver: " + solver +
@@ -198,7 +202,7 @@ TEST(DynamicSimulation, StageIsWhereItsMotionSaysAtEveryTick) {
     const BodyState told = motion->pad_at(static_cast<double>(tick) / std::round(1.0 / rig->time_step(0)));
     const BodyState& is = rig.body("pad");
     ASSERT_EQ((is.pose.position - told.pose.position).norm(), 0.0) << tick;
-    // By way of a quaternion: rounding.
+    // Rounding, because the rotation passes through a quaternion.
     ASSERT_LT((is.pose.rotation - told.pose.rotation).norm(), 1e-15) << tick;
     ASSERT_LT((is.velocity - told.velocity).norm(), 1e-15) << tick;
     ASSERT_LT((is.angular_velocity - told.angular_velocity).norm(), 1e-15) << tick;
@@ -206,7 +210,8 @@ TEST(DynamicSimulation, StageIsWhereItsMotionSaysAtEveryTick) {
   EXPECT_TRUE(rig->rotating());
 }
 
-// A fingertip's sensor reads between its units: what each element does comes with the truth of its pad, and their springs make up its force.
+// A fingertip's sensor reads between its units: the pad's truth includes each element's state, and
+// the elements' springs add up to its force.
 TEST(DynamicSimulation, TellsOfEachElementWhereAPadAsksForIt) {
   DynamicRig rig(
       "duration: 0.5 s\nfriction: {static: 0, kinetic: 0}\nbodies: {table: {shape: plane}}\n"
@@ -221,12 +226,13 @@ TEST(DynamicSimulation, TellsOfEachElementWhereAPadAsksForIt) {
     force += elements[i].k_normal * truth.element_depth[static_cast<Eigen::Index>(i)];
   EXPECT_GT(force, 1.0);
   EXPECT_NEAR(force, truth.contact_force.row(2).sum(), 1e-9 * force);
-  // Nothing is dragged along without friction: up to the 1e-13 m that are no slip (kernel::shortest_slip).
+  // Without friction nothing is dragged, up to the 1e-13 m that do not count as slip
+  // (kernel::shortest_slip).
   ASSERT_EQ(truth.element_shear.rows(), truth.element_depth.size());
   EXPECT_LE(truth.element_shear.abs().maxCoeff(), 1e-13);
 }
 
-// A box of every shape that lies on a table stays there and is recorded.
+// A box of every shape on a table stays at rest and is recorded.
 TEST(DynamicSimulation, EveryShapeComesToRestOnATable) {
   for (const std::string shape :
        {"box, size: [30 mm, 30 mm, 20 mm]", "sphere, radius: 10 mm", "cylinder, radius: 15 mm, length: 20 mm",
@@ -240,7 +246,7 @@ TEST(DynamicSimulation, EveryShapeComesToRestOnATable) {
   }
 }
 
-// MuJoCo leaves sensors out only where a model has none: a force sensor tells what its motor is told.
+// MuJoCo disables sensors only for models without any: a force sensor reads the motor's command.
 TEST(DynamicPhysics, SensorsOfTheModelAreRead) {
   const ModelFolder folder;
   std::string fingers = two_fingers("");
@@ -257,7 +263,7 @@ TEST(DynamicPhysics, SensorsOfTheModelAreRead) {
   EXPECT_NE(bare->model()->opt.disableflags & mjDSBL_SENSOR, 0);
 }
 
-// A model whose flag takes gravity away, and a scene that brings its own.
+// A model whose flag disables gravity, and a scene that sets its own.
 TEST(DynamicPhysics, GravityIsThatOfMuJoCo) {
   for (const std::string fidelity : {"field", "articulated"}) {
     for (const double g : {0.0, 9.81}) {
@@ -272,7 +278,7 @@ TEST(DynamicPhysics, GravityIsThatOfMuJoCo) {
   }
 }
 
-// A free body's own velocity, and gravity 0: it goes straight on.
+// A free body's own velocity with gravity 0: it moves in a straight line.
 TEST(DynamicSimulation, BodyStartsWithItsVelocityAndWithoutGravityKeepsIt) {
   DynamicRig rig(
       "duration: 0.5 s\ngravity: 0\nbodies: {ball: {shape: sphere, velocity: [10 mm/s, 0, -20 mm/s], position: [0, 0, -1]}}\n"

@@ -1,4 +1,4 @@
-// What a scene with bodies is answered when it and its model do not suit each other, before the first step.
+// Errors before the first step for scenes that do not fit their model.
 
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
@@ -44,15 +44,16 @@ TEST(DynamicRefusal, ModelsThatCannotBeRead) {
               refused_at("model", {"compile"}));
 }
 
-// The pads' 9 pillars have 64 kN/m together, and a box of 5 g between two of them vibrates at sqrt(2 * 64e3/0.005) = 5060 rad/s at
-// least; fingers of 50 g hardly change that, so the dashpots of 1 ms bear no step over 1/(1e-3 s * 5060^2/s2) = 39 us.
+// The pads' 9 pillars have 64 kN/m together, and a box of 5 g between two of them vibrates at
+// sqrt(2 * 64e3/0.005) = 5060 rad/s or more; fingers of 50 g hardly change that. With dashpots of 1
+// ms no step over 1/(1e-3 s * 5060^2/s2) = 39 us is stable.
 TEST(DynamicRefusal, StepTooLongForExplicitSprings) {
   const std::string light = replaced(good, "mass: 100 g", "mass: 5 g");
   const std::string text = answer(light + "time_step: 1 ms\n");
   EXPECT_THAT(text, StartsWith("time_step: 1 ms is too long for explicit springs of the pads"));
   const std::string allowed = text.substr(text.find("allowed are up to ") + 18);
   EXPECT_LT(parse_quantity(allowed, Quantity::time), 39e-6);
-  // What the message allows is allowed; 20 us divides 1 ms.
+  // The step that the message allows is accepted; 20 us divides 1 ms.
   EXPECT_GT(parse_quantity(allowed, Quantity::time), 5e-6);
   EXPECT_EQ(answer(light + "time_step: 5 us\n"), "accepted");
 }
@@ -63,7 +64,7 @@ TEST(DynamicRefusal, AutomaticStepIsTheLongestThatFits) {
   DynamicRig rig(good, folder.file("scene.yaml"));
   const double divisor = 1e-3 / rig->time_step(0);
   EXPECT_NEAR(divisor, std::round(divisor), 1e-9);
-  // One divisor less would be a longer step: it is refused.
+  // One divisor less gives a longer step, which is refused.
   EXPECT_THAT(answer(good + "time_step: " + std::to_string(1.0 / (std::round(divisor) - 1.0)) + " ms\n"),
               mentions({"explicit springs"}));
 }

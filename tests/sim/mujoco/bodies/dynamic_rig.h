@@ -1,4 +1,4 @@
-// Scenes whose bodies move by forces, from text.
+// Scenes with bodies that move by forces, from text.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ inline const BodyState& body_of(const Simulation& bench, const std::string& name
   return std::ranges::find(bench.bodies(), name, &NamedBody::name)->state;
 }
 
-// A folder of its own for model files, gone with the object.
+// A temporary folder for model files.
 class ModelFolder {
  public:
   ModelFolder()
@@ -49,10 +49,11 @@ class ModelFolder {
   std::filesystem::path path_;
 };
 
-// A bench with the scene and the sensors that it stands on.
+// A bench with its scene and sensors.
 class DynamicRig {
  public:
-  // `text`: a scene without its first line; `name`: where it would lie, for the paths in it. `layout`: in place of every sensor's own.
+  // `text`: a scene without its first line; `name`: path of the scene, for relative paths in it;
+  // `layout`: replaces every sensor's own.
   explicit DynamicRig(const std::string& text, const std::string& name = "scene.yaml",
                       const DynamicSimulationOptions& options = {}, const PadLayout* layout = nullptr)
       : scene_(parsed(SceneFile::from_text("slipbench: 1\n" + text, name))) {
@@ -71,7 +72,7 @@ class DynamicRig {
   DynamicSimulation& operator*() { return *simulation_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
-  // Steps until the tick at `time` [s] has been evaluated.
+  // Steps until the tick at `time` [s] has been computed.
   void run_to(double time) {
     while (static_cast<double>(done_) * simulation_->time_step(0) <= time + 1e-9) {
       simulation_->step();

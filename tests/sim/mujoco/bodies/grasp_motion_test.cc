@@ -1,4 +1,4 @@
-// A grasp that moves: what is dropped and when, what does not depend on the step, what is caught when it goes wrong.
+// A grasp that moves: drops and their times, independence of the step, and detected failures.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -19,8 +19,9 @@ std::string refusal(const std::string& text, const DynamicSimulationOptions& opt
 }
 
 TEST(GraspMotion, DropIsLabelledAtTheTickAtWhichAPadLetsGo) {
-  // Held in the air, then told to open. The pads are off when the opening has grown by what they and the fingers were squeezed by, that is to
-  // the box's width less the centre pillar's lead over the box's face, which is none. The fingers' springs follow within 1/omega = 3 ms.
+  // Held in the air, then opened. The pads detach when the opening has grown by the compression of
+  // pads and fingers, that is to the box's width minus the centre pillar's lead over the box's
+  // face, which is 0. The fingers' springs follow within 1/omega = 3 ms.
   GraspRig rig("friction: {static: 0.8}\ngrip: {}\nmotion: {kind: lift, settle: 1 s, distance: 50 mm}\nduration: 5 s\n");
   rig.run_to(3.0);
   EXPECT_TRUE(rig->truth().lifted);
@@ -44,7 +45,7 @@ TEST(GraspMotion, DropIsLabelledAtTheTickAtWhichAPadLetsGo) {
   EXPECT_GT(rig->truth().table_force, 0.0) << "it lies on the table";
 }
 
-// mu F of both pads is 0.1 N of the box's 2 N: it stays where it is.
+// mu F of both pads is 0.1 N of the box's 2 N: the box does not move.
 TEST(GraspMotion, BoxThatStaysOnTheTableIsLeftBehindWhenTheArmHasRisenAndIsNotDropped) {
   GraspRig rig("friction: {static: 0.01}\ngrip: {}\nmotion: {kind: lift, settle: 1 s, distance: 10 mm}\nduration: 2 s\n");
   const double risen = 1.0 + 0.01 / 0.043 + 0.043 / 0.4;
@@ -58,7 +59,7 @@ TEST(GraspMotion, BoxThatStaysOnTheTableIsLeftBehindWhenTheArmHasRisenAndIsNotDr
   EXPECT_EQ(rig->truth().lift_height, 0.0);
 }
 
-// The same where the lift ends with the trial: its last tick is the only one at which the arm has risen.
+// The same with a lift that ends with the trial: only its last tick has the arm at the top.
 TEST(GraspMotion, LiftThatEndsWithTheTrialIsJudgedAtItsLastTick) {
   // 1 s + 10 mm / (40 mm/s) + 40/400 s
   GraspRig rig(
@@ -67,7 +68,8 @@ TEST(GraspMotion, LiftThatEndsWithTheTrialIsJudgedAtItsLastTick) {
   EXPECT_TRUE(rig->truth().left_behind);
 }
 
-// The arm rises by 1 mm, of which fingers and pads take some tenths: a box that hangs is lifted, however little.
+// The arm rises by 1 mm, fingers and pads take some tenths of that: a hanging box counts as lifted,
+// however little.
 TEST(GraspMotion, SmallLiftIsALift) {
   GraspRig rig(
       "friction: {static: 0.8}\ngrip: {preset: 8 N}\nmotion: {kind: lift, settle: 1.5 s, distance: 1 mm}\nduration: 3 s\n");
@@ -79,7 +81,8 @@ TEST(GraspMotion, SmallLiftIsALift) {
   EXPECT_LT(rig->truth().lift_height, 1.1e-3);
 }
 
-// A box that is taken at one of its ends turns in the pads: the arm rises by 20 mm, and the far end of the box stays on the table.
+// A box held at one of its ends turns in the pads: the arm rises by 20 mm, and the far end of the
+// box stays on the table.
 TEST(GraspMotion, BoxWithAnEdgeOnTheTableIsNotLifted) {
   GraspRig rig(
       "friction: {static: 0.6}\ngrip: {preset: 5 N}\nbox: {size: [60 mm, 300 mm, 100 mm], mass: 0.3 kg, position: [0 mm, 120 mm]}\n"
@@ -93,7 +96,8 @@ TEST(GraspMotion, BoxWithAnEdgeOnTheTableIsNotLifted) {
   EXPECT_FALSE(rig->truth().dropped);
 }
 
-// The shaking after the lift brings the arm down by twice its height for a moment: the box is put down, and stands.
+// The shaking after the lift moves the arm down by twice its height for a moment: the box is put
+// down and stands.
 TEST(GraspMotion, BoxThatIsPutDownAgainWasLiftedAndIsLost) {
   GraspRig rig(
       "friction: {static: 1.2}\ngrip: {preset: 8 N}\nmotion: {kind: lift, settle: 1.5 s, distance: 10 mm, shake: [0 mm, 0 mm, -12 mm], "
@@ -114,7 +118,7 @@ TEST(GraspMotion, SlipIsCountedFromTheLiftOn) {
   EXPECT_EQ(rig->truth().slip, Eigen::Vector3d::Zero());
   const Eigen::Vector3d before = rig.box_in_arm();
   rig.run_to(2.9);
-  EXPECT_LT((rig->truth().slip - (rig.box_in_arm() - before)).norm(), 1e-6);  // 10 ms of standing still lie between
+  EXPECT_LT((rig->truth().slip - (rig.box_in_arm() - before)).norm(), 1e-6);  // with 10 ms of rest in between
   EXPECT_LT(rig->truth().slip.z(), 0.0);
 }
 
@@ -128,7 +132,8 @@ TEST(GraspMotion, CarriesTiltsAndShakes) {
   EXPECT_LT((rig.body("arm").pose.position - Eigen::Vector3d(0.03, -0.02, 0.05)).norm(), 1e-12);
   EXPECT_LT((rig.pads_on_box() - Eigen::Vector3d(0.0, 0.0, weight)).norm(), 1e-3 * weight);
   EXPECT_LT(rig->truth().slip.norm(), 2e-3);
-  // Turned about Y by 30 degrees with the arm: its own X axis points down by half its length, but for what the springs give.
+  // Turned about Y by 30 degrees with the arm: its own X axis points down by half its length,
+  // except for the springs' compliance.
   EXPECT_NEAR(rig.body("box").pose.rotation(2, 0), -0.5, 0.02);
 }
 
@@ -142,12 +147,12 @@ TEST(GraspMotion, TrialsDifferAndRunThrough) {
   }
 }
 
-// What a picture of the trial needs beside the poses.
+// Data that a picture of the trial needs in addition to the poses.
 TEST(GraspMotion, BoxAndSiliconePadSayTheirSize) {
   GraspRig rig("surface: {material: rubber}\ngrip: {}\nscatter: {}\nmotion: {kind: lift}\n");
   for (const NamedBody& body : rig->bodies()) {
     if (body.name == "box") {
-      // 60 mm and up to a count more, as it was drawn.
+      // 60 mm plus up to a count, as drawn.
       EXPECT_EQ(body.size, (std::vector<double>{rig->grasp().box_size.x(), 0.06, 0.1}));
     } else if (body.name == "second_pad") {
       EXPECT_EQ(body.size, (std::vector<double>{0.022, 0.0375, 0.0}));
@@ -158,13 +163,13 @@ TEST(GraspMotion, BoxAndSiliconePadSayTheirSize) {
 }
 
 TEST(GraspMotion, StepThatIsTooLongIsRefusedBeforeTheFirst) {
-  // 0.75/omega and 2/omega, omega at most that of the 400 N/mm pad between a finger of 80 g and half a box of 0.2 kg, held at its rim: 0.5 ms is
-  // beyond the one and within the other.
+  // 0.75/omega and 2/omega, with omega at most that of the 400 N/mm pad between a finger of 80 g
+  // and half a box of 0.2 kg, held at its rim: 0.5 ms is above the first and below the second.
   const std::string message = refusal("grip: {}\ntime_step: 0.5 ms\nfield_solver: explicit\n");
   EXPECT_NE(message.find("time_step: 0.5 ms is too long for explicit springs of the pads"), std::string::npos) << message;
   const std::string longer = refusal("grip: {}\ntime_step: 1 ms\n");
   EXPECT_NE(longer.find("time_step: 1 ms is too long for implicit springs of the pads"), std::string::npos) << longer;
-  // Stiffer fingers count too: 8 kN/mm and 80 g, 10,000 rad/s, 75 us or 200 us.
+  // Stiffer fingers also count: 8 kN/mm and 80 g, 10,000 rad/s, 75 us or 200 us.
   for (const char* rest : {"time_step: 0.1 ms\nfield_solver: explicit\n", "time_step: 0.25 ms\n"}) {
     const std::string stiff = refusal(std::string("grip: {stiffness: [8000 N/mm, 15 N/mm, 15 N/mm]}\n") + rest);
     EXPECT_NE(stiff.find("too long"), std::string::npos) << stiff;
@@ -181,8 +186,8 @@ TEST(GraspMotion, UnstableRunIsCaught) {
 }
 
 TEST(GraspMotion, PadThatPressesHarderThanItsFingerCanIsCaught) {
-  // The same with the rules of energy and weight out of the way, and a step far enough beyond the limit that it does not hang on roundings
-  // whether what grows so reaches the pads.
+  // The same without the checks of energy and weight, and with a step so far beyond the limit that
+  // rounding does not decide if the growing vibration reaches the pads.
   DynamicSimulationOptions options;
   options.refuse_long_steps = false;
   options.limits.energy_share = options.limits.ejection_factor = options.limits.weight_share = 1e300;

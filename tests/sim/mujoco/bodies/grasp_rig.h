@@ -1,4 +1,4 @@
-// A grasp from text, with the simplest of loops.
+// A grasp from text, with the simplest loop.
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@ namespace slipbench {
 
 class GraspRig {
  public:
-  // `text`: a scene without its first line and its sensor, which has the `sensor` parameters beside its type.
+  // `text`: a scene without its first line and its sensor; `sensor`: the sensor's parameters in
+  // addition to its type.
   explicit GraspRig(const std::string& text, std::uint64_t trial = 0, const DynamicSimulationOptions& options = {},
                     const std::string& sensor = "")
       : scene_(parsed("slipbench: 1\nsensors: {pad: {type: papillarray" + sensor + "}}\n" + text)) {
@@ -27,7 +28,8 @@ class GraspRig {
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const PadLayout& pad() const { return sensor_->layout(); }
 
-  // Measured position + 1 while the true force on the sensor's pad is below the preset; it stays where it is from then on.
+  // Commands the measured position + 1 while the true force on the sensor's pad is below the
+  // preset, then stays.
   void step() {
     simulation_->step();
     Gripper& gripper = simulation_->gripper();
@@ -40,7 +42,7 @@ class GraspRig {
     if (gripper.write_due(truth.time)) gripper.write(command_);
     ++done_;
   }
-  // Until the tick at `time` [s] has been evaluated.
+  // Runs until the tick at `time` [s] has been computed.
   void run_to(double time) {
     while (static_cast<double>(done_) * simulation_->time_step(0) <= time + 1e-9) step();
   }
@@ -48,7 +50,7 @@ class GraspRig {
     while (done_ < simulation_->ticks(0)) step();
   }
 
-  // What the pads do to the box [N], in the world.
+  // Force of the pads on the box [N], in the world.
   [[nodiscard]] Eigen::Vector3d pads_on_box() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     const mjModel* m = simulation_->dynamics().model();
@@ -59,10 +61,10 @@ class GraspRig {
     return sum;
   }
   [[nodiscard]] const BodyState& body(const std::string& name) const { return body_of(*simulation_, name); }
-  // The box's middle in the arm's frame [m].
+  // Middle of the box in the arm's frame [m].
   [[nodiscard]] Eigen::Vector3d box_in_arm() const { return (body("arm").pose.inverse() * body("box").pose).position; }
 
-  int more = 0;  // counts beyond where it stopped
+  int more = 0;  // counts beyond the stop
 
  private:
   Scene scene_;

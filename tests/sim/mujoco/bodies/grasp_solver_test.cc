@@ -1,4 +1,4 @@
-// Implicit springs of a grasp (average_acceleration.h): the law, and what they cost in accuracy.
+// Implicit springs of a grasp (average_acceleration.h): the law and its accuracy.
 #include "sim/mujoco/linear/average_acceleration.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double h = 5e-4;  // s
 
-// Two fingers and a box whose centre of mass is beside its frame, all turned and moving.
+// Two fingers and a box with an off-centre mass, all turned and moving.
 struct Hand3 {
   Hand3()
       : model(compile(
@@ -46,7 +46,7 @@ struct Hand3 {
   Data data;
 };
 
-// A stiff, lopsided 6x6.
+// A stiff, asymmetric 6x6 matrix.
 Matrix6d lopsided(int seed, double size) {
   Matrix6d root;
   for (int i = 0; i < 36; ++i) root(i / 6, i % 6) = std::sin(seed + 1.7 * i);
@@ -60,7 +60,8 @@ PadTangent finger_tangent() {
   return tangent;
 }
 
-// S a = f + (h^2/4) K a_c in MuJoCo's own coordinates, with all of MuJoCo's Jacobians, against the three bodies one after the other.
+// S a = f + (h^2/4) K a_c in MuJoCo's own coordinates, with all of MuJoCo's Jacobians, against the
+// three bodies in sequence.
 TEST(AverageAcceleration, ThreeBodiesAreSolvedAsOneSystem) {
   Hand3 hand;
   mjModel* m = hand.model.get();
@@ -78,7 +79,7 @@ TEST(AverageAcceleration, ThreeBodiesAreSolvedAsOneSystem) {
   mj_fullM(m, d, whole.data());
   Eigen::VectorXd force = Eigen::Map<Eigen::VectorXd>(d->qfrc_smooth, 18);
   const Eigen::Vector3d origin = hand.pose(box).position;
-  // A 6x6 that the box sees about its frame, or a finger about its own, in world axes.
+  // A 6x6 matrix about a body's frame, in world axes: the box's, or a finger's.
   const auto turned = [](const Eigen::Matrix3d& rotation, const Matrix6d& local) {
     Matrix6d turn = Matrix6d::Zero();
     turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = rotation;
@@ -103,14 +104,14 @@ TEST(AverageAcceleration, ThreeBodiesAreSolvedAsOneSystem) {
   EXPECT_LT((found - expected).norm(), 1e-12 * expected.norm());
 }
 
-// What FreeBodies leaves in the data and makes of it, against MuJoCo's own, which has no part of it in common.
+// Compares FreeBodies with MuJoCo's own computation, which shares no code with it.
 TEST(FreeBodies, AreWhatMuJoCoMakesOfThem) {
   Hand3 hand;
   const mjModel* m = hand.model.get();
   mjData* d = hand.data.get();
   const Data own(mj_makeData(m));
   mju_copy(own->qpos, d->qpos, static_cast<int>(m->nq));
-  mju_scl(own->qpos + 3, d->qpos + 3, 1.7, 4);  // a quaternion of another length is the same turn
+  mju_scl(own->qpos + 3, d->qpos + 3, 1.7, 4);  // a quaternion of another length is the same rotation
   mju_copy(own->qvel, d->qvel, static_cast<int>(m->nv));
   const FreeBodies bodies(m);
   bodies.place(m, own.get());
@@ -142,7 +143,8 @@ TEST(FreeBodies, AreWhatMuJoCoMakesOfThem) {
   EXPECT_NEAR(bodies.kinetic_energy(own.get(), speed), d->energy[1], 1e-14 * d->energy[1]);
 }
 
-// The sum over a field's elements, in the surface's axes about its origin, against that about any point in the world's.
+// The sum over a field's elements, in the surface's axes about its origin, against the sum about
+// any point in the world's axes.
 TEST(AverageAcceleration, FieldAddsWhatItsTangentSays) {
   const PadLayout layout = nine_flat_pillars(1.0);
   Field field(layout, Plane{}, {0.5, 0.5});
@@ -150,7 +152,8 @@ TEST(AverageAcceleration, FieldAddsWhatItsTangentSays) {
     return Pose{Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {0.02, 0.001, -1e-3}};
   };
   constexpr double tau = 1e-3;
-  // Stuck, and after a turn by which the corners, 9.9 mm from the middle, are stretched to 2 N of 1.5 N, the edges to 1.4 N.
+  // Sticking, and after a turn that stretches the corners, 9.9 mm from the middle, to 2 N of 1.5 N,
+  // the edges to 1.4 N.
   for (const double angle : {0.0, 0.4}) {
     field.step(pressed(angle), 1e-3);
     const Pose surface{Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix(), {0.1, -0.2, 0.05}};
@@ -164,8 +167,9 @@ TEST(AverageAcceleration, FieldAddsWhatItsTangentSays) {
   EXPECT_EQ(field.touching(), 9U);
 }
 
-// A finger alone, 80 g on 8 kN/m without a dashpot, pulled 1 mm aside: omega = 316.2 rad/s. Steps of h turn it by Omega h = 2 atan(omega h/2), and
-// its amplitude stays: after n steps of x' = x + h v' its place is A cos(Omega n h) + B sin(Omega n h).
+// A single finger, 80 g on 8 kN/m without a dashpot, pulled 1 mm aside: omega = 316.2 rad/s. Each
+// step of h advances its phase by Omega h = 2 atan(omega h/2), with constant amplitude: after n
+// steps of x' = x + h v' its position is A cos(Omega n h) + B sin(Omega n h).
 TEST(AverageAcceleration, ModeVibratesAsTheLawSays) {
   Hand3 hand;
   mjModel* m = hand.model.get();
@@ -181,7 +185,8 @@ TEST(AverageAcceleration, ModeVibratesAsTheLawSays) {
   const double rest = d->qpos[0], pulled = 1e-3;
   d->qpos[0] += pulled;
   const double turn = 2.0 * std::atan(0.5 * omega * long_step);
-  // Its first step begins at rest: x_1 = x_0 + h v' with v' = -h k x_0/(m + h^2 k/4), which fixes B.
+  // Its first step begins at rest: x_1 = x_0 + h v' with v' = -h k x_0/(m + h^2 k/4), which
+  // determines B.
   std::optional<double> b;
   for (int n = 1; n <= 200; ++n) {
     mj_fwdPosition(m, d);
@@ -196,8 +201,8 @@ TEST(AverageAcceleration, ModeVibratesAsTheLawSays) {
   }
 }
 
-// Two over the faster of a mode's rates: omega below the critical damping c = 2 omega, the greater root of l^2 - c l + omega^2 above it. With omega = 1
-// the roots 5 and 1/5 belong to c = 5.2.
+// Two over the faster of a mode's rates: omega below the critical damping c = 2 omega, above it the
+// greater root of l^2 - c l + omega^2. With omega = 1 the roots 5 and 1/5 belong to c = 5.2.
 TEST(AverageAcceleration, LongestStepFollowsTheFasterRate) {
   EXPECT_DOUBLE_EQ(longest_averaged_step({4.0, 0.0}), 0.5);
   EXPECT_DOUBLE_EQ(longest_averaged_step({4.0, 8.0}), 0.5);
@@ -225,8 +230,10 @@ Outcome outcome(const std::string& text) {
 const std::string felt =
     "surface: {material: felt}\neffects: [{anisotropic_friction: {ratio: 0.6}}, {patchy_friction: {sd: 0.2, shortest: 8 mm, longest: 20 mm}}]\n";
 
-// The bars: slip within 0.5 %, peak force within 0.1 %. Surfaces that hold; PTFE at 0.2, where pillars slip on the way up; a friction that holds the
-// weight with 2 %, but not the 4 % more of the arm's acceleration: the box slips until that is over; and a heavy box. Held beside the explicit solver too, at a step of 0.05 ms, where each is right to 0.1 %.
+// Limits: slip within 0.5 %, peak force within 0.1 %. Cases: surfaces that hold; PTFE at 0.2, where
+// pillars slip on the way up; a friction that holds the weight plus 2 %, but not the 4 % of the
+// arm's acceleration, so that the box slips during that; and a heavy box. The references are the
+// implicit solver at 0.125 ms and the explicit one at 0.05 ms, each exact to 0.1 %.
 TEST(GraspSolver, AutomaticStepIsRightToHalfAPercent) {
   for (const std::string& surface : {std::string("surface: {material: rubber}\n"), std::string("surface: {material: ptfe}\n"),
                                      felt, std::string("surface: {material: ptfe}\nfriction: {static: 0.2, kinetic: 0.2}\n"),
@@ -244,7 +251,8 @@ TEST(GraspSolver, AutomaticStepIsRightToHalfAPercent) {
   }
 }
 
-// What holds while the box is squeezed must not slip in the labels: pads of both fingers before the lift.
+// Elements that hold while the box is squeezed must not slip in the labels: pads of both fingers
+// before the lift.
 TEST(GraspSolver, TouchMakesNoSlipThatIsNone) {
   const auto slips = [](const std::string& how) {
     GraspRig rig("surface: {material: rubber}\nbox: {mass: 0.5 kg}\ngrip: {}\nmotion: {kind: lift, settle: 1 s}\n" + how);
@@ -259,7 +267,8 @@ TEST(GraspSolver, TouchMakesNoSlipThatIsNone) {
   EXPECT_EQ(slips(""), 0U);
 }
 
-// Soft skins carry the weight and stay: the bar is 0.01 um/s. Six times the load that slips, so that no element is near its cone.
+// Soft skins carry the weight without creep: the limit is 0.01 um/s. Six times the slip load, so
+// that no element is near its cone.
 TEST(GraspSolver, SoftSkinsHoldWithoutCreep) {
   GraspRig rig(
       "surface: {material: rubber}\ngrip: {second_pad: same}\nmotion: {kind: lift, settle: 1 s}\nduration: 63 s\neffects: [elastic_skin]\n");
@@ -270,9 +279,9 @@ TEST(GraspSolver, SoftSkinsHoldWithoutCreep) {
   EXPECT_LT((rig.box_in_arm() - before).norm() / 58.0, 0.01e-6);
 }
 
-// Left to itself the solver is the cheaper one. At 100 Hz 44 explicit steps to a sample stand
-// against 17, at 1 kHz 5 against 2. A step that the scene gives is implicit, which is of second
-// order. (A sensor whose sampling time is as short has the nib pad: scenes/nib_pad/reorient.yaml.)
+// By default the cheaper solver is chosen. At 100 Hz 44 explicit steps per sample compare with 17
+// implicit ones, at 1 kHz 5 with 2. A step given by the scene is implicit, which is second order.
+// (The nib pad has a sampling time as short: scenes/nib_pad/reorient.yaml.)
 TEST(GraspSolver, AutomaticTakesTheCheaperOne) {
   const std::string scene = "grip: {}\nmotion: {kind: lift, settle: 1 s, distance: 10 mm}\nduration: 1.5 s\n";
   const auto slip = [&](const std::string& rate, const std::string& how) {
@@ -291,7 +300,8 @@ TEST(GraspSolver, AutomaticTakesTheCheaperOne) {
   EXPECT_FALSE(is("100 Hz", "time_step: 0.2 ms\n", "explicit"));
 }
 
-// A step takes the explicit path where the springs' stiffness is not known, and says so where it is asked not to.
+// Springs of unknown stiffness are stepped explicitly; a scene that asks for the implicit solver
+// gets an error.
 TEST(GraspSolver, EffectsWithoutAKnownStiffnessGoExplicitly) {
   const std::string scene = "effects: [viscoelastic]\ngrip: {}\nmotion: {kind: lift, settle: 1 s}\n";
   const auto step_of = [](const std::string& text, const std::string& sensor = "") {

@@ -25,7 +25,7 @@ TEST(GraspStatics, StartsOpenAndAtRestOnAWholeCount) {
   EXPECT_NEAR(rig->gripper().opening(0.0), 166 * count, 1e-12);
   const double apart = (rig.body("second_pad").pose.position - rig.body("pad").pose.position).x();
   EXPECT_NEAR(apart, 166 * count, 1e-12);
-  // The pad frames: Z from the box into the pad, Y up, on either side.
+  // Pad frames: Z from the box into the pad, Y up, on either side.
   EXPECT_LT((rig.body("pad").pose.rotation.col(2) - Eigen::Vector3d(-1.0, 0.0, 0.0)).norm(), 1e-12);
   EXPECT_LT((rig.body("second_pad").pose.rotation.col(2) - Eigen::Vector3d(1.0, 0.0, 0.0)).norm(), 1e-12);
   EXPECT_LT((rig.body("pad").pose.rotation.col(1) - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
@@ -42,13 +42,15 @@ TEST(GraspStatics, TableCarriesTheBoxAndThenThePadsDo) {
   EXPECT_NEAR(on_box.z(), weight, 1e-3 * weight);
   EXPECT_NEAR(on_box.x(), 0.0, 1e-3 * weight);
   EXPECT_NEAR(on_box.y(), 0.0, 1e-3 * weight);
-  // What moves by less than a millimetre against the arm has risen with it: 43 mm/s for 1.5 s less half a ramp of 0.1075 s.
+  // Objects within a millimetre of the arm have risen with it: 43 mm/s for 1.5 s minus half a ramp
+  // of 0.1075 s.
   EXPECT_NEAR(rig->truth().box_height, 0.043 * (1.5 - 0.5 * 0.1075), 1e-3);
   EXPECT_FALSE(rig->truth().dropped);
 }
 
 TEST(GraspStatics, LiftingAddsMassTimesAcceleration) {
-  // 2 m/s^2 for 0.4 s, long enough for the fingers' springs to come to rest (22 ms a cycle, 30 % of critical damping).
+  // 2 m/s^2 for 0.4 s, long enough for the fingers' springs to settle (22 ms per cycle, 30 % of
+  // critical damping).
   GraspRig rig(
       firm + "grip: {preset: 8 N}\nmotion: {kind: lift, settle: 1.5 s, speed: 800 mm/s, acceleration: 2 m/s2, distance: 1 m}\n");
   rig.run_to(1.88);
@@ -56,14 +58,15 @@ TEST(GraspStatics, LiftingAddsMassTimesAcceleration) {
 }
 
 TEST(GraspStatics, ForceOfACountIsThatOfAllSpringsInSeries) {
-  // Nine pillars of one height with 7.1 N/mm, a pad of 400 N/mm and two fingers of 8 N/mm, without pitching: 3.729 N/mm.
+  // Nine pillars of one height with 7.1 N/mm, a pad of 400 N/mm and two fingers of 8 N/mm, without
+  // pitching: 3.729 N/mm.
   GraspRig rig(firm + "grip: {pivot: 0 mm}\nmotion: {kind: lift, settle: 1.5 s, distance: 20 mm}\nduration: 5 s\n", 0, {},
                ", edge_drop: 0 mm, corner_drop: 0 mm");
   constexpr double series = 1.0 / (1.0 / (9.0 * 7100.0) + 1.0 / 400e3 + 2.0 / 8000.0);
   rig.run_to(2.6);
   const double before = rig->truth().grip_force;
   const double opening = rig->gripper().opening(2.6);
-  // All of it is what has been closed since the pads met the box.
+  // The force comes from the closing since the pads touched the box.
   EXPECT_NEAR(before, series * (0.06 - opening), 1e-2 * before);
   rig.more = 3;
   rig.run_to(4.0);
@@ -71,7 +74,8 @@ TEST(GraspStatics, ForceOfACountIsThatOfAllSpringsInSeries) {
   EXPECT_NEAR(rig->truth().grip_force - before, series * 3.0 * count, 1e-3 * series * 3.0 * count);
 }
 
-// A box in two equal pads, lifted so gently that it weighs 1e-4 more, with the friction that makes the grip force `ratio` times m g/(2 mu).
+// A box in two equal pads, lifted so gently that it weighs only 1e-4 more, with the friction that
+// makes the grip force `ratio` times m g/(2 mu).
 GraspRig held_at(double ratio, double grip_force, const std::string& more = "") {
   return GraspRig(
       fmt::format("friction: {{static: {}}}\ngrip: {{second_pad: same}}\n"
@@ -80,7 +84,8 @@ GraspRig held_at(double ratio, double grip_force, const std::string& more = "") 
 }
 
 TEST(GraspStatics, HoldsAboveTheIdealForceAndDropsBelow) {
-  // The force is the geometry's: taken from a box that holds well, it must be that of the others.
+  // The grip force depends on the geometry alone, so that of a firmly held box applies to the
+  // others.
   GraspRig firm_box = held_at(2.0, 4.5);
   firm_box.run_to(5.0);
   const double force = firm_box->truth().grip_force;
@@ -92,7 +97,8 @@ TEST(GraspStatics, HoldsAboveTheIdealForceAndDropsBelow) {
   EXPECT_FALSE(holds->truth().dropped);
   EXPECT_LT(holds->truth().slip.norm(), 0.5e-3);
 
-  // 0.001 g for some 5 s: 0.5 x 9.81e-3 x 5^2 = 0.12 m, more than the 37 mm that the pads have below them.
+  // 0.001 g for some 5 s: 0.5 x 9.81e-3 x 5^2 = 0.12 m, more than the 37 mm of the pads below the
+  // box's contact.
   GraspRig drops = held_at(0.999, force);
   drops.run();
   EXPECT_TRUE(drops->truth().dropped || drops->truth().left_behind);
@@ -115,7 +121,8 @@ TEST(GraspStatics, IdealForceIsThatAgainstTheWeight) {
   EXPECT_TRUE(drops->truth().dropped || drops->truth().left_behind);
 }
 
-// A pull down is weight: the pads carry both, and let the box go where both together are 2 mu F.
+// A downward pull acts like weight: the pads carry both, and the box slips when their sum is 2 mu
+// F.
 TEST(GraspStatics, PullOnTheBoxIsCarriedByThePads) {
   const std::string lift = "grip: {}\nmotion: {kind: lift, settle: 1 s, distance: 20 mm}\nduration: 4 s\n";
   GraspRig rig(firm + lift + "box: {push: [[2 s, 0 N, 0 N, 0 N], [2.2 s, 0 N, 1 N, -1.5 N], [4 s, 0 N, 1 N, -1.5 N]]}\n");
@@ -131,7 +138,8 @@ TEST(GraspStatics, PullDropsTheBoxAtTheFrictionLimit) {
   for (const bool beyond : {false, true}) {
     GraspRig firm_box = held_at(2.0, 4.5);
     firm_box.run_to(5.0);
-    // At twice the ideal force the pads carry the weight twice: a pull of one weight more is the limit.
+    // At twice the ideal force the pads can carry twice the weight: a pull of one weight is the
+    // limit.
     const double limit = 2.0 * (2.0 * weight / (2.0 * 4.5)) * firm_box->truth().grip_force - weight;
     GraspRig rig = held_at(2.0, 4.5,
                            fmt::format("box: {{push: [[3 s, 0 N, 0 N, 0 N], [6 s, 0 N, 0 N, {0} N], [8 s, 0 N, 0 N, {0} N]]}}\n",
@@ -141,7 +149,7 @@ TEST(GraspStatics, PullDropsTheBoxAtTheFrictionLimit) {
   }
 }
 
-// 30 mm beside the box's middle a pull of 0.5 N down turns the box about X as a weight there would.
+// A pull of 0.5 N down, 30 mm beside the box's middle, turns the box about X like a weight there.
 TEST(GraspStatics, PullBesideTheMiddleTurnsTheBox) {
   const std::string lift = "grip: {}\nmotion: {kind: lift, settle: 1 s, distance: 20 mm}\nduration: 4 s\n";
   GraspRig pulled(
@@ -151,7 +159,7 @@ TEST(GraspStatics, PullBesideTheMiddleTurnsTheBox) {
   pulled.run_to(1.99);
   const double before = roll();
   pulled.run_to(3.5);
-  // 15 mN m on 23.2 to 25.6 N m/rad, as CentreOfMassTurnsTheBoxAgainstTheFingers has them.
+  // 15 mN m on 23.2 to 25.6 N m/rad, as derived in CentreOfMassTurnsTheBoxAgainstTheFingers.
   EXPECT_LT(roll() - before, -0.015 / 25.6);
   EXPECT_GT(roll() - before, -0.015 / 23.2);
 }
@@ -176,8 +184,10 @@ TEST(GraspStatics, BoxIsWhereItWasAfterTenMinutes) {
 }
 
 TEST(GraspStatics, CentreOfMassTurnsTheBoxAgainstTheFingers) {
-  // 4 mm beside the pads' middle: 7.848 mN m about X. The silicone pad turns with sum k_t r^2 = 200 N/mm (22^2 (1 - 1/16) + 37.5^2 (1 - 1/36))/12
-  // mm^2 = 30.3 N m/rad, in series with its finger's 100 N m/rad 23.3; all nine pillars would add 2.2, the centre one alone nothing.
+  // 4 mm beside the pads' middle: 7.848 mN m about X. The silicone pad's rotational stiffness is
+  // sum k_t r^2 = 200 N/mm (22^2 (1 - 1/16) + 37.5^2 (1 - 1/36))/12 mm^2 = 30.3 N m/rad, in series
+  // with its finger's 100 N m/rad 23.3; all nine pillars would add 2.2, the centre one alone
+  // nothing.
   GraspRig rig(
       "friction: {static: 1.2}\ngrip: {preset: 8 N}\nbox: {centre_of_mass: [0 mm, 4 mm, 0 mm]}\n"
       "motion: {kind: lift, settle: 1.5 s, distance: 20 mm}\nduration: 4 s\n");

@@ -1,4 +1,5 @@
-// A box that is gripped beside its middle and lifted: whether it turns on its far edge by rotational slip or lifts off, and how fast it turns.
+// A box gripped off centre and lifted: it turns on its far edge by rotational slip or lifts off, at
+// a known angular speed.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@
 namespace slipbench::grasp_turn_test {
 namespace {
 
-// `stiffness` [N/m]: of each element, all ways alike.
+// `stiffness` [N/m]: of each element, in all directions.
 PadLayout layout_of(const std::vector<Eigen::Vector2d>& places, double stiffness) {
   PadLayout pad;
   for (const Eigen::Vector2d& place : places) {
@@ -19,11 +20,11 @@ PadLayout layout_of(const std::vector<Eigen::Vector2d>& places, double stiffness
   return pad;
 }
 
-// Two elements abreast, 8 mm on either side of the pad's middle.
+// Two elements side by side, 8 mm on either side of the pad's middle.
 constexpr double half_width = 8e-3, stiff = 30e3;
 PadLayout two_abreast() { return layout_of({{-half_width, 0.0}, {half_width, 0.0}}, stiff); }
 
-// Sixteen on a circle.
+// Sixteen elements on a circle.
 constexpr double radius = 9e-3;
 PadLayout ring() {
   std::vector<Eigen::Vector2d> places;
@@ -35,7 +36,8 @@ PadLayout ring() {
 }
 
 TEST(GraspTurn, BoxIsTwoMasses) {
-  // 118 g spread evenly, and 200 g that are 20 mm towards +Y and 5 mm up. Common centre 200/318 of that; the reduced mass 118 x 200/318 g.
+  // 118 g spread evenly, and 200 g that are 20 mm towards +Y and 5 mm up. The common centre is at
+  // 200/318 of that; the reduced mass is 118 x 200/318 g.
   TurnRig rig(two_abreast(), 0.5, 4, "gravity: 9.81 m/s2\n");
   EXPECT_NEAR(rig->ideal_force(), TurnBox::load / (2.0 * 0.5), 1e-12);
   const Scene scene = parsed(
@@ -49,7 +51,7 @@ TEST(GraspTurn, BoxIsTwoMasses) {
   EXPECT_NEAR(m->body_mass[body], 0.318, 1e-15);
   EXPECT_NEAR(m->body_ipos[3 * body + 1], 0.020 * 200.0 / 318.0, 1e-15);
   EXPECT_NEAR(m->body_ipos[3 * body + 2], 0.005 * 200.0 / 318.0, 1e-15);
-  // In the box's axes again, from MuJoCo's own principal ones.
+  // In the box's axes, transformed from MuJoCo's principal ones.
   mjtNum turn[9];
   mju_quat2Mat(turn, m->body_iquat + 4 * body);
   const Eigen::Matrix3d axes = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(turn);
@@ -72,13 +74,15 @@ TEST(GraspTurn, LiesAtRestUntilTheArmIsTold) {
   EXPECT_DOUBLE_EQ(rig->lift_start(), 1.0);
 }
 
-// Off the table each of two equal pads carries m g/2 and turns against m g lever/2. With two elements abreast statics says what each
-// carries, both upwards: m g/4 (1 +- lever/half_width). The more loaded one bears mu N/2, so the box lifts off as it lies if
-// N >= m g/(2 mu) (1 + lever/half_width), and else turns on its far edge.
+// Off the table each of two equal pads carries m g/2 and the moment m g lever/2. With two elements
+// side by side statics gives their loads, both upwards: m g/4 (1 +- lever/half_width). The more
+// loaded one can carry mu N/2, so the box lifts off without turning if N >= m g/(2 mu) (1 +
+// lever/half_width), and otherwise turns on its far edge.
 TEST(GraspTurn, LiftsOffRigidlyAboveTheClosedFormAndTurnsBelow) {
   constexpr int counts = 9;
   constexpr double ratio = 1.0 + TurnBox::lever / half_width;
-  // The force is the geometry's: taken from a box that holds well, it must be that of the others.
+  // The grip force depends on the geometry alone, so that of a firmly held box applies to the
+  // others.
   TurnRig firm(two_abreast(), 10.0, counts);
   firm.run_to(0.99);
   const double force = firm->truth().grip_force;
@@ -88,21 +92,23 @@ TEST(GraspTurn, LiftsOffRigidlyAboveTheClosedFormAndTurnsBelow) {
   holds.run_to(8.0);  // 2 mm/s after 2 s: 12 mm in all
   EXPECT_NEAR(holds->truth().grip_force, force, 2e-3 * force);
   EXPECT_EQ(holds->truth().table_force, 0.0);
-  // Only what gives: two pads' elements, 2 k a^2 each, in series with the fingers' 100 N m/rad, under m g lever, and again 30 %.
+  // Compliance alone: two pads' elements, 2 k a^2 each, in series with the fingers' 100 N m/rad,
+  // under m g lever; plus 30 %.
   const double give = TurnBox::load * TurnBox::lever * 0.5 * (1.0 / (2.0 * stiff * half_width * half_width) + 1.0 / 100.0);
   EXPECT_LT(holds->truth().rotation, 1.3 * give);
 
   TurnRig turns(two_abreast(), 0.995 * ratio * TurnBox::load / (2.0 * force), counts);
   turns.run_to(8.0);
   EXPECT_GT(turns->truth().table_force, 0.0);
-  // 12 mm over the way from the edge to the element that sticks, less what gives.
+  // 12 mm over the distance from the edge to the sticking element, minus the compliance.
   constexpr double turned = 12e-3 / (0.5 * TurnBox::length + TurnBox::lever);
   EXPECT_NEAR(turns->truth().rotation, turned, 0.15 * turned);
 }
 
-// Eq. (5) of the nib paper: theta' = v/(l cos theta). The edge rises not, the point about which the box slips in the pads rises as the pads
-// do, so that v = theta' times the way, level, from one to the other. Pads that also carry a load slip about a point beside their
-// middle: a ring with the share e of its friction in that load does so 2 e radius away, here e <= m g/(2 mu N).
+// Eq. (5) of the nib paper: theta' = v/(l cos theta). The edge does not rise, and the point about
+// which the box slips in the pads rises with the pads, so v = theta' times their horizontal
+// distance. Pads that also carry a load slip about a point beside their middle: for a ring with the
+// share e of its friction in that load it is 2 e radius away, here e <= m g/(2 mu N).
 TEST(GraspTurn, AngularSpeedIsThatOfEquationFive) {
   TurnRig rig(ring(), 1.0, 3);
   rig.lift_speed = 10e-3;

@@ -9,7 +9,8 @@
 namespace slipbench::mujoco_contact_scene_test {
 namespace {
 
-// What holds: noslip, stiff contacts, and tips heavy enough for their springs, 2/sqrt(7.1 kN/m / 10 g) = 2.4 ms.
+// A stable hold: noslip, stiff contacts, and tips heavy enough for their springs, 2/sqrt(7.1 kN/m /
+// 10 g) = 2.4 ms.
 const std::string careful =
     "fidelity: mujoco_contact\n"
     "contact: {cone: elliptic, noslip: 10, solref: [0.002, 1], solimp: [0.99, 0.999, 0.001], tip_mass: 10 g}\n";
@@ -18,9 +19,10 @@ double vertical(const DynamicRig& rig, const ContactFrame& frame, const std::str
   return -(rig.body(pad).pose.rotation * frame.force.rowwise().sum().matrix()).z();
 }
 
-// Two pads carry m g/2 each, and the box does not sink; with MuJoCo's impratio of 1 and no noslip it does. There a tip of 10 g
-// holds 2 m impratio/(t_c (1 - d)) >= 1 kN s/m at d = 0.99 (mujoco_contact_test.cc), less by what the box weighs in the contact,
-// on ten tips that touch: 100 g sink by 0.98 N/10 kN s/m = 0.1 mm/s and more.
+// Two pads carry m g/2 each, and the box does not sink; with MuJoCo's impratio of 1 and without
+// noslip it does. There a tip of 10 g has 2 m impratio/(t_c (1 - d)) >= 1 kN s/m at d = 0.99
+// (mujoco_contact_test.cc), reduced by the box's effective mass in the contact; ten tips touch: 100
+// g sink by 0.98 N/10 kN s/m = 0.1 mm/s or more.
 TEST(MujocoContactScene, HeldBoxCreepsByTheSettings) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -43,7 +45,7 @@ TEST(MujocoContactScene, HeldBoxCreepsByTheSettings) {
   EXPECT_LT(without, 10.0 * 0.98 / 10e3);
 }
 
-// Contacts that are no pad's are MuJoCo's as well: a box on a table, that articulated pads refuse.
+// Contacts without a pad are also MuJoCo's: a box on a table, which articulated pads refuse.
 TEST(MujocoContactScene, OtherContactsAreAllowed) {
   DynamicRig rig(pressed_box(careful + "time_step: 1 ms\nduration: 1 s\n"));
   const mjModel* m = rig->model();
@@ -54,8 +56,9 @@ TEST(MujocoContactScene, OtherContactsAreAllowed) {
   EXPECT_GT(rig->contact_normal_force("box", "table"), weight_of_100_g) << "its weight and the pad's press";
 }
 
-// RK4 leaves the bodies where its last stage saw them, which the watch must not take for a leap: pads that hold, and one that comes
-// down on a box. Explicit tips of 10 g on 7.1 kN/m bear 2.8/843 s = 3.3 ms, on 10 N s/m of damping less.
+// RK4 leaves the bodies at its last stage, which the checks must not take for a jump: pads that
+// hold, and one that comes down on a box. Explicit tips of 10 g on 7.1 kN/m are stable up to
+// 2.8/843 s = 3.3 ms, less with 10 N s/m of damping.
 TEST(MujocoContactScene, Rk4HoldsABoxAndPressesOne) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -76,7 +79,8 @@ TEST(MujocoContactScene, Rk4HoldsABoxAndPressesOne) {
   EXPECT_NEAR(pressed.body("box").pose.position.z(), -0.01, 1e-4);
 }
 
-// A box that begins 2 mm deep in the table leaves it at some 2 mm/t_c = 1 m/s, and nothing has given it 50 mJ.
+// A box that begins 2 mm deep in the table leaves it at some 2 mm/t_c = 1 m/s, although nothing has
+// given it 50 mJ.
 TEST(MujocoContactScene, WatchSeesABoxThrownOutByRk4Too) {
   for (const std::string integrator : {"implicitfast", "RK4"}) {
     std::string scene = pressed_box(careful + "time_step: 0.5 ms\nduration: 1 s\n");
@@ -89,7 +93,8 @@ TEST(MujocoContactScene, WatchSeesABoxThrownOutByRk4Too) {
   }
 }
 
-// Tips of 0.1 g bear 0.24 ms (mujoco_contact_test.cc): at 1 ms they are thrown about as soon as they are pressed in.
+// Tips of 0.1 g are stable up to 0.24 ms (mujoco_contact_test.cc): at 1 ms they diverge as soon as
+// they are pressed in.
 TEST(MujocoContactScene, TipsThatDoNotComeToRestAreSaidToBeThat) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -100,8 +105,8 @@ TEST(MujocoContactScene, TipsThatDoNotComeToRestAreSaidToBeThat) {
               mentions({"tips", "MuJoCo", "Nan, Inf or huge"}));
 }
 
-// 10 time constants of 300 s in steps of 1 ms are 3,000,000, and 10 of 2/(0.01 /s) as many as 2,000,000; the 100,000 that are allowed
-// are those of 10,000 steps.
+// 10 time constants of 300 s in steps of 1 ms are 3,000,000 steps, and 10 of 2/(0.01 /s) are
+// 2,000,000; 100,000 are allowed, those of 10,000 steps.
 TEST(MujocoContactScene, RefusesAContactThatTakesTooLongToSettle) {
   const ModelFolder folder;
   folder.write("fingers.xml", two_fingers(""));
@@ -123,7 +128,7 @@ TEST(MujocoContactScene, RefusesAContactThatTakesTooLongToSettle) {
 
 class Integrators : public testing::TestWithParam<std::pair<std::string, mjtIntegrator>> {};
 
-// Whatever the model says, and no box creeps by any of them: bar 0.05 um/s.
+// For any model, and no box creeps with any integrator: limit 0.05 um/s.
 TEST_P(Integrators, StepTheSceneInPlaceOfTheModels) {
   const auto& [name, integrator] = GetParam();
   const ModelFolder folder;
@@ -144,8 +149,8 @@ INSTANTIATE_TEST_SUITE_P(All, Integrators,
 
 const std::string lift = "box: {mass: 0.2 kg}\nfriction: {static: 0.5, kinetic: 0.5}\nduration: 4 s\n";
 
-// A grasp's forces are all explicit and nothing in it is damped or constrained: integrators that take one stage a step give the
-// same but for how they see a body turn, which here none does.
+// A grasp's forces are all explicit, without damping or constraints: single-stage integrators
+// differ only in the rotation of bodies, and none rotates here.
 TEST(GraspIntegrators, OfOneStageGiveTheSameLift) {
   const auto slip = [](const std::string& integrator) {
     GraspRig rig(lift + integrator);
@@ -172,16 +177,17 @@ TEST(MujocoContactScene, LiftRunsToItsEndAndHolds) {
   rig.run();
   EXPECT_FALSE(rig->truth().dropped);
   EXPECT_EQ(rig->truth().table_force, 0.0);
-  // At rest the pads press alike, and carry the weight.
+  // At rest the pads press equally and carry the weight.
   EXPECT_NEAR(rig->truth().pad_force[0], rig->truth().pad_force[1], 0.02 * rig->truth().pad_force[0]);
   EXPECT_GT(rig->truth().grip_force, 0.5 * weight / 0.5);
   EXPECT_GT(rig->truth().box_height, 0.09);
   EXPECT_LT(rig->truth().slip.norm(), 0.5e-3);
 }
 
-// In steady motion nothing pulls at an empty finger: it goes with its carriage, where a spring to where the carriage will be a step
-// later would have it lead by v h = 21 um. The arm rises at 43 mm/s from 1.5 s on, speeds up for 0.11 s at 400 mm/s2, and a finger's
-// springs come to rest with 0.3 sqrt(15 N/mm / 80 g) = 130 /s: e^-25 in 0.2 s. Bar: a hundredth of v h.
+// In steady motion an empty finger has no load and moves with its carriage; a spring to the
+// carriage's position a step later would make it lead by v h = 21 um. The arm rises at 43 mm/s from
+// 1.5 s on, accelerates for 0.11 s at 400 mm/s2, and a finger's springs settle with 0.3 sqrt(15
+// N/mm / 80 g) = 130 /s: e^-25 in 0.2 s. Limit: a hundredth of v h.
 TEST(MujocoContactScene, LiftDrivesFingersFromWhereTheyAre) {
   const double rising = 43e-3, step = 0.5e-3;
   GraspRig rig(lift + "fidelity: mujoco_contact\ntime_step: 0.5 ms\ncontact: {integrator: discrete, tip_mass: 1 g}\n");
@@ -197,7 +203,8 @@ TEST(MujocoContactScene, LiftDrivesFingersFromWhereTheyAre) {
   EXPECT_LT((moving - resting).norm(), 0.01 * rising * step);
 }
 
-// A finger turns on its spring at sqrt(100 N m/(1.2e-4 kg m2)) = 913 rad/s, which bears steps of 0.75/913 s = 0.82 ms.
+// A finger turns on its spring at sqrt(100 N m/(1.2e-4 kg m2)) = 913 rad/s, which allows steps of
+// 0.75/913 s = 0.82 ms.
 TEST(MujocoContactScene, LiftRefusesAStepThatTheFingersSpringsDoNotBear) {
   EXPECT_THAT(refusal_of([&] { GraspRig rig(lift + "fidelity: mujoco_contact\ntime_step: 1 ms\n"); }),
               refused_at("time_step", {"1 ms", "821 us"}));

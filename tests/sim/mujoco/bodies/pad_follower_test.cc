@@ -1,4 +1,4 @@
-// Sensors that follow a pad: they meet what it meets, when they are due, and nothing feels them.
+// Sensors that follow a pad: they have the pad's contact, at their own rates, and exert no forces.
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -10,7 +10,7 @@
 namespace slipbench::testing_follower {
 namespace {
 
-// Two fingers let go of a box; friction is uneven, depends on the direction and falls with speed.
+// Two fingers release a box; friction is uneven, depends on the direction and falls with speed.
 DynamicRig rig_of(const std::string& followers, const std::string& step = "250 us",
                   const std::string& scene = SLIPBENCH_SOURCE_DIR "/scenes/bodies/held_box.yaml") {
   return DynamicRig("duration: 1.4 s\ntime_step: " + step +
@@ -61,7 +61,7 @@ bool same(const Array& a, const Array& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(*a.data())) == 0;
 }
 
-// `rounding`: of the time [s, 1] and of what is divided by a step.
+// `rounding`: tolerance of the time [s, 1] and of values divided by a step.
 bool same_but_events(const ContactFrame& a, const ContactFrame& b, double rounding = 0.0) {
   return same(a.force, b.force) && same(a.contact_force, b.contact_force) && same(a.displacement, b.displacement) &&
          ((a.slip_velocity - b.slip_velocity).abs() <= rounding * a.slip_velocity.abs().maxCoeff()).all() &&
@@ -79,9 +79,11 @@ std::vector<ContactEvent> events_of(const History& history) {
 
 class PadFollowerBy : public testing::TestWithParam<std::string> {};
 
-// With the elements of the pad it is that pad, to the bit, at every instant at which it is asked: no pose of the bench is passed over, no event
-// lost. (4 x 250 us and 1 ms are the same number.) By RK4 MuJoCo itself sums its steps up to the time: 5600 roundings of at most 1.1e-16 s make
-// under 1e-12 s, and a step of 250 us has one of 2.2e-16/250e-6 = 1e-12 of itself at either end, so have what is divided by it and its sums.
+// With the elements of the pad a follower is bit-identical to that pad at every sampled instant: no
+// pose is skipped, no event lost. (4 x 250 us and 1 ms are the same number.) With RK4 MuJoCo itself
+// sums its steps to the time: 5600 roundings of at most 1.1e-16 s are under 1e-12 s, and a step of
+// 250 us has a relative rounding of 2.2e-16/250e-6 = 1e-12 at either end, as have values divided by
+// it and their sums.
 TEST_P(PadFollowerBy, OfTheSameKindIsThePadItself) {
   const double rounding = GetParam() == "RK4" ? 3e-12 : 0.0;
   DynamicRig rig = rig_by(
@@ -113,15 +115,16 @@ TEST_P(PadFollowerBy, OfTheSameKindIsThePadItself) {
 }
 INSTANTIATE_TEST_SUITE_P(Integrators, PadFollowerBy, testing::Values("Euler", "implicit", "implicitfast", "discrete", "RK4"));
 
-// Between two ticks the pose goes straight, so the press k_n d of every element does. Half-way between them it is their mean, to what the turn in
-// one step, under 1e-4 rad, bends it: k_n r angle^2/8 = 20 kN/m 10 mm 1e-8/8 < 1e-6 N.
+// Between two ticks the pose is linear, so the press k_n d of every element is, too. Half-way it is
+// their mean, up to the curvature from the turn in one step, under 1e-4 rad: k_n r angle^2/8 = 20
+// kN/m 10 mm 1e-8/8 < 1e-6 N.
 TEST(PadFollower, StepsOnStraightLinesBetweenTicks) {
   DynamicRig rig = rig_of("  skin: {type: piezo_skin, follows: left}\n", "200 us");
   const History skin = run(rig)[2];
   ASSERT_EQ(skin.size(), 13999U) << "to the last tick, at 1.3998 s, every 100 us";
   double worst = 0.0, most = 0.0, least_change = 1.0;
   for (std::size_t k = 0; k < skin.size(); ++k) EXPECT_NEAR(skin[k].time, 1e-4 * static_cast<double>(k), 1e-12);
-  for (std::size_t k = 6001; k < 9000; k += 2) {  // the fingers let go by 3.5 N/s, and nothing slips yet
+  for (std::size_t k = 6001; k < 9000; k += 2) {  // the fingers release by 3.5 N/s, and nothing slips yet
     const Eigen::ArrayXd from = skin[k - 1].force.row(2), half = skin[k].force.row(2), to = skin[k + 1].force.row(2);
     worst = std::max(worst, (half - 0.5 * (from + to)).abs().maxCoeff());
     most = std::max(most, from.maxCoeff());
@@ -132,7 +135,7 @@ TEST(PadFollower, StepsOnStraightLinesBetweenTicks) {
   EXPECT_LT(worst, 1e-6);
 }
 
-// 300 samples a second and steps of 250 us are no multiples of each other.
+// The period of 300 samples a second is not a multiple of the 250 us step.
 TEST(PadFollower, NeedsNoCommonStep) {
   DynamicRig rig = rig_of("  nib: {type: nib_pad, follows: left}\n  other: {type: papillarray, rate: 1 kHz, follows: right}\n");
   const std::vector<History> all = run(rig);

@@ -1,4 +1,5 @@
-// The box of the reorientation bench between two pads of a layout of one's own, on an arm that a test commands.
+// The box of the reorientation bench between two pads with a test's layout, on an arm that a test
+// commands.
 #pragma once
 
 #include <array>
@@ -10,7 +11,8 @@
 
 namespace slipbench {
 
-// 155 x 33 x 54 mm, lying on 155 x 33, held `lever` beside its middle, at half of its height; 118 g and a weight of 200 g in its middle.
+// 155 x 33 x 54 mm, lying on 155 x 33, held `lever` from its middle at half its height; 118 g plus
+// a weight of 200 g in its middle.
 struct TurnBox {
   static constexpr double length = 0.155, height = 0.054, lever = 0.060;  // m
   static constexpr double mass = 0.118, weight = 0.2;                     // kg
@@ -19,7 +21,8 @@ struct TurnBox {
 
 class TurnRig {
  public:
-  // `pad`: of both fingers. `counts`: how far the fingers close beyond the position at which both pads touch. `more`: keys of the scene.
+  // `pad`: of both fingers. `counts`: closing beyond the position at which both pads touch. `more`:
+  // keys of the scene.
   TurnRig(PadLayout pad, double friction, int counts, const std::string& more = "", const DynamicSimulationOptions& options = {})
       : scene_(parsed(text(friction, more))), pad_(std::move(pad)), counts_(counts) {
     register_plugin_once();
@@ -54,7 +57,7 @@ class TurnRig {
   }
 
   [[nodiscard]] const BodyState& body(const std::string& name) const { return body_of(*simulation_, name); }
-  // The edge on which the box turns [m], in the world: the lower one of the far end.
+  // Edge about which the box turns [m], in the world: the lower edge of the far end.
   [[nodiscard]] Eigen::Vector3d edge() const {
     return body("box").pose * Eigen::Vector3d(0.0, -0.5 * TurnBox::length, -0.5 * TurnBox::height);
   }

@@ -1,4 +1,5 @@
-// Two arms that hold an object between Myrmex arrays (scenes/myrmex/two_arms.xml) and open, against closed forms.
+// Two arms hold an object between Myrmex arrays (scenes/myrmex/two_arms.xml) and open, against
+// closed forms.
 #include <cmath>
 
 #include "tests/expect.h"
@@ -8,10 +9,11 @@ namespace slipbench::two_arms_test {
 namespace {
 
 constexpr double gravity = 9.81, mass = 0.25, mu = 0.5;
-// Of the model and of 96 taxels (6 x 16 on a face 30 mm wide) of 20 kPa (5 mm)^2/5 mm = 100 N/m.
+// From the model, and from 96 taxels (6 x 16 on a face 30 mm wide) of 20 kPa (5 mm)^2/5 mm = 100
+// N/m.
 constexpr double arm = 5000.0, arm_damping = 140.0, foam = 9600.0, pad_damping = 1e-3 * foam;
 
-// `object`: its shape and place; the finger stays away.
+// `object`: its shape and position; the finger stays away.
 std::string scene(const std::string& object, const std::string& controls, double duration) {
   return "duration: " + std::to_string(duration) +
          " s\ntime_step: 1 ms\nsurface: {material: acrylic}\nfriction: {static: 0.5, kinetic: 0.5}\nmodel: two_arms.xml\n"
@@ -24,9 +26,10 @@ const std::string scene_file = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/myrm
 const std::string upright = "size: [60 mm, 30 mm, 160 mm], position: [0 mm, 0 mm, 10 mm]";
 const std::string lying = "size: [60 mm, 160 mm, 30 mm], position: [0 mm, 35 mm, 0 mm]";
 
-// With v the arms' command opens: an arm and its foam in series, both dragged by their dampers,
+// With v the opening speed of the arms' command, an arm and its foam in series, both dragged by
+// their dampers:
 //   (arm + foam) q = arm (squeeze - v t) + (arm_damping + pad_damping) v arm/(arm + foam),
-// and all taxels, equally pressed and sheared, let go where the load foam q is m g/(2 mu).
+// and all taxels, equally pressed and sheared, slip when the load foam q is m g/(2 mu).
 TEST(TwoArms, LetTheObjectSlipAtTheWeightOverTwoMu) {
   DynamicRig rig(scene(upright, "squeeze: 5 mm, apart: [[2.5 s, 0 mm], [9.5 s, 7 mm]]", 8.0), scene_file);
   const double load = mass * gravity / (2.0 * mu);
@@ -46,8 +49,9 @@ TEST(TwoArms, LetTheObjectSlipAtTheWeightOverTwoMu) {
   EXPECT_NEAR(held / load, 1.0, 2e-3) << "2 ms of the ramp are 3.3 mN of 2.45 N each";
 }
 
-// The least force on each pad that holds the lying object, whose centre of mass is d to the side: of a rigid body that lets go everywhere but at one
-// point, about which it turns, with the same load on every taxel. With c its place, r_i the distances from it, and y to the side,
+// The least force on each pad that holds the horizontal object with its centre of mass at d to the
+// side: a rigid body slips everywhere except at one point, about which it turns, with equal loads
+// on all taxels. With c the position of that point, r_i the distances from it, and y to the side:
 //   vertical  mu F mean((y_i - c)/r_i) = m g/2,   about the centre of mass  sum ((y_i - c)(y_i - d) + z_i^2)/r_i = 0.
 double least_force(double d) {
   const auto sums = [d](double c) {
@@ -62,7 +66,7 @@ double least_force(double d) {
     return std::pair(lift, moment);
   };
   double low = -0.5,
-         high = 0.02;  // far away it is a translation, and the weight turns it about the pads; near the mass they turn it back
+         high = 0.02;  // far: a translation, where the weight turns it about the pads; near the mass the pads turn it back
   for (int halving = 0; halving < 60; ++halving) {
     const double middle = 0.5 * (low + high);
     (sums(middle).second < 0.0 ? low : high) = middle;
@@ -72,8 +76,9 @@ double least_force(double d) {
 
 TEST(TwoArms, HoldAnObjectBesideItsMassByTheTwistingFrictionOfThePads) {
   const double least = least_force(35e-3);
-  // A translation would need 2.45 N. Of a line contact of 80 mm with even load, a = 40 mm, it would be 1/s of that, s = sqrt(1 + (d/a)^2) - d/a:
-  // 2.45/0.454 = 5.40 N; that the strip is 30 mm wide helps.
+  // A translation would need 2.45 N. A line contact of 80 mm with even load, a = 40 mm, would need
+  // 1/s of that, s = sqrt(1 + (d/a)^2) - d/a: 2.45/0.454 = 5.40 N; the strip's width of 30 mm
+  // reduces that.
   EXPECT_GT(least, 2.45);
   EXPECT_LT(least, 5.40);
   for (const double share : {1.1, 0.9}) {

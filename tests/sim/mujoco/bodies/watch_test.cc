@@ -1,4 +1,4 @@
-// The rules that a run must obey: each on numbers made for it, and all of them on runs that are right and runs that are not.
+// The checks of a run: each on artificial numbers, and all of them on correct and faulty runs.
 
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
@@ -7,8 +7,9 @@
 namespace slipbench {
 namespace {
 
-// The first complaint over 0.5 s at 1 ms of a body of 100 g on which `share` of its weight acts besides the weight, upwards, and which has the
-// acceleration [m/s2]; "" for none. `swing`: by how much the predicted force goes to and fro from tick to tick [N].
+// Returns the first error over 0.5 s at 1 ms for a body of 100 g with the acceleration [m/s2], on
+// which `share` of its weight acts upwards in addition to the weight; "" for none. `swing`:
+// alternation of the predicted force from tick to tick [N].
 std::string weighed(double share, const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero(), double swing = 0.0) {
   WeightRule rule{WatchLimits{}};
   for (int tick = 0; tick < 500; ++tick) {
@@ -27,14 +28,14 @@ TEST(Watch, ForcesMustGiveTheAccelerationToATenthOfAPercentOfTheWeight) {
   EXPECT_EQ(weighed(0.9991), "");
   EXPECT_THAT(weighed(1.0011), mentions({"0.00108 N", "0.1 s", "0.001", "0.981 N"}));
   EXPECT_THAT(weighed(0.9989), HasSubstr("differ from its mass times its acceleration"));
-  // 2 % of the weight are missing; it falls as fast as these say, or not.
+  // 2 % of the weight are missing; the body falls accordingly, or not.
   EXPECT_EQ(weighed(0.98, {0.0, 0.0, -0.02 * 9.81}), "");
   EXPECT_THAT(weighed(0.98), HasSubstr("by 0.0196 N"));
   EXPECT_THAT(weighed(0.98, {0.0, 0.0, -0.018 * 9.81}), HasSubstr("by 0.00196 N"));
   EXPECT_THAT(weighed(1.0, {0.02, 0.0, 0.0}), HasSubstr("by 0.002 N")) << "sideways";
 }
 
-// A force that changes by s in every step is known to s; one that stays is known.
+// A force that changes by s in every step is known to s; a constant one is known exactly.
 TEST(Watch, ForceBetweenTwoTicksIsKnownToItsChange) {
   EXPECT_EQ(weighed(0.98, Eigen::Vector3d::Zero(), 0.02), "");
   EXPECT_THAT(weighed(0.98, Eigen::Vector3d::Zero(), 0.018), HasSubstr("by 0.0196 N")) << "0.018 + 0.00098 N are less";
@@ -52,7 +53,7 @@ std::string energy_of(double gain_per_tick, double supply_per_tick) {
   return "";
 }
 
-// 1 mJ at hand, and windows of 0.1 s: 0.6 mJ may come and go, that is 6 uJ a step.
+// 1 mJ available, and windows of 0.1 s: 0.6 mJ may come and go, 6 uJ per step.
 TEST(Watch, PadsMayNotGiveMoreThanTheyTook) {
   EXPECT_EQ(energy_of(-1e-3, 0.0), "") << "losing is always right";
   EXPECT_EQ(energy_of(5.9e-6, 0.0), "");
@@ -74,7 +75,7 @@ TEST(Watch, NoBodyHasMoreThanAllHad) {
   EXPECT_TRUE(rule.check_body(3.21e-3));
 }
 
-// What a run of a scene ends with; "accepted" when it comes to its end.
+// Returns the error that ends a run of the scene, or "accepted".
 std::string outcome(const std::string& scene, const std::string& model, const DynamicSimulationOptions& options = {}) {
   const ModelFolder folder;
   folder.write("fingers.xml", model);
@@ -84,7 +85,8 @@ std::string outcome(const std::string& scene, const std::string& model, const Dy
   return refusal_of([&] { rig.run(); });
 }
 
-// A gripper at the end of an arm carries a bar through `turns`, points in time and angle of the arm.
+// A gripper at the end of an arm carries a bar through `turns`, points in time and angle of the
+// arm.
 std::string carried_bar(const std::string& mass, const std::string& turns, const std::string& more = "") {
   return "duration: 1.2 s\nmodel: fingers.xml\nfriction: {static: 0.8, kinetic: 0.8}\n"
          "bodies: {bar: {shape: box, size: [20 mm, 20 mm, 80 mm], mass: " +
@@ -107,7 +109,7 @@ std::string turning_arm(const std::string& options) {
 }
 const char* const quarter_turn_to_and_fro = "[[0.3 s, 0 deg], [0.7 s, 90 deg], [1.1 s, 0 deg]]";
 
-// A pad that looks up, under a box that falls on it askew at 0.5 m/s.
+// A pad that faces up, under a box that falls on it askew at 0.5 m/s.
 const char* const lying_pad =
     "<worldbody><body name='pad'><geom type='box' pos='0 0 -0.01' size='0.012 0.012 0.005'/><site name='up' zaxis='0 0 -1'/></body></worldbody></mujoco>";
 std::string falling_box(const std::string& mass, const std::string& damping) {
@@ -128,14 +130,15 @@ TEST_P(RightRun, ComesToItsEnd) {
   std::string shake = "duration: 0.5 s\ncontrols: {left: 6 N, right: [[0.2 s, 6 N]";
   for (int k = 1; k <= 30; ++k) shake += ", [" + std::to_string(0.2 + 0.01 * k) + " s, " + (k % 2 == 1 ? "1 N]" : "11 N]");
   EXPECT_EQ(outcome(held_box(shake + "]}\n"), two_fingers(integrator)), "accepted") << "shaken";
-  // 1 kg at 0.5 m/s is stopped within 2 mm by nine pillars of 7.1 kN/m, sqrt(m/(9 k_n)) v; they are 4.2 mm high.
+  // 1 kg at 0.5 m/s is stopped within 2 mm by nine pillars of 7.1 kN/m, sqrt(m/(9 k_n)) v; the
+  // pillars are 4.2 mm high.
   for (const std::string mass : {"5 g", "100 g", "1 kg"}) {
     for (const std::string damping : {"0 ms", "1 ms"}) {
       EXPECT_EQ(outcome(falling_box(mass, damping), "<mujoco><option " + integrator + "/>" + lying_pad), "accepted")
           << mass << ", " << damping;
     }
   }
-  // 225 deg/s on 0.3 m: 1.2 m/s, and 4.6 m/s2 towards the axis.
+  // 225 deg/s at 0.3 m: 1.2 m/s, and 4.6 m/s2 towards the axis.
   for (const std::string mass : {"20 g", "63 g", "200 g"}) {
     for (const std::string step : {"auto", "0.05 ms"}) {
       EXPECT_EQ(outcome(carried_bar(mass, quarter_turn_to_and_fro, "time_step: " + step + "\n"), turning_arm(integrator)),
@@ -153,7 +156,8 @@ TEST_P(RightRun, ComesToItsEnd) {
 INSTANTIATE_TEST_SUITE_P(Integrators, RightRun, ::testing::Values("Euler", "implicit", "implicitfast", "discrete", "RK4"),
                          [](const auto& info) { return std::string(info.param); });
 
-// A box that tumbles at 30 rad/s, its mass off its centre: the frame's origin goes round the centre of mass.
+// A box that tumbles at 30 rad/s, with its mass off centre: the frame's origin circles the centre
+// of mass.
 TEST_P(RightRun, OfAnOffCentreBodyThatTumblesComesToItsEnd) {
   const ModelFolder folder;
   folder.write("pad.xml", "<mujoco><option integrator='" + std::string(GetParam()) + "'/>" + lying_pad);
@@ -167,8 +171,8 @@ TEST_P(RightRun, OfAnOffCentreBodyThatTumblesComesToItsEnd) {
   EXPECT_EQ(refusal_of([&] { rig.run(); }), "accepted");
 }
 
-// A force of 0.5 % of the weight that the program does not know of pulls on the carried bar, along each axis: while the arm is at rest, speeds
-// up and turns.
+// A force of 0.5 % of the weight, unknown to the program, pulls on the carried bar along each axis,
+// while the arm is at rest, accelerates and turns.
 struct Stepped {
   const char* name;
   const char* options;  // of the model
@@ -218,7 +222,8 @@ TEST(Watch, StageRunsAreRight) {
   }
 }
 
-// The refusal of long steps switched off. The pads' 64 kN/m on 5 g at 1 ms: h omega = 5 > 2, so every step multiplies the energy.
+// Without the refusal of long steps. The pads' 64 kN/m on 5 g at 1 ms: h omega = 5 > 2, so every
+// step multiplies the energy.
 TEST(Watch, StepBeyondTheLimitIsFoundOut) {
   DynamicSimulationOptions let;
   let.refuse_long_steps = false;
@@ -230,7 +235,8 @@ TEST(Watch, StepBeyondTheLimitIsFoundOut) {
       << "where the pads are not watched, the box is seen to be thrown out";
 }
 
-// The same body in MuJoCo's own contact: it begins 9 mm deep in the table, and the contact throws it out.
+// The same body in MuJoCo's own contact: it begins 9 mm deep in the table, and the contact throws
+// it out.
 TEST(Watch, ContactThatThrowsABodyOutIsFoundOut) {
   const std::string scene =
       "duration: 0.5 s\nbodies:\n  table: {shape: plane}\n  box: {shape: box, size: [20 mm, 20 mm, 20 mm], position: [0, 0, 1 mm]}\n"
@@ -239,7 +245,7 @@ TEST(Watch, ContactThatThrowsABodyOutIsFoundOut) {
 }
 
 TEST(Watch, WarningOfMujocoEndsTheRunWithItsTextTimeAndBody) {
-  // 1e9 at a gear of 1000 accelerate 1 kg beyond what MuJoCo takes for a number, 1e10.
+  // 1e9 at a gear of 1000 accelerate 1 kg beyond MuJoCo's largest valid number, 1e10.
   std::string model = guided_block("");
   model.replace(model.find("joint='travel'/></actuator>"), 14, "joint='travel' gear='1000'");
   const std::string text =

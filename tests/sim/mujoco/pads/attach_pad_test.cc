@@ -1,4 +1,5 @@
-// attach_pad() against the file that has the same pads written out. tests/tools/python/mujoco_test.py holds it against Python's.
+// attach_pad() against the file with the same pads written out. tests/tools/python/mujoco_test.py
+// compares attach_pad() with Python's.
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -12,7 +13,7 @@ namespace {
 
 const std::string hold = SLIPBENCH_SOURCE_DIR "/scenes/mujoco/hold.xml";
 
-// The gripper and the box of hold.xml without any pad; its geoms collide, as a robot's do.
+// The gripper and the box of hold.xml without pads; its geoms collide, like a robot's.
 SpecPointer stock() {
   know_the_plugin();
   std::ifstream file(hold);
@@ -22,7 +23,7 @@ SpecPointer stock() {
   return parse(std::regex_replace(text, pads, ""));
 }
 
-// sensordata after so long under 4 N.
+// sensordata after `seconds` under 4 N.
 std::vector<double> grasped(const ModelPointer& model, double seconds = 1.0) {
   const DataPointer data(mj_makeData(model.get()));
   mju_fill(data->ctrl, 4.0, static_cast<int>(model->nu));
@@ -53,7 +54,7 @@ std::array<AttachedPad, 2> attach_both(mjSpec* spec, const std::string& prefix, 
 TEST(AttachPad, StockGripperIsHoldXml) {
   for (const std::string touch : {"box", "body:box", "subtree:box", "group:0"}) {
     const SpecPointer spec = stock();
-    if (touch == "group:0") {  // the box's alone
+    if (touch == "group:0") {  // the box's only
       for (mjsElement* geom = mjs_firstElement(spec.get(), mjOBJ_GEOM); geom != nullptr;
            geom = mjs_nextElement(spec.get(), geom)) {
         mjs_asGeom(geom)->group = std::string(mjs_getString(mjs_getName(geom))) == "box" ? 0 : 3;
@@ -108,7 +109,7 @@ TEST(AttachPad, WhatTheParentHasIsExcludedAfterwards) {
 
 TEST(AttachPad, ImplicitPadsGetAllTheyNeed) {
   const SpecPointer spec = stock();
-  spec->option.timestep = 0.002;  // four times what explicit ones bear
+  spec->option.timestep = 0.002;  // four times the limit of explicit ones
   spec->option.iterations = 5;
   spec->option.noslip_iterations = 3;
   attach_both(spec.get(), "", "box", {.friction = "{static: 0.5}", .solver = "implicit"});

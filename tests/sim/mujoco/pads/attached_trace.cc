@@ -1,5 +1,6 @@
-// attached_trace LIBRARY MODEL SOLVER: attaches the pads of hold.xml to the model by C++, steps it for a second under 4 N and writes
-// nexclude, ntendon, nsite, nplugin, npluginstate, nsensordata as int32 and then the sensordata to stdout.
+// attached_trace LIBRARY MODEL SOLVER: attaches the pads of hold.xml to the model by C++, steps it
+// for a second under 4 N and writes nexclude, ntendon, nsite, nplugin, npluginstate, nsensordata as
+// int32 and then the sensordata to stdout.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Surfaces of compiled geoms against MuJoCo's own distances, and meshes against what MuJoCo's distances cannot say.
+// Surfaces of compiled geoms against MuJoCo's own distances, and meshes where MuJoCo's distances do
+// not apply.
 #include <variant>
 
 #include <fmt/format.h>
@@ -27,13 +28,13 @@ class World {
 
   [[nodiscard]] const mjModel* model() const { return model_.get(); }
 
-  // MuJoCo's distance of a point of the world.
+  // MuJoCo's distance to a point of the world.
   double distance(const Eigen::Vector3d& point) {
     mju_copy3(data_->geom_xpos + 3, point.data());
     return mj_geomDistance(model_.get(), data_.get(), 0, 1, 1.0, nullptr) + probe_radius;
   }
 
-  // Of the surface in the world.
+  // Pose of the surface in the world.
   [[nodiscard]] Pose pose(const GeomSurface& surface) const {
     return pose_of(data_->geom_xpos, data_->geom_xmat) * surface.in_geom;
   }
@@ -43,7 +44,7 @@ class World {
   Data data_;
 };
 
-// What an element meets at a point of the world with its axis along `axis`.
+// The surface point for an element at `point` of the world with the axis `axis`.
 SurfacePoint met(const Surface& shape, const Pose& pose, const Eigen::Vector3d& point, const Eigen::Vector3d& axis) {
   const Eigen::Vector3d p = pose.inverse() * point, a = pose.rotation.transpose() * axis;
   return std::visit([&](const auto& s) { return s.at(p.x(), p.y(), p.z(), a.x(), a.y(), a.z()); }, shape);
@@ -51,8 +52,9 @@ SurfacePoint met(const Surface& shape, const Pose& pose, const Eigen::Vector3d& 
 
 const std::string turned = " pos='0.1 -0.2 0.3' euler='20 -40 70'";
 
-// Points around the turned geom, at up to twice its size `reach` [m], against MuJoCo's distance to `tolerance` [m]. Outside only:
-// inside MuJoCo takes the nearest face and we the one that was entered.
+// Compares points around the turned geom, at up to twice its size `reach` [m], with MuJoCo's
+// distance to `tolerance` [m]. Outside only: inside, MuJoCo uses the nearest face and slipbench the
+// one that was entered.
 template <class Shape>
 void compare(const std::string& geom, double reach, double tolerance) {
   World world(geom + turned);
@@ -80,7 +82,8 @@ TEST(GeomSurface, DistancesAreThoseOfMuJoCo) {
   compare<Ellipsoid>("type='ellipsoid' size='0.03 0.02 0.05'", 0.05, 1e-6);  // MuJoCo iterates to 1e-6
 }
 
-// On both sides of the surface, where the nearest face is also the one that the axis enters by, so that both speak of the same distance.
+// On both sides of the surface, where the nearest face is also the one entered along the axis, so
+// that both distances agree.
 TEST(GeomSurface, DepthsAreThoseOfMuJoCoWhereOneFaceIsMeant) {
   struct Case {
     std::string geom;
@@ -109,7 +112,7 @@ TEST(GeomSurface, APlaneHasNoEnd) {
   EXPECT_EQ(met(surface.shape, world.pose(surface), {5.0, 7.0, -1e-3}, {0.0, 0.0, -1.0}).gap, -1e-3);
 }
 
-// The mesh in MJCF, and with `shift` [m] added to every vertex.
+// The mesh in MJCF, with `shift` [m] added to every vertex.
 std::string asset(const oracle::Mesh& mesh, const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
   std::string vertices, faces;
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
@@ -121,7 +124,7 @@ std::string asset(const oracle::Mesh& mesh, const Eigen::Vector3d& shift = Eigen
   return "<mesh name='shape' inertia='shell' vertex='" + vertices + "' face='" + faces + "'/>";
 }
 
-// The pose that `turned` says.
+// The pose written in `turned`.
 Pose as_written() {
   Pose written;
   written.position = {0.1, -0.2, 0.3};
@@ -133,8 +136,9 @@ Pose as_written() {
 }
 
 TEST(GeomSurface, MeshStandsWhereItsVerticesWereWritten) {
-  // The compiler centres a mesh and turns it to its principal axes, so the box below comes back with its axes in another order
-  // and the geom with another pose; in the world it is where it was. Vertices are floats: 6e-8 of 0.15 m.
+  // The compiler centres a mesh and turns it to its principal axes, so the box below returns with
+  // its axes in another order and the geom with another pose; in the world it is unchanged.
+  // Vertices are floats: 6e-8 of 0.15 m.
   const Box box{{0.03, 0.02, 0.05}};
   const Eigen::Vector3d shift(0.1, 0.05, -0.02);
   World world("type='mesh' mesh='shape'" + turned, asset(oracle::box_mesh(box.half), shift));
@@ -144,7 +148,7 @@ TEST(GeomSurface, MeshStandsWhereItsVerticesWereWritten) {
   const Pose pose = world.pose(surface);
   RandomStream draw(2, 0, "mesh");
   for (int k = 0; k < 1000; ++k) {
-    // Beside the edges of the face x = 30 mm by over 10 cells, where the grid is exact.
+    // More than 10 cells from the edges of the face x = 30 mm, where the grid is exact.
     const Eigen::Vector3d p(0.03 + draw.uniform(-2.0, 2.0) * cell, draw.uniform(-1.0, 1.0) * (0.02 - 10.0 * cell),
                             draw.uniform(-1.0, 1.0) * (0.05 - 10.0 * cell));
     const Eigen::Vector3d axis = written.rotation * Eigen::Vector3d(-1.0, 0.0, 0.0);
@@ -155,8 +159,8 @@ TEST(GeomSurface, MeshStandsWhereItsVerticesWereWritten) {
 }
 
 TEST(GeomSurface, UnweldedMeshIsWeldedByTheSizeOfItsRounding) {
-  // A box of 60 x 40 x 100 mm whose faces have corners of their own, some nanometres apart: as files of triangles have them that were written
-  // with few digits. Over the middle of the face x = 30 mm the gap is that of the box.
+  // A box of 60 x 40 x 100 mm whose faces have separate corners some nanometres apart, as in files
+  // of triangles with few digits. Over the middle of the face x = 30 mm the gap is that of the box.
   const Box box{{0.03, 0.02, 0.05}};
   const oracle::Mesh mesh = oracle::unwelded(oracle::box_mesh(box.half), 30e-9);
   World world("type='mesh' mesh='shape'" + turned, asset(mesh));
@@ -170,8 +174,9 @@ TEST(GeomSurface, UnweldedMeshIsWeldedByTheSizeOfItsRounding) {
 }
 
 TEST(GeomSurface, MeshIsNotItsConvexHull) {
-  // In the notch of an L of units of 10 mm, at (2, 0, 2) mm from its inner edge: 2 mm from both its faces. MuJoCo fills the notch
-  // up to the line from (20, 0) to (0, 20) mm, 16/sqrt(2) mm above the point.
+  // In the notch of an L of units of 10 mm, at (2, 0, 2) mm from its inner edge: 2 mm from both
+  // faces. MuJoCo fills the notch up to the line from (20, 0) to (0, 20) mm, 16/sqrt(2) mm above
+  // the point.
   World world("type='mesh' mesh='shape'", asset(oracle::l_mesh(10e-3)));
   const GeomSurface surface = surface_of_geom(world.model(), 0);
   const Eigen::Vector3d point(2e-3, 0.0, 2e-3);

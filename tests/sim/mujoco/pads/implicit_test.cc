@@ -8,7 +8,8 @@
 namespace slipbench {
 namespace {
 
-// A pad on a slider over a free box, beside a damped arm with a stiff servo: what else a model may have in its metric.
+// A pad on a slider over a free box, next to a damped arm with a stiff servo: other terms of a
+// model's metric.
 constexpr const char* bodies = R"(<mujoco><option timestep='0.002'/><worldbody>
   <body name='box' pos='0.01 0.02 0.03' axisangle='1 2 3 0.4'><freejoint/>
     <geom name='box' type='box' size='0.015 0.02 0.03' mass='0.005'/><site name='middle'/></body>
@@ -56,7 +57,8 @@ TEST(Implicit, RefusesWhatWouldLeaveTheFieldsOut) {
               AllOf(HasSubstr("tendon between a site on body finger and a site on body box"), HasSubstr("damping=\"1e-9\"")));
 }
 
-// The self-test must see what implicit_refusal() only knows of: without a tendon MuJoCo ignores the rows.
+// The self-test must detect what implicit_refusal() knows: without a tendon MuJoCo ignores the
+// rows.
 TEST(Implicit, SelfTestFailsWhereTheRowsAreIgnored) {
   const Spec spec = parse(bodies);
   prepare_implicit(spec.get(), {});

@@ -1,4 +1,4 @@
-// MuJoCo's models from text, and the pad that most tests of pads have.
+// MuJoCo models from text, and the pad used by most tests of pads.
 #pragma once
 
 #include <array>

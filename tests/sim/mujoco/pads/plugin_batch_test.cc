@@ -1,4 +1,5 @@
-// Many simulations of one model at once: threads with an mjData each, and MuJoCo's batch API, give the bits of a loop.
+// Many simulations of one model at once: threads with an mjData each, and MuJoCo's batch API, are
+// bit-identical to a loop.
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -11,14 +12,15 @@ namespace {
 
 constexpr int sims = 6, steps = 300;
 
-// The thread sanitizer does not see how MuJoCo's own library, which is not built with it, lets its threads wait for each other.
+// The thread sanitizer does not see how MuJoCo's library, which is not instrumented, synchronises
+// its threads.
 #ifdef __SANITIZE_THREAD__
 constexpr int most_threads = 1;
 #else
 constexpr int most_threads = 2;
 #endif
 
-// Grips from loose to tight, so that in some the box falls and in others it is held. Noise and effects included.
+// Grips from loose to tight, so that some boxes fall and others are held, with noise and effects.
 Model grip_model(const std::string& integrator) {
   Model model = load(grip_xml(
       {.dt = 5e-4,

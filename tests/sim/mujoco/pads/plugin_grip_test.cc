@@ -1,4 +1,4 @@
-// Two pads of the plugin hold a free box, let it drop, let it slide and are shaken, under MuJoCo's own integrators.
+// Two pads of the plugin hold, drop, slide and shake a free box, under MuJoCo's own integrators.
 #include <gtest/gtest.h>
 
 #include "tests/sim/mujoco/pads/plugin_rig.h"
@@ -6,7 +6,8 @@
 namespace slipbench::testing_plugin {
 namespace {
 
-// The box hangs on 18 tangential springs of 500 N/m: it sinks by m g/(18 k_t) = 0.109 mm and stays there.
+// The box hangs on 18 tangential springs of 500 N/m: it sinks by m g/(18 k_t) = 0.109 mm and stays
+// there.
 constexpr double sag = 0.1 * g / (18.0 * 500.0);
 
 class PluginGrip : public testing::TestWithParam<const char*> {};
@@ -28,9 +29,11 @@ TEST_P(PluginGrip, HeldBoxDoesNotCreep) {
 }
 
 TEST_P(PluginGrip, SlidesAtTheDifferenceOfWeightAndFriction) {
-  // Half the threshold: m a = m g - 2 mu F = m g/2, friction being the same at every element whatever the speed.
+  // Half the threshold: m a = m g - 2 mu F = m g/2, because friction is the same at every element
+  // and speed.
   GripRun run({.integrator = GetParam(), .perturbed = false});
-  // The grip goes smoothly, over 0.1 s: a box that is let go at once rings on its springs while it slides.
+  // The grip is reduced smoothly, over 0.1 s: a box released at once rings on its springs while it
+  // slides.
   run.hold(1.2 * run.threshold());
   for (int i = 1; i <= 100; ++i) {
     run.d()->ctrl[0] = run.threshold() * (0.85 + 0.35 * std::cos(std::numbers::pi * i / 100));
@@ -44,8 +47,9 @@ TEST_P(PluginGrip, SlidesAtTheDifferenceOfWeightAndFriction) {
   EXPECT_NEAR((run.d()->qvel[2] - before) / 0.02, -0.5 * g, 3e-4 * 0.5 * g);
 }
 
-// Weight slips when it reaches what friction carries; smoothly loaded, nothing else pulls. A box that is 0.1 % too heavy falls
-// with 0.1 % of g, 4.9 mm in a second; one that holds hangs on its springs.
+// The weight slips when it reaches the friction limit; loaded smoothly, nothing else pulls. A box
+// that is 0.1 % too heavy falls with 0.1 % of g, 4.9 mm in a second; one that holds hangs on its
+// springs.
 void expect_threshold(const Grip& grip, double within, double hangs_by) {
   const std::string name = grip.integrator + ", mu " + std::to_string(grip.mu);
   GripRun under(grip);
@@ -64,14 +68,15 @@ void expect_threshold(const Grip& grip, double within, double hangs_by) {
 TEST_P(PluginGrip, DropsJustUnderTheThresholdAndHoldsJustOverIt) {
   for (const double mu : {0.2, 0.5, 1.0}) {
     expect_threshold({.mu = mu, .integrator = GetParam(), .perturbed = false}, 0.001, sag);
-    // Turned by some mrad, an element may slip before the others and leave them its share.
+    // With a turn by some mrad, an element may slip before the others and leave them its share.
     expect_threshold({.mu = mu, .integrator = GetParam(), .perturbed = true}, 0.003, sag);
   }
 }
 
 TEST_P(PluginGrip, RealPillarsHaveTheSameThreshold) {
-  // 2 pads of up to nine pillars of 7.1 and 3.9 kN/m on 0.1 kg: w = sqrt(18*7100/0.1) = 1130 rad/s, and 0.75/w = 0.66 ms. At the
-  // lightest grip the centre pillars alone touch: it hangs by m g/(2 k_t) = 0.126 mm.
+  // 2 pads of up to nine pillars of 7.1 and 3.9 kN/m on 0.1 kg: w = sqrt(18*7100/0.1) = 1130 rad/s,
+  // and 0.75/w = 0.66 ms. At the lightest grip only the centre pillars touch: the box hangs by m
+  // g/(2 k_t) = 0.126 mm.
   for (const double mu : {0.2, 0.5, 1.0}) {
     expect_threshold(
         {.mu = mu, .dt = 5e-4, .integrator = GetParam(), .left = real_pillars(), .right = real_pillars(), .perturbed = false},
@@ -80,8 +85,9 @@ TEST_P(PluginGrip, RealPillarsHaveTheSameThreshold) {
 }
 
 TEST(PluginGrip, MujocosOwnContactCreepsInTheSameScene) {
-  // The same box, fingers, friction and grip, held by MuJoCo's contact at its defaults: regularised friction creeps (MUJOCO.md,
-  // C: 1.7 mm/s between boxes), 10,000 times the plugin's bar and more.
+  // The same box, fingers, friction and grip, held by MuJoCo's contact with its defaults:
+  // regularised friction creeps (MUJOCO.md, C: 1.7 mm/s between boxes), at least 10,000 times the
+  // plugin's limit.
   GripRun run({.left = "", .right = ""});
   run.hold(1.2);
   const double begin = run.height();
@@ -92,7 +98,7 @@ TEST(PluginGrip, MujocosOwnContactCreepsInTheSameScene) {
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double long_hold = 30.0;  // s: what sanitizers look for is seen by then
+constexpr double long_hold = 30.0;  // s; enough for the sanitizers
 #else
 constexpr double long_hold = 600.0;
 #endif
@@ -107,7 +113,7 @@ TEST(PluginGrip, HoldsForTenMinutes) {
   EXPECT_NEAR(run.height(), begin, 1e-6);
 }
 
-// To the last bit the pads of the same elements in a table.
+// Bit-identical to pads of the same elements in a table.
 TEST(PluginGrip, LayoutsAreHandedOverInMemory) {
   PadLayout layout;
   for (int i = 0; i < 9; ++i) {
@@ -128,10 +134,11 @@ TEST(PluginGrip, LayoutsAreHandedOverInMemory) {
 }
 
 TEST(PluginGrip, ShakenAt50HzSlipsAtTheAmplitudeOfMassTimesAcceleration) {
-  // Shaken along z with the acceleration a sin(w t), in the frame of the hand, the box strains its springs, z'' + (c/m) z' +
-  // (k/m) z = -a sin, with k = 18*3900 N/m and c = tau k: the pads' force has the amplitude m a |1 + i w tau|/|1 - (w/w0)^2 + i w
-  // tau|, 1.16 m a here. It slips where this reaches 2 mu F. tau is short, so that springs and dashpots together (held on the
-  // cone) are the springs to 0.05 %.
+  // Shaken along z with the acceleration a sin(w t), in the frame of the hand, the box strains its
+  // springs, z'' + (c/m) z' + (k/m) z = -a sin, with k = 18*3900 N/m and c = tau k: the pads' force
+  // has the amplitude m a |1 + i w tau|/|1 - (w/w0)^2 + i w tau|, 1.16 m a here. The box slips when
+  // this reaches 2 mu F. tau is short, so that springs plus dashpots (held on the cone) equal the
+  // springs to 0.05 %.
   const double mass = 0.1, mu = 0.5, force = 8.0, w = 2.0 * std::numbers::pi * 50.0, tau = 1e-4,
                w0_squared = 18.0 * 3900.0 / mass;
   const double gain = std::hypot(1.0, w * tau) / std::hypot(1.0 - w * w / w0_squared, w * tau);
@@ -141,7 +148,7 @@ TEST(PluginGrip, ShakenAt50HzSlipsAtTheAmplitudeOfMassTimesAcceleration) {
     GripRun run({.mass = mass, .mu = mu, .dt = 1e-4, .left = pad, .right = pad, .perturbed = false});
     run.close(force);
     for (int i = 0; i < 15000; ++i) {
-      const double t = 1e-4 * i, grown = std::min(1.0, t);  // grown over 50 periods; what rings decays with tau w0^2/2 = 35/s
+      const double t = 1e-4 * i, grown = std::min(1.0, t);  // grown over 50 periods; ringing decays with tau w0^2/2 = 35/s
       run.m()->opt.gravity[2] = part * exact * grown * std::sin(w * t);
       mj_step(run.m(), run.d());
     }

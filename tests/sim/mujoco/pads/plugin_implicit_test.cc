@@ -1,4 +1,5 @@
-// solver='implicit' in the plugin: a light box between pads that are too stiff for an explicit force at 1 ms.
+// solver='implicit' in the plugin: a light box between pads too stiff for an explicit force at 1
+// ms.
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -14,8 +15,9 @@
 namespace slipbench::testing_plugin {
 namespace {
 
-// A box between a fixed pad, 0.13 mm off its middle, and one on a slider, both of nine elements of `stiffness` times 3 kN/m and
-// 500 N/m, already pressed by `force` [N]: each element by force/(9 k_n).
+// A box between a fixed pad, 0.13 mm off its middle, and one on a slider, both of nine elements of
+// `stiffness` times 3 kN/m and 500 N/m, pressed by `force` [N] at the start: each element by
+// force/(9 k_n).
 struct Pinch {
   double mass, stiffness, force;
   std::string solver = "implicit";
@@ -54,7 +56,7 @@ std::string pinch_xml(const Pinch& pinch) {
   return xml.str();
 }
 
-// The box under a weight that grows smoothly within 0.3 s, and after that.
+// The box under a weight that grows smoothly within 0.3 s, and then stays.
 class Held {
  public:
   explicit Held(const Pinch& pinch) : model(load(pinch_xml(pinch))), data(data_of(model)), weight_(pinch.mass * g) {
@@ -71,14 +73,14 @@ class Held {
   }
   [[nodiscard]] double z() const { return data->qpos[2]; }
   [[nodiscard]] double speed() const { return data->qvel[2]; }
-  // Units of both pads in that state.
+  // Number of units of both pads in that state.
   [[nodiscard]] std::ptrdiff_t units(UnitState state) const {
     std::ptrdiff_t count = 0;
     for (int pad : {0, 1})
       count += std::ranges::count(pad_of(model.get(), data.get(), pad)->truth(FramePart::all).unit_state, state);
     return count;
   }
-  // What the pads carry of the weight.
+  // Share of the weight that the pads carry.
   [[nodiscard]] double carried() const { return data->qfrc_passive[2] / weight_; }
 
   Model model;
@@ -117,7 +119,8 @@ TEST_P(ImplicitPlugin, HeldFirmlyCreepsNotAtAllAndNoLabelFlickers) {
 }
 
 TEST_P(ImplicitPlugin, DropsJustBelowIt) {
-  // a = g (1 - F/F_0) = 0.003 g: 1.2 mm within 0.28 s; a fifth of it must be seen within 0.2 s after the weight is there.
+  // a = g (1 - F/F_0) = 0.003 g: 1.2 mm within 0.28 s; a fifth of that must appear within 0.2 s
+  // after the full weight.
   Held held({mass, stiffness, 0.997 * least});
   const double z = held.z();
   held.run(200, 0.997 * least);
@@ -125,7 +128,8 @@ TEST_P(ImplicitPlugin, DropsJustBelowIt) {
 }
 
 TEST_P(ImplicitPlugin, SlidesWithTheRightAcceleration) {
-  // Half of the least force: m a = m g - 2 mu F = m g/2. The pads need some steps to take the new force: 10 ms pass before.
+  // Half of the least force: m a = m g - 2 mu F = m g/2. The pads need some steps to follow the new
+  // force: 10 ms pass before.
   Held held({mass, stiffness, 1.2 * least});
   held.run(10, 0.5 * least);
   const double before = held.speed();
@@ -137,7 +141,8 @@ TEST_P(ImplicitPlugin, SlidesWithTheRightAcceleration) {
 }
 
 TEST_P(ImplicitPlugin, SinksAtTheTerminalSpeedOfARateLaw) {
-  // Least force over 1.1: m g = 2 mu F g(v) with g = 1.1 = 1 + 0.1 log10(1 + v/(1 mm/s)), v = 9 mm/s.
+  // Least force over 1.1: m g = 2 mu F g(v) with g = 1.1 = 1 + 0.1 log10(1 + v/(1 mm/s)), v = 9
+  // mm/s.
   Pinch pinch{mass, stiffness, 1.2 * least};
   pinch.effects = "[{viscous_friction: {gain: 0.1, speed: 1 mm/s}}]";
   Held held(pinch);
@@ -164,8 +169,8 @@ INSTANTIATE_TEST_SUITE_P(StiffPads, ImplicitPlugin,
                          testing::Values(std::pair(0.005, 10.0), std::pair(0.005, 100.0), std::pair(0.1, 10.0),
                                          std::pair(0.1, 100.0)));
 
-// Both solvers step the same physics: a box that is let go falls the same way. Each may let go a step late, 0.1 ms of the 100 ms of a fall that goes
-// with the square of time: 2e-3 each.
+// Both solvers step the same physics: a released box falls in the same way. Each may release it a
+// step late, 0.1 ms of the 100 ms of a fall that grows with the square of time: 2e-3 each.
 TEST(PluginImplicit, AgreesWithTheExplicitForceAtAShortStep) {
   const double mass = 0.1, least = mass * g;
   const auto fall = [&](const std::string& solver) {
@@ -181,7 +186,8 @@ TEST(PluginImplicit, AgreesWithTheExplicitForceAtAShortStep) {
   EXPECT_NEAR(fall("implicit") / explicitly, 1.0, 4e-3);
 }
 
-// Mean force on a box of 5 g [N], of a pad that presses with 1 N and slides over it at 20 mm/s; the box lies on a table of MuJoCo's own contact.
+// Mean force on a box of 5 g [N] from a pad that presses with 1 N and slides over it at 20 mm/s;
+// the box lies on a table with MuJoCo's own contact.
 Eigen::Vector3d drag(double stiffness, double dt, const std::string& solver) {
   const bool implicit = solver == "implicit";
   const double tau = 0.4 / std::sqrt(9.0 * 3000.0 * stiffness / 0.005);
@@ -208,8 +214,9 @@ Eigen::Vector3d drag(double stiffness, double dt, const std::string& solver) {
   return mean;
 }
 
-// The metric couples the field to MuJoCo's contacts within the step, so that a pad 100 times as stiff, at 1 ms, feels what an
-// ordinary explicit one does at 0.1 ms (h omega = 0.23): none of these forces depends on the pad's stiffness.
+// The metric couples the field to MuJoCo's contacts within the step, so that a pad 100 times as
+// stiff gives at 1 ms the force of an ordinary explicit one at 0.1 ms (h omega = 0.23): none of
+// these forces depends on the pad's stiffness.
 TEST(PluginImplicit, SlidesOverABoxOnATable) {
   const Eigen::Vector3d reference = drag(1.0, 1e-4, "explicit");
   for (const double stiffness : {10.0, 100.0}) {
@@ -228,7 +235,7 @@ std::vector<double> state_of(const mjModel* m, const mjData* d) {
 TEST(ImplicitPluginState, GoesOnTheSameInAnotherData) {
   const double least = 0.005 * g;
   Held held({0.005, 100.0, 1.1 * least});
-  held.run(5, 0.6 * least);  // it slides
+  held.run(5, 0.6 * least);  // the box slides
   const Data restored = data_of(held.model), copied = data_of(held.model);
   const std::vector<double> state = state_of(held.model.get(), held.data.get());
   mj_setState(held.model.get(), restored.get(), state.data(), mjSTATE_INTEGRATION);
@@ -243,7 +250,7 @@ TEST(ImplicitPluginState, GoesOnTheSameInAnotherData) {
 
 TEST(ImplicitPluginRefusal, SaysWhatTheModelLacks) {
 #ifdef __SANITIZE_ADDRESS__
-  const __lsan::ScopedDisabler disabler;  // MuJoCo leaves behind the mjData of a model that a plugin refuses
+  const __lsan::ScopedDisabler disabler;  // MuJoCo leaks the mjData of a model that a plugin refuses
 #endif
   const auto refusal = [](const std::string& xml) -> std::string { return refusal_of<std::runtime_error>([&] { load(xml); }); };
   const Pinch pinch{0.005, 10.0, 0.06};
@@ -274,7 +281,8 @@ TEST(ImplicitPluginRefusal, OptionsThatChangeLaterAreSeen) {
 }
 
 TEST(PluginImplicit, OneTendonIsEnoughForATree) {
-  // A finger of two links, each with a pad on the box, against a fixed pad. What the tendons damp is nothing: 1e-9 N s/m.
+  // A finger of two links, each with a pad on the box, against a fixed pad. The tendons' damping is
+  // negligible: 1e-9 N s/m.
   const auto model_with = [](const std::string& tendons) {
     const auto instance = [](const std::string& name) {
       return "<instance name='" + name + "'>" + config("pad", name) + config("touch", "box") +
@@ -300,7 +308,7 @@ TEST(PluginImplicit, OneTendonIsEnoughForATree) {
   const Data expected = data_of(each), found = data_of(one);
   for (int tick = 0; tick < 1000; ++tick) {
     for (const Data* data : {&expected, &found}) {
-      (*data)->ctrl[0] = 0.6;  // N, and with the far link's it is over the 0.05 N of weight/(2 mu)
+      (*data)->ctrl[0] = 0.6;  // N; with the far link's force it exceeds the 0.05 N of weight/(2 mu)
       (*data)->ctrl[1] = 0.3;
     }
     mj_step(each.get(), expected.get());

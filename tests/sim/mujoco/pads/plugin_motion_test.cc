@@ -1,4 +1,5 @@
-// Pads that are moved as prescribed: positions and velocities are set before every step, so that the plugin alone is tested.
+// Pads with prescribed motion: positions and velocities are set before every step, so that the
+// plugin alone is tested.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -23,15 +24,16 @@ std::string pad_over_box(const std::string& pad, double dt) {
   return xml.str();
 }
 
-// The torque of one pillar at distance r on a turning surface, whose friction mu f_n stretches it by e at most. It sticks until
-// its chord 2 r sin(a/2) is e; then it trails: e keeps its length, its end follows the tip along its own direction (a pursuit
-// curve), and the angle p between it and the tip's path obeys dp/da = 1 - (r/e) sin p, from sin p = e/(2r) at the onset to sin p
-// = e/r for ever. The force acts with the lever r cos p.
+// The torque of one pillar at distance r on a turning surface, whose friction mu f_n stretches it
+// by at most e. It sticks until its chord 2 r sin(a/2) is e; then it trails: e keeps its length,
+// and its end follows the tip along its own direction (a pursuit curve). The angle p between e and
+// the tip's path obeys dp/da = 1 - (r/e) sin p, from sin p = e/(2r) at the onset to sin p = e/r in
+// the limit. The force has the lever r cos p.
 class TrailingPillar {
  public:
   TrailingPillar(double r, double limit, double k_t) : r_(r), limit_(limit), k_t_(k_t), e_(limit / k_t) {}
   [[nodiscard]] double onset() const { return 2.0 * std::asin(e_ / (2.0 * r_)); }
-  // Goes on to the angle `a` [rad], later than those before; fourth order.
+  // Integrates to the angle `a` [rad], which must ascend; fourth order.
   double torque_at(double a) {
     if (r_ == 0.0) return 0.0;
     if (a < onset()) return k_t_ * r_ * r_ * std::sin(a);  // stretch 2 r sin(a/2) at the lever r cos(a/2)
@@ -55,7 +57,7 @@ class TrailingPillar {
   bool slides_ = false;
 };
 
-// Pillars as a PapillArray has them, but for k_t.
+// Pillars like a PapillArray's, except k_t.
 std::string pillars_of_three_heights(double k_n, double k_t) {
   std::ostringstream rows;
   for (int i = -1; i <= 1; ++i) {
@@ -68,8 +70,8 @@ std::string pillars_of_three_heights(double k_n, double k_t) {
   return config("elements", rows.str() + "]");
 }
 
-// Nine pillars with drops of 0, 0.2 and 0.45 mm, pressed by 1 mm; the box turns at 0.4 rad/s. `lever`: by how much the torque's
-// peak is at least less than sum mu f_n r, so that the trailing lever can be told.
+// Nine pillars with drops of 0, 0.2 and 0.45 mm, pressed by 1 mm; the box turns at 0.4 rad/s.
+// `lever`: least reduction of the torque's peak below sum mu f_n r, which shows the trailing lever.
 void expect_torque(const std::string& pad, double k_t, double lever) {
   const double k_n = 7100.0, mu = 0.5, depth = 1e-3, rate = 0.4, dt = 1e-4;
   const Model model = load(pad_over_box(pad, dt));
@@ -83,7 +85,7 @@ void expect_torque(const std::string& pad, double k_t, double lever) {
   double peak = 0.0, exact_peak = 0.0, torque = 0.0;
   for (int tick = 0; tick * dt < 4.0; ++tick) {
     const double t = tick * dt;
-    data->time = t;  // a sum of steps would drift away from t by rounding
+    data->time = t;  // a sum of steps would drift from t by rounding
     data->qpos[0] = rate * t;
     data->qvel[0] = rate;
     data->qpos[1] = data->qvel[1] = data->qvel[2] = 0.0;
@@ -118,13 +120,14 @@ void expect_torque(const std::string& pad, double k_t, double lever) {
 
 TEST(PluginMotion, RotatingBoxSlipsByRadiusAndPullsWithTheTrailingLever) {
   expect_torque(real_pillars(), 3900.0, 1e-3);
-  // e is 2.6 times as long: the peak's lever r sqrt(1 - (e/2r)^2) is shorter than r by 0.8 % and more for the edges.
+  // e is 2.6 times as long: the peak's lever r sqrt(1 - (e/2r)^2) is shorter than r by at least 0.8
+  // % for the edges.
   expect_torque(pillars_of_three_heights(7100.0, 1500.0), 1500.0, 5e-3);
 }
 
 TEST(PluginMotion, HundredTouchDownsLeaveNoForceBehind) {
-  // Down by 1 mm over 10 ms, a drag of 2 mm over 20 ms (mu k_n/k_t 1 mm = 3 mm for the first pads of 500 N/m: some stick to the
-  // end), and straight up; then the same anew 0.1 mm further on.
+  // Down by 1 mm over 10 ms, a drag of 2 mm over 20 ms (mu k_n/k_t 1 mm = 3 mm for the first pads
+  // of 500 N/m: some stick to the end), and straight up; then the same 0.1 mm further on.
   const double dt = 1e-3, k_n = 3000.0, k_t = 500.0;
   const Model model = load(pad_over_box(config("elements", square(3, 0.007, k_n, k_t)), dt));
   const Data data = data_of(model);
@@ -139,7 +142,8 @@ TEST(PluginMotion, HundredTouchDownsLeaveNoForceBehind) {
   for (int cycle = 0; cycle < 100; ++cycle) {
     const double x = 1e-4 * cycle;
     for (int i = 0; i <= 15; ++i) move(x, 0.5e-3 - 1e-4 * i, 0.0, -0.1);
-    // Touched straight down: nine springs pressed by 1 mm, and nothing pulls sideways but the rounding of x.
+    // Touched straight down: nine springs pressed by 1 mm, with no sideways force except the
+    // rounding of x.
     EXPECT_NEAR(data->qfrc_passive[2], 9.0 * k_n * 1e-3, 1e-9 * 27.0) << "cycle " << cycle;
     EXPECT_NEAR(data->qfrc_passive[1], 0.0, 1e-12) << "cycle " << cycle;
     for (int i = 1; i <= 20; ++i) move(x + 1e-4 * i, -1e-3, 0.1, 0.0);
@@ -155,9 +159,9 @@ TEST(PluginMotion, HundredTouchDownsLeaveNoForceBehind) {
 }
 
 TEST(PluginMotion, DashpotsActOnTheSumAndNeverBeyondTheCone) {
-  // One element of 3 kN/m and 500 N/m, pressed by 1 mm, moving at 2 mm/s across and 1 mm/s inwards with tau = 1 ms: normal k_n (1
-  // mm + tau 1 mm/s) = 3.003 N; tangential k_t tau 2 mm/s = 1e-3 N at the instant of touch. At 10 m/s across, the sum is held at
-  // mu k_n 1 mm = 1.5 N.
+  // One element of 3 kN/m and 500 N/m, pressed by 1 mm, moving at 2 mm/s across and 1 mm/s inwards
+  // with tau = 1 ms: normal k_n (1 mm + tau 1 mm/s) = 3.003 N; tangential k_t tau 2 mm/s = 1e-3 N
+  // at the instant of touch. At 10 m/s across, the sum is limited to mu k_n 1 mm = 1.5 N.
   std::string xml = pad_over_box(config("elements", "[[0, 0, 0, 3000, 500]]"), 1e-3);
   xml.replace(xml.find("'damping' value=\"0\""), 19, "'damping' value=\"1 ms\"");
   const Model model = load(xml);

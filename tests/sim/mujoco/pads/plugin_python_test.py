@@ -26,7 +26,8 @@ def rows(n=3, pitch=0.007, k_n=1000, k_t=200):
 
 
 def grip(left=None, right=None, integrator="implicitfast"):
-    """A box of 100 g, moved and turned a little, between a fixed pad and one that ctrl[0] closes."""
+    """A box of 100 g, moved and turned a little, between a fixed pad and one that ctrl[0]
+    closes."""
     def instance(name, attributes):
         every = {"pad": name, "touch": "box", "friction": "{static: 0.5, kinetic: 0.45}", "truth": "true", **attributes}
         configs = "".join(f'<config key="{key}" value="{value}"/>' for key, value in every.items())
@@ -49,7 +50,9 @@ def grip(left=None, right=None, integrator="implicitfast"):
 
 
 def control(tick):
-    """The grip [N] of plugin_trace.cc: across the threshold of 0.98 N and back every 0.4 s, so that the box walks down."""
+    """The grip [N] of plugin_trace.cc: across the threshold of 0.98 N and back every 0.4 s, so that
+    the box moves down in steps.
+    """
     phase = tick % 400
     return 0.4 + 0.01 * (phase if phase < 200 else 400 - phase)
 
@@ -109,7 +112,7 @@ class Refusals(unittest.TestCase):
         model = mujoco.MjModel.from_xml_string(grip())
         data = mujoco.MjData(model)
         mujoco.mj_step(model, data)
-        for _ in range(1000):  # each jumps out of mj_step: neither memory nor MuJoCo's stack may run out
+        for _ in range(1000):  # each jumps out of mj_step: neither memory nor MuJoCo's stack may be exhausted
             model.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
             with self.assertRaisesRegex(mujoco.FatalError, "the flags spring and damper are both disabled"):
                 mujoco.mj_step(model, data)
@@ -131,7 +134,9 @@ def run_scene(name, keyframe, seconds):
 
 
 class Scenes(unittest.TestCase):
-    """scenes/mujoco, as they stand. Of a PapillArray's sensordata: 27 forces, 27 displacements, then nine unit states (pad_instance.h)."""
+    """The scenes of scenes/mujoco, unchanged. A PapillArray's sensordata: 27 forces, 27
+    displacements, then nine unit states (pad_instance.h).
+    """
 
     def test_two_pads_hold_a_box(self):
         data = run_scene("hold", "grasped", 2.0)
@@ -154,7 +159,9 @@ class Scenes(unittest.TestCase):
 
 
 def touching(attributes="", geom="", option="", site="", more="", start=0.001, collide="contype='0' conaffinity='0'"):
-    """A block of 1 kg on a vertical slider, with a pad of 3 x 3 elements of 1 kN/m below it, over a plate whose top is z = 0."""
+    """A block of 1 kg on a vertical slider, with a pad of 3 x 3 elements of 1 kN/m below it, over a
+    plate with its top at z = 0.
+    """
     return f"""<mujoco><option timestep="0.001" gravity="0 0 -9.81" {option}/>
       <extension><plugin plugin="slipbench.field"><instance name="left"><config key="pad" value="pad"/><config key="touch" value="plate"/>
         <config key="elements" value="{rows()}"/>{attributes}</instance>{more}</plugin></extension>
@@ -169,7 +176,7 @@ def key(name, value):
 
 
 class Misuse(unittest.TestCase):
-    """What would run and be wrong is an error when the model is compiled or first stepped."""
+    """Models that would run with wrong results are refused when compiled or first stepped."""
 
     def refused(self, xml, text):
         with self.assertRaisesRegex((ValueError, mujoco.FatalError), text):
@@ -225,12 +232,12 @@ class Misuse(unittest.TestCase):
                      "on body block and a site on body plate")
 
     def test_a_step_too_long_names_the_limit_with_all_elements(self):
-        # 1 kg on 9 kN/m: omega 94.9 rad/s; a step of 1/omega, 10.5 ms, is borne.
+        # 1 kg on 9 kN/m: omega 94.9 rad/s; a step of 1/omega, 10.5 ms, is stable.
         self.refused(touching().replace('timestep="0.001"', 'timestep="0.0123456"'),
                      "time step 12.3 ms.* [0-9.]{1,5} m?s.*94.9 rad/s.*10.5 ms.*10.5 ms.*solver='implicit'")
 
     def test_check_warn_makes_warnings(self):
-        with tempfile.TemporaryDirectory() as folder:  # where MuJoCo writes its warnings to a file
+        with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes its warnings to a file there
             before = os.getcwd()
             os.chdir(folder)
             self.accepted(touching(key("check", "warn"), collide=""))
@@ -240,8 +247,9 @@ class Misuse(unittest.TestCase):
 
 
 class Unloaded(unittest.TestCase):
-    """What learners read is finite: margin and stuck_fraction of what does not touch are 1. After 9 x 6 readings and 9 x 4 of the truth come nine
-    margins; stuck_fraction is the last of all."""
+    """Learners' inputs are finite: margin and stuck_fraction without contact are 1. After 9 x 6
+    readings and 9 x 4 of the truth come nine margins; stuck_fraction is the last value.
+    """
 
     def test_all_is_finite_before_and_without_contact(self):
         model = mujoco.MjModel.from_xml_string(touching(key("truth", "true"), start=0.005))

@@ -1,4 +1,5 @@
-// What the plugin refuses, as a C++ host reads it: a model's mistakes in the text of the loader, a run's in mju_error.
+// Errors of the plugin as a C++ host sees them: a model's in the loader's text, a run's in
+// mju_error.
 #include <algorithm>
 
 #include "tests/expect.h"
@@ -22,7 +23,7 @@ std::string model_of(const std::string& attributes, const std::string& option = 
 std::string refusal_of_model(const std::string& model) {
 #ifdef __SANITIZE_ADDRESS__
   const __lsan::ScopedDisabler
-      disabler;  // MuJoCo's compiler jumps over its own vectors when a plugin refuses: 52 bytes each time
+      disabler;  // MuJoCo's compiler jumps over its own vectors when a plugin refuses: a leak of 52 bytes each time
 #endif
   return slipbench::refusal_of<std::runtime_error>([&] { load(model); });
 }
@@ -30,7 +31,7 @@ std::string refusal_of_model(const std::string& model) {
 std::string refusal_of(const std::string& attributes) { return refusal_of_model(model_of(attributes)); }
 
 TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
-  // Every name that a message may list, with the wrong one.
+  // Every name that a message may list, together with the wrong one.
   const auto with_names = [](const auto& declared, const std::string& wrong) {
     std::vector<std::string> names{wrong};
     for (const auto& one : declared) names.push_back(one.name);
@@ -108,7 +109,7 @@ TEST(PluginRefusal, MessageOfALongTableKeepsItsEnd) {
 class PluginRun : public testing::Test {
  protected:
   PluginRun() : model_(load(model_of(site + plate + one))), data_(data_of(model_)) { data_->qpos[0] = -1e-3; }
-  // Of the next step.
+  // Returns the error of the next step.
   std::string error() {
     const mjModel* model = model_.get();
     mjData* data = data_.get();
@@ -154,7 +155,7 @@ TEST_F(PluginRun, TimeThatGoesBackIsRefused) {
 }
 
 TEST(PluginStep, IsRefusedAgainAfterAReset) {
-  // 100 g between pads of 9 x 3 kN/m: omega is 735 rad/s or more, and 2 ms is too long.
+  // 100 g between pads of 9 x 3 kN/m: omega is at least 735 rad/s, and 2 ms is too long.
   const Model model = load(grip_xml({.dt = 2e-3}));
   const Data data = data_of(model);
   const mjModel* m = model.get();
@@ -166,14 +167,15 @@ TEST(PluginStep, IsRefusedAgainAfterAReset) {
       what = mju_error_of([=] { mj_step(m, d); });
     }
     EXPECT_THAT(what, mentions({"time step", "2 ms"})) << "round " << round;
-    // Nor is it obeyed by going on.
+    // Continuing does not remove the error.
     EXPECT_THAT(mju_error_of([=] { mj_step(m, d); }), mentions({"time step", "2 ms"})) << "round " << round;
     mj_resetData(m, d);
   }
 }
 
 TEST(PluginStep, PadThatFliesOffInTheFirstStepIsRefusedAllTheSame) {
-  // Pressed by 1 mm at the start with 1 MN/m an element: after one step of 1 ms nothing touches any more.
+  // Pressed by 1 mm at the start with 1 MN/m per element: after one step of 1 ms the pad is
+  // separated.
   const Model model = load(model_of(site + plate + config("elements", "[[0, 0, 0, 1e6, 1e5]]")));
   const Data data = data_of(model);
   const mjModel* m = model.get();

@@ -1,4 +1,5 @@
-// A pad far from what it touches rests. Nobody may see that: with check="off" it never does, and gives the same bytes.
+// A pad far from its surface is idle. Results must not show it: with check="off" it is never idle,
+// and gives bit-identical results.
 #include <cstring>
 
 #include "tests/sim/mujoco/pads/plugin_rig.h"
@@ -29,7 +30,8 @@ std::string rest_xml(const RestCase& one, bool rests) {
          implicit + "<sensor><plugin instance='pad'/></sensor></mujoco>";
 }
 
-// Presses for 0.1 s, leaves for 0.1 s, again and again; once it is put back from afar in one step.
+// Presses for 0.1 s, separates for 0.1 s, repeatedly; once the finger is put back from afar in one
+// step.
 void press_and_leave(const mjModel* model, mjData* data, int tick) {
   const auto slider = static_cast<std::size_t>(model->nv - 2);
   data->qfrc_applied[slider] = tick % 1000 < 500 ? -1.5 : 1.5;
@@ -50,7 +52,7 @@ TEST(PluginRest, NobodySeesIt) {
     SCOPED_TRACE(one.pad + one.geom + one.integrator);
     const Model model = load(rest_xml(one, true)), never = load(rest_xml(one, false));
     const Data data = data_of(model), reference = data_of(never);
-    // Behind it stand the solver's memory and what sensordata has.
+    // After it come the solver's memory and the content of sensordata.
     const auto rest = static_cast<std::size_t>(model->npluginstate - model->nsensordata - (one.solver == "implicit" ? 6 : 0) - 1);
     int apart = 0, resting = 0;
     for (int tick = 0; tick < 3000; ++tick) {

@@ -1,4 +1,4 @@
-// Models with pads of the plugin, as a user would write them.
+// Models with pads of the plugin, as users write them.
 #pragma once
 
 #include <cmath>
@@ -32,7 +32,8 @@ inline Model load(const std::string& xml) {
 
 inline Data data_of(const Model& model) { return Data(mj_makeData(model.get())); }
 
-// The text of the mju_error that `action` ends in; empty: it ended without one. `action` must own nothing: the error jumps over it.
+// Returns the text of the mju_error that ends `action`; empty: no error. `action` must own nothing,
+// because the error jumps over it.
 template <class Action>
 std::string mju_error_of(const Action& action) {
   static std::array<char, 2000> text;
@@ -64,7 +65,7 @@ inline std::string config(const std::string& key, const std::string& value) {
   return "<config key='" + key + "' value=\"" + value + "\"/>";
 }
 
-// The pad of the bars: nine elements of 3 kN/m and 500 N/m.
+// The pad of the limits: nine elements of 3 kN/m and 500 N/m.
 inline std::string nine_pillars() { return config("elements", square(3, 0.007, 3000.0, 500.0)); }
 inline std::string real_pillars() { return config("sensor", "{type: papillarray}"); }
 
@@ -74,7 +75,7 @@ struct Grip {
   double mu = 0.5;
   double dt = 1e-3;  // s
   std::string integrator = "implicitfast";
-  std::string left = nine_pillars(), right = nine_pillars();  // what the pads are made of; empty: MuJoCo's own contact instead
+  std::string left = nine_pillars(), right = nine_pillars();  // elements of the pads; empty: MuJoCo's own contact instead
   bool perturbed = true;  // moved by 0.13 mm and turned by 4 mrad, so that nothing balances by symmetry
   bool truth = true;
   std::string option{};  // attributes
@@ -109,14 +110,14 @@ inline std::string grip_xml(const Grip& grip) {
   return xml.str();
 }
 
-// A figure as a test's record shows it.
+// A number as shown in a test's record.
 inline std::string figure(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
 }
 
-// Force [N] in the world on what the pad touches, from its truth.
+// Force [N] in the world on the object that the pad touches, from the pad's truth.
 inline Eigen::Vector3d force_of_pad(const mjModel* model, const mjData* data, int instance) {
   PadInstance& pad = *pad_of(model, data, instance);
   const int site = pad.config().site;
@@ -124,7 +125,7 @@ inline Eigen::Vector3d force_of_pad(const mjModel* model, const mjData* data, in
            pad.truth(FramePart::all).force.rowwise().sum().matrix());
 }
 
-// A grip that is closed, loaded and watched.
+// A grip that is closed, loaded and observed.
 class GripRun {
  public:
   explicit GripRun(const Grip& grip) : grip_(grip), model_(load(grip_xml(grip))), data_(data_of(model_)) {}
@@ -135,8 +136,8 @@ class GripRun {
   [[nodiscard]] double threshold() const { return grip_.mass * g / (2.0 * grip_.mu); }
   [[nodiscard]] double height() { return data_->qpos[2]; }
 
-  // Closes with `force` [N], then lets the weight on: a half cosine of 1 s, so slow that the box, at 300 rad/s or more on its
-  // springs, follows within (pi/T)^2/(2 w^2) = 5e-5 of it.
+  // Closes with `force` [N], then applies the weight as a half cosine of 1 s, so slow that the box,
+  // at 300 rad/s or more on its springs, follows within (pi/T)^2/(2 w^2) = 5e-5 of it.
   void hold(double force) {
     close(force);
     const int ramp = steps_of(1.0);

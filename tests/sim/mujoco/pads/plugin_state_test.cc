@@ -1,5 +1,5 @@
-// What the plugin keeps lives in mjData and nowhere else: saved, copied, reset or looked at from elsewhere, a run goes on to the
-// same bits.
+// The plugin's state is in mjData only: a run that is saved, copied, reset or inspected continues
+// bit-identically.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 namespace slipbench::testing_plugin {
 namespace {
 
-// Everything that remembers something is in it: electronics with noise at half the rate of the steps, every effect with a memory,
-// pillars in part, and a box that is pulled to and fro in a grip that loosens and closes, so that elements stick, slip, detach
-// and touch.
+// The model includes everything with memory: electronics with noise at half the rate of the steps,
+// every effect with a memory, pillars in part, and a box pulled to and fro in a grip that loosens
+// and closes, so that elements stick, slip, detach and touch.
 Model busy_model(const std::string& integrator) {
   return load(grip_xml(
       {.dt = 5e-4,
@@ -24,7 +24,8 @@ Model busy_model(const std::string& integrator) {
        .more = "<keyframe><key/></keyframe>"}));
 }
 
-// For a step of 0.5 ms: the grip goes from 0.3 to 2.8 N and back at 5 Hz, and the box is pulled sideways by up to 1.2 N at 20 Hz.
+// For a step of 0.5 ms: the grip goes from 0.3 to 2.8 N and back at 5 Hz, and the box is pulled
+// sideways by up to 1.2 N at 20 Hz.
 void drive(mjData* data, int tick) {
   const auto triangle = [tick](int period) {  // 0 to 1 and back
     const int phase = tick % period;
@@ -41,7 +42,7 @@ void run(const mjModel* model, mjData* data, int from, int to) {
   for (int tick = from; tick < to; ++tick) step(model, data, tick);
 }
 
-// NaN (the margin of what does not touch) equals NaN of the same bits.
+// NaN (the margin without contact) equals NaN of the same bits.
 bool same_bits(const mjtNum* a, const mjtNum* b, mjtSize count) {
   return std::memcmp(a, b, static_cast<std::size_t>(count) * sizeof(mjtNum)) == 0;
 }
@@ -64,7 +65,8 @@ void expect_to_go_on_alike(const mjModel* model, mjData* a, mjData* b, int from,
 
 constexpr int middle = 1500, rest = 700;
 
-// Skins keep forces, shifts and what they gained in the last step; a copy and a state that was set go on with them.
+// Skins store forces, shifts and their increments of the last step; a copy and a restored state
+// continue with them.
 TEST(PluginState, SkinsGoOnFromACopy) {
   const std::string skin =
       config("elements", square(8, 2.5e-3, 1.0, 1.0)) + config("effects", "[{elastic_skin: {shear_modulus: 20 kPa}}]");
@@ -89,7 +91,7 @@ TEST(PluginState, SkinsGoOnFromACopy) {
 class PluginState : public testing::TestWithParam<const char*> {
  protected:
   PluginState() : model_(busy_model(GetParam())), data_(data_of(model_)) { model_->opt.gravity[2] = -1.0; }
-  // The model in the middle of its run, with elements that stick and elements that slip.
+  // Runs the model to a state with elements that stick and elements that slip.
   void go_to_the_middle() {
     run(m(), d(), 0, middle);
     std::array<int, 3> count{};
@@ -110,7 +112,7 @@ class PluginState : public testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(Integrators, PluginState, testing::Values("Euler", "implicit", "implicitfast", "discrete", "RK4"));
 
 TEST_P(PluginState, RunStaysBusy) {
-  // The other tests of this file say nothing unless elements change their states all the time.
+  // The other tests of this file are meaningless unless elements change their states all the time.
   int stick = 0, slip = 0, detached = 0, steps_with_slip = 0;
   for (int tick = 0; tick < middle + rest; ++tick) {
     step(m(), d(), tick);
@@ -138,7 +140,7 @@ TEST_P(PluginState, SetStateGoesOnToTheSameBits) {
     std::vector<mjtNum> state(static_cast<std::size_t>(mj_stateSize(m(), parts)));
     mj_getState(m(), d(), state.data(), parts);
     const Data fresh = data_of(model_), other = data_of(model_), again = Data(mj_copyData(nullptr, m(), d()));
-    run(m(), other.get(), 0, 100);  // data that has a past of its own
+    run(m(), other.get(), 0, 100);  // data with a past of its own
     mj_setState(m(), fresh.get(), state.data(), parts);
     mj_setState(m(), other.get(), state.data(), parts);
     run(m(), again.get(), middle, middle + rest);
@@ -173,7 +175,7 @@ TEST_P(PluginState, ForwardAtOtherPosesMovesNoAnchor) {
   std::vector<mjtNum> state(static_cast<std::size_t>(mj_stateSize(m(), mjSTATE_PHYSICS)));
   for (int tick = 0; tick < middle; ++tick) {
     mj_getState(m(), d(), state.data(), mjSTATE_PHYSICS);
-    d()->qpos[2] += 3e-3;  // a probe, as inverse kinematics or a planner makes it: 3 mm up, 5 mm in, fast
+    d()->qpos[2] += 3e-3;  // a probe, as by inverse kinematics or a planner: 3 mm up, 5 mm in, fast
     d()->qpos[7] += 5e-3;
     d()->qvel[0] += 0.4;
     mj_forward(m(), d());
@@ -205,7 +207,7 @@ TEST_P(PluginState, StepInTwoHalvesIsOneStep) {
   for (int tick = 0; tick < middle; ++tick) {
     mj_step1(m(), d());
     drive(d(), tick);
-    mj_copyData(hops.get(), m(), d());  // a copy between the halves goes on with the second one
+    mj_copyData(hops.get(), m(), d());  // a copy between the halves continues with the second half
     mj_step2(m(), d());
     mj_step2(m(), hops.get());
     step(m(), plain.get(), tick);
@@ -229,7 +231,7 @@ TEST_P(PluginState, DrawingChangesNothing) {
     step(m(), plain.get(), tick);
     ASSERT_TRUE(same(m(), plain.get(), d())) << "step " << tick;
   }
-  // Of each element a ball, and of each that touches an arrow as well.
+  // A ball for each element, and an arrow for each touching one.
   int touching = 0, elements = 0, balls = 0, arrows = 0;
   for (int pad : {0, 1}) {
     for (const Field& field : pad_of(m(), d(), pad)->fields()) {
@@ -247,7 +249,7 @@ TEST_P(PluginState, DrawingChangesNothing) {
   EXPECT_EQ(balls, elements);
   EXPECT_GT(arrows, 0);
   EXPECT_LE(std::abs(arrows - touching), 10) << "one step lies between the two counts";
-  mjvScene small;  // one that is full
+  mjvScene small;  // a scene that is full
   mjv_defaultScene(&small);
   mjv_makeScene(m(), &small, 20);
   mjv_updateScene(m(), d(), &option, nullptr, &camera, mjCAT_ALL, &small);
@@ -256,7 +258,7 @@ TEST_P(PluginState, DrawingChangesNothing) {
   mjv_freeScene(&scene);
 }
 
-// Keyframes hold positions, velocities, time and controls, but no plugin state.
+// Keyframes store positions, velocities, time and controls, but no plugin state.
 TEST_P(PluginState, KeyframeStartsThePadsAfresh) {
   go_to_the_middle();
   mj_setKeyframe(m(), d(), 0);
@@ -279,7 +281,7 @@ TEST_P(PluginState, KeyframeStartsThePadsAfresh) {
   expect_to_go_on_alike(m(), d(), fresh.get(), middle, rest);
 }
 
-// What the pads held when the keyframe was taken, put back after it: the run goes on as if nothing had been.
+// The pads' state saved with the keyframe and restored after it: the run continues unchanged.
 TEST_P(PluginState, KeyframeWithThePadsStateGoesOnToTheSameBits) {
   go_to_the_middle();
   mj_setKeyframe(m(), d(), 0);
@@ -293,14 +295,15 @@ TEST_P(PluginState, KeyframeWithThePadsStateGoesOnToTheSameBits) {
 }
 
 TEST(PluginSensor, TakesTheSamplesThatTheSensorAloneWouldTake) {
-  // In the air, a PapillArray of 1 kHz with noise, read at steps of 0.5 ms: every second step has a sample, the others hold it.
+  // In the air, a PapillArray of 1 kHz with noise, read at steps of 0.5 ms: every second step has a
+  // new sample, the others hold it.
   const std::string sensor = "{type: papillarray, electronics: typical}";
   const Model model = load(grip_xml({.dt = 5e-4, .left = config("sensor", sensor) + config("seed", "5"), .truth = false}));
   const Data data = data_of(model);
   const PadConfig& config = pad_of(model.get(), data.get(), 0)->config();
   ContactFrame air = pad_of(model.get(), data.get(), 0)->truth(FramePart::all);
   std::vector<float> held;
-  for (int round : {0, 1}) {  // the second one after a reset
+  for (int round : {0, 1}) {  // the second after a reset
     const std::unique_ptr<Sensor> sensor_alone = make_sensor(config.sensor, 5, 0);
     for (int tick = 0; tick < 50; ++tick) {
       if (tick % 2 == 0) {

@@ -1,4 +1,4 @@
-// Pads of the plugin on geoms that overlap, and on thin ones.
+// Pads of the plugin on overlapping and thin geoms.
 #include "tests/expect.h"
 #include "tests/sim/mujoco/pads/plugin_rig.h"
 
@@ -7,8 +7,8 @@ namespace {
 
 constexpr double k_n = 3000.0, k_t = 500.0;  // of nine_pillars()
 
-// A free object of 1 kg, held up by nothing but what is tested, under a pad that a motor of `force` presses on it from above. The object stands on
-// a stiff slide along Z.
+// A free object of 1 kg, held up only by the tested contact, under a pad that a motor of `force`
+// presses on it from above. The object stands on a stiff slide along Z.
 std::string pressed(const std::string& geoms, const std::string& touch, const std::string& solver,
                     const std::string& pad = nine_pillars()) {
   const bool implicit = solver == "implicit";
@@ -36,8 +36,8 @@ class PluginSurfaces : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, PluginSurfaces, testing::Values("explicit", "implicit"));
 
 TEST_P(PluginSurfaces, OverlappingGeomsBearTheLoadOnce) {
-  // 9 pillars under 8.1 N are F/(9 k_n) = 0.3 mm deep, each with 0.9 N, whatever number of geoms they stand on; 0.9 N of shear is k_t u, so it
-  // moves by F/(9 k_t) = 0.2 mm.
+  // 9 pillars under 8.1 N are F/(9 k_n) = 0.3 mm deep, each with 0.9 N, on any number of geoms; 0.9
+  // N of shear is k_t u, so it moves by F/(9 k_t) = 0.2 mm.
   const double force = 8.1, shear = 0.9;
   const std::string one = box("a", ".02 .02 .01", "0 0 -.01"), bars = box("a", ".03 .004 .01", "0 0 -.01") +
                                                                       box("b", ".004 .03 .01", "0 0 -.01") +
@@ -63,8 +63,9 @@ TEST_P(PluginSurfaces, OverlappingGeomsBearTheLoadOnce) {
     for (Eigen::Index unit = 0; unit < 9; ++unit) {
       EXPECT_NEAR(frame.force(2, unit), force / 9.0, 1e-5) << what << ", unit " << unit;
       EXPECT_NEAR(frame.displacement(2, unit), force / (9.0 * k_n), 1e-8) << what << ", unit " << unit;
-      // Elements that leave a capsule's crest for the box do so once the crest is 1 nm lower, 4.5 um further on a radius of 10 mm. Until then their
-      // normal leans by up to 4.5e-4, and 0.9 N presses with that share of it on a spring of 500 N/m: 0.8 um, of which a fraction stays.
+      // Elements move from a capsule's crest to the box once the crest is 1 nm lower, after 4.5 um
+      // on a radius of 10 mm. Until then their normal leans by up to 4.5e-4, and that share of 0.9
+      // N acts on a spring of 500 N/m: 0.8 um, a fraction of which stays.
       EXPECT_NEAR(frame.displacement(0, unit), -shear / (9.0 * k_t), 2e-7) << what << ", unit " << unit;
     }
     EXPECT_NEAR(data->qpos[0], -force / 1e5, 1e-8) << what << ": the object bears the pad's load";
@@ -72,7 +73,8 @@ TEST_P(PluginSurfaces, OverlappingGeomsBearTheLoadOnce) {
 }
 
 TEST_P(PluginSurfaces, AThinCardBearsWhatPressesOnIt) {
-  // Beyond its middle a card of 0.3 mm bears what one of 20 mm bears: 40 N, with which a PapillArray's pillars are 0.5 to 1.2 mm deep.
+  // Beyond its middle a card of 0.3 mm carries as much as one of 20 mm: 40 N, with a PapillArray's
+  // pillars 0.5 to 1.2 mm deep.
   const auto forces_on = [&](double half) {
     const Model model = load(pressed(box("card", ".02 .02 " + std::to_string(half), "0 0 -" + std::to_string(half)), "card",
                                      GetParam(), real_pillars()));
@@ -90,7 +92,7 @@ TEST_P(PluginSurfaces, AThinCardBearsWhatPressesOnIt) {
 }
 
 TEST_P(PluginSurfaces, AnElementThatComesThroughARoundBodyIsRefused) {
-  // A wire of 0.6 mm along Y under the middle pillars, pressed until they are past its middle.
+  // A wire of 0.6 mm along Y under the middle pillars, pressed until they are beyond its middle.
   const Model model = load(pressed(
       "<geom name='wire' type='capsule' contype='0' conaffinity='0' size='.0003 .02' pos='0.00001 0 -.0003' euler='90 0 0'/>",
       "wire", GetParam()));
@@ -106,7 +108,8 @@ TEST_P(PluginSurfaces, AnElementThatComesThroughARoundBodyIsRefused) {
 }
 
 TEST(PluginSurfaces, ACardBetweenTwoPadsIsHeldAtAnyGrip) {
-  // 0.76 mm thick, as a bank card: the nearest tips come past its middle from 3 N on, past its far side from 7 N on.
+  // 0.76 mm thick, like a bank card: the nearest tips pass its middle from 3 N on, its far side
+  // from 7 N on.
   for (const double force : {4.0, 8.0, 15.0, 30.0, 60.0}) {
     Grip grip{.mass = 0.005, .dt = 5e-5, .left = real_pillars(), .right = real_pillars(), .perturbed = false};
     std::string xml = grip_xml(grip);

@@ -1,5 +1,5 @@
-// plugin_trace LIBRARY MODEL INTEGRATOR STEPS OUT: a host in C that loads the plugin's library, steps the model under the same
-// control as plugin_python_test.py and writes the sensordata of every step.
+// plugin_trace LIBRARY MODEL INTEGRATOR STEPS OUT: a C host that loads the plugin's library, steps
+// the model under the control of plugin_python_test.py and writes the sensordata of every step.
 #include <cstdio>
 #include <cstdlib>
 

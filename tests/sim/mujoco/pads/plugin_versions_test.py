@@ -31,7 +31,7 @@ np.savez(sys.argv[3], heights=heights)
 
 
 def python(version, code, *arguments, cwd=None):
-    """Runs a program with that MuJoCo; warnings of MuJoCo go to a file in its folder, too."""
+    """Runs a program with that MuJoCo version; MuJoCo's warnings go to a file in its folder."""
     with tempfile.TemporaryDirectory() as folder:
         paths = {"PYTHONPATH": str(ROOT / "build/mujoco" / version), "MUJOCO_GL": "disable", "PYTHONDONTWRITEBYTECODE": "1"}
         return subprocess.run([sys.executable, "-c", code, *map(str, arguments)], cwd=cwd or folder, capture_output=True, text=True,
@@ -56,7 +56,7 @@ class Versions(unittest.TestCase):
                     self.assertLess(abs(heights[-1] - heights[len(heights) // 2]) / 5.0, 1e-8)
 
     def test_another_version_is_refused_with_the_supported_ones(self):
-        """A copy of the pinned MuJoCo, of which every "4.0.1" is made "3.9.9"."""
+        """A copy of the pinned MuJoCo in which every "4.0.1" is changed to "3.9.9"."""
         with tempfile.TemporaryDirectory() as folder:
             package = Path(next(iter(importlib.util.find_spec("mujoco").submodule_search_locations)))
             shutil.copytree(package, Path(folder) / "mujoco", ignore=shutil.ignore_patterns("include", "plugin"))

@@ -1,7 +1,8 @@
-"""public_meshes_test.py LIBRARY: meshes of public robot descriptions, as public_meshes.csv lists them, in pads' models.
+"""Tests meshes of public robot descriptions in pads' models (public_meshes_test.py LIBRARY).
 
-The meshes are their owners'; a copy of each repository named there is yours to get. SLIPBENCH_MESHES names the folder that holds such copies, in any
-order: files are known by their checksum. A mesh that is not there is not tried.
+public_meshes.csv lists the meshes. They belong to their owners; get copies of the repositories
+named there yourself. SLIPBENCH_MESHES names the folder with the copies, in any arrangement: files
+are identified by their checksums. Missing meshes are skipped.
 """
 
 import csv
@@ -22,7 +23,7 @@ REFUSALS = {"open": "the mesh is not closed", "thin": "the mesh is too thin"}
 def model(mesh, pad):
     plugin = """<extension><plugin plugin="slipbench.field"><instance name="pad"><config key="pad" value="pad"/><config key="touch" value="object"/>
         <config key="elements" value="[[0, 0, 0, 1000, 200]]"/></instance></plugin></extension>"""
-    # Shell: MuJoCo itself refuses the inertia of what is open.
+    # Shell: MuJoCo refuses the inertia of open meshes.
     return mujoco.MjModel.from_xml_string(f"""<mujoco>{plugin if pad else ""}<asset><mesh name="mesh" file="{mesh}" inertia="shell"/></asset>
         <worldbody><geom name="object" type="mesh" mesh="mesh" contype="0" conaffinity="0"/>
         <body pos="0 0 9000"><freejoint/><geom size="0.01"/><site name="pad"/></body></worldbody></mujoco>""")

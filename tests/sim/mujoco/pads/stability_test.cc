@@ -32,7 +32,7 @@ struct Bodies {
   Data data;
 };
 
-// A pad that faces down (P is the world's axes) at `position`.
+// A pad that faces down (P has the world's axes) at `position`.
 Pose at(const Eigen::Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
 
 std::string body(const std::string& name, const std::string& joint, double mass, double inertia) {
@@ -41,7 +41,8 @@ std::string body(const std::string& name, const std::string& joint, double mass,
          " " + i + " " + i + "'/></body>";
 }
 
-// Against MuJoCo's own Jacobians of both bodies, for every two of a model with joints of each kind, a welded body and a mocap one.
+// Against MuJoCo's own Jacobians of both bodies, for every pair in a model with joints of each
+// kind, a welded body and a mocap one.
 TEST(Stability, RelativeJacobianIsTheDifferenceOfMuJoCos) {
   const std::string inertial = "<inertial pos='.01 .02 .03' mass='1' diaginertia='1 1 1'/>";
   const Bodies bodies("<body pos='.1 .2 .3'><freejoint/>" + inertial + "<body pos='.1 0 0' euler='20 0 0'><joint type='ball'/>" +
@@ -62,7 +63,8 @@ TEST(Stability, RelativeJacobianIsTheDifferenceOfMuJoCos) {
   }
 }
 
-// Two pads above and below a free body that is hard to turn: along their normals the stiffness is 2 * 9 k_n.
+// Two pads above and below a free body with a large moment of inertia: the stiffness along their
+// normals is 2 * 9 k_n.
 TEST(Stability, BodyBetweenTwoPads) {
   const Bodies bodies(body("box", "<freejoint/>", 0.1, 10.0));
   const PadLayout layout = nine_flat_pillars(1.0);
@@ -77,12 +79,13 @@ TEST(Stability, BodyBetweenTwoPads) {
   const double omega = std::sqrt(2.0 * 9.0 * k_n / 0.1);
   EXPECT_NEAR(vibration.omega / omega, 1.0, 1e-9);
   EXPECT_NEAR(vibration.damping_rate / (tau * omega * omega), 1.0, 1e-9);
-  // Half the stiffness with one pad alone, sqrt(1/2) of the frequency.
+  // Half the stiffness with one pad, sqrt(1/2) of the frequency.
   const Vibration one = fastest_vibration(bodies.model.get(), bodies.data.get(), {pads.data(), 1}, {tangents.data(), 1});
   EXPECT_NEAR(one.omega / (omega * std::sqrt(0.5)), 1.0, 1e-9);
 }
 
-// The bound is the root of the sum of all omega^4: of a body that is hard to turn, K along the normal and twice k_t/k_n K across it.
+// The bound is the root of the sum of all omega^4: for a body with a large moment of inertia, K
+// along the normal and twice k_t/k_n K across it.
 TEST(Stability, BoundIsTheRootOfTheSumOfSquaresOfAllModes) {
   const Bodies bodies(body("box", "<freejoint/>", 0.1, 1e6));
   const Eigen::Vector3d point(0.0, 0.0, 0.0);
@@ -96,8 +99,8 @@ TEST(Stability, BoundIsTheRootOfTheSumOfSquaresOfAllModes) {
   EXPECT_GT(bound.omega, fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents).omega);
 }
 
-// A disc on a hinge along the pad's normal: sum k_t r^2 with four pillars at r^2 = 2 pitch^2 and four at pitch^2. Where the
-// tangent is taken does not matter.
+// A disc on a hinge along the pad's normal: sum k_t r^2 with four pillars at r^2 = 2 pitch^2 and
+// four at pitch^2. The reference point of the tangent does not matter.
 TEST(Stability, RotationAboutTheNormal) {
   const Bodies bodies(body("disc", "<joint type='hinge' axis='0 0 1'/>", 1.0, 1e-4));
   const double omega = std::sqrt(k_t * (4 * 2 + 4) * pitch * pitch / 1e-4);
@@ -109,7 +112,7 @@ TEST(Stability, RotationAboutTheNormal) {
   }
 }
 
-// Two free bodies move against each other with the reduced mass; the same one welded to the world drops out.
+// Two free bodies move against each other with the reduced mass; a welded one drops out.
 TEST(Stability, TwoFreeBodies) {
   const Bodies bodies(body("pad", "<freejoint/>", 0.05, 10.0) + body("box", "<freejoint/>", 0.005, 10.0) +
                       body("wall", "", 1.0, 1.0));
@@ -136,8 +139,8 @@ TEST(Stability, DashpotsAreDamping) {
   EXPECT_NEAR(fastest_vibration(bodies.model.get(), bodies.data.get(), pads, tangents).damping_rate, 9.0 * 2.0 / 0.1, 1e-7);
 }
 
-// Wrench of a field about `point` in the world after a move (translation, rotation vector about the point) of the pad from
-// `pose`, from `state`; the surface is the world.
+// Wrench of a field about `point` in the world, starting at `state`, after a move (translation,
+// rotation vector about the point) of the pad from `pose`; the surface is the world.
 Vector6d wrench_after(Field& field, const std::vector<double>& state, const Pose& pose, const Vector6d& move) {
   Pose pad = pose;
   pad.position += move.head<3>();
@@ -152,9 +155,9 @@ Vector6d wrench_after(Field& field, const std::vector<double>& state, const Pose
   return all;
 }
 
-// Central differences of the wrench against the tangent. Moves of 1e-9 m and 1e-7 rad are far above rounding (1e-17 m) and far
-// below the penetration of 1e-7 m; the load turns and shifts with the pad, which the tangent leaves out: 27e3 N/m * 1e-7 m * 1
-// rad is 1e-5 of k_n r.
+// Central differences of the wrench against the tangent. Moves of 1e-9 m and 1e-7 rad are far above
+// rounding (1e-17 m) and far below the penetration of 1e-7 m. The load turns and shifts with the
+// pad, which the tangent leaves out: 27e3 N/m * 1e-7 m * 1 rad is 1e-5 of k_n r.
 TEST(Stability, FieldTangentIsTheDerivativeWhileItSticks) {
   Field field(nine_flat_pillars(1.0), Plane{}, {0.5, 0.5});
   Pose pose = at({0.002, -0.001, -1e-7});
@@ -173,8 +176,9 @@ TEST(Stability, FieldTangentIsTheDerivativeWhileItSticks) {
   }
 }
 
-// One element dragged along x by 10 um at a penetration of 1 um: trial force k_t * 10 um = 5 mN, cone 0.5 * 3 mN. Free along the
-// slip, 1.5 mN / 10 um = 150 N/m across it, k_n along the normal.
+// One element dragged along x by 10 um at a penetration of 1 um: trial force k_t * 10 um = 5 mN,
+// cone 0.5 * 3 mN. Zero stiffness along the slip, 1.5 mN / 10 um = 150 N/m across it, k_n along the
+// normal.
 TEST(Stability, SlippingElementIsStiffAcrossItsSlip) {
   PadLayout layout;
   layout.units.push_back({0, 1});
@@ -191,7 +195,8 @@ TEST(Stability, SlippingElementIsStiffAcrossItsSlip) {
   EXPECT_LT((tangent - Matrix6d(tangent.diagonal().asDiagonal())).norm(), 1e-9 * k_n);
 }
 
-// The same with a rate law, at 10 um in 1 ms: along the slip the force grows with the slip's speed, and less of it follows the load.
+// The same with a rate law, at 10 um in 1 ms: along the slip the force grows with the slip's speed,
+// and less of it follows the load.
 TEST(Stability, RateLawResistsAlongTheSlip) {
   PadLayout layout;
   layout.units.push_back({0, 1});
@@ -230,15 +235,16 @@ TEST(Stability, LongestExplicitStep) {
   EXPECT_DOUBLE_EQ(longest_explicit_step({3286.0, 1e-3 * 3286.0 * 3286.0}), 1.0 / (1e-3 * 3286.0 * 3286.0));
 }
 
-// One degree of freedom of 1 kg: omega^2, tau omega^2 and a damper of a joint.
+// One degree of freedom of 1 kg: omega^2, tau omega^2 and a joint's damper.
 LinearModel one_mode(double omega, double viscous_time, double joint_damping = 0.0) {
   const auto of = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
   return {of(1.0), of(omega * omega), of(viscous_time * omega * omega), of(joint_damping)};
 }
 
-constexpr double less = 0.99;  // what is told is 1 % under the limit
+constexpr double less = 0.99;  // the reported limit includes a margin of 1 %
 
-// h omega = sqrt(4 + (tau omega)^2) - tau omega. A damper of a joint D adds 2 h D to 4: (h omega)^2 + 2 h (tau omega^2 - D) = 4.
+// h omega = sqrt(4 + (tau omega)^2) - tau omega. A joint's damper D adds 2 h D to 4: (h omega)^2 +
+// 2 h (tau omega^2 - D) = 4.
 TEST(Stability, DivergenceOfOneModeSteppedVelocityFirst) {
   const Stepping euler = Stepping::velocity_first;
   EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0), euler), less * 2e-3, 1e-12);
@@ -250,19 +256,21 @@ TEST(Stability, DivergenceOfOneModeSteppedVelocityFirst) {
   EXPECT_EQ(divergence_step(one_mode(0.0, 0.0), euler), std::numeric_limits<double>::infinity());
 }
 
-// On the imaginary axis |R|^2 = 1 - y^6/72 + y^8/576, which is 1 at y^2 = 8. On the negative one 1 + z/2 + z^2/6 + z^3/24 = 0 at z = -2.785294
-// (R = 1); with b = tau omega = 50 the faster root is omega (b + sqrt(b^2 - 4))/2.
+// On the imaginary axis |R|^2 = 1 - y^6/72 + y^8/576, which is 1 at y^2 = 8. On the negative real
+// axis 1 + z/2 + z^2/6 + z^3/24 = 0 at z = -2.785294 (R = 1); with b = tau omega = 50 the faster
+// root is omega (b + sqrt(b^2 - 4))/2.
 TEST(Stability, DivergenceOfOneModeUnderRungeKutta) {
   const Stepping rk4 = Stepping::runge_kutta;
   EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0), rk4), less * std::sqrt(8.0) * 1e-3, 1e-9);
   const double faster = 1000.0 * (50.0 + std::sqrt(2496.0)) / 2.0;
   EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.05), rk4), less * 2.785293563 / faster, 1e-12);
-  // There a joint's damper is explicit: alike, whoever damps.
+  // There a joint's damper is explicit, with the same effect as a pad's.
   EXPECT_NEAR(divergence_step(one_mode(1000.0, 0.0, 5e4), rk4), divergence_step(one_mode(1000.0, 0.05), rk4), 1e-15);
   EXPECT_EQ(divergence_step(one_mode(0.0, 0.0), rk4), std::numeric_limits<double>::infinity());
 }
 
-// A finger of 0.2 kg on a damped guide over a free box of 0.1 kg, which another pad carries: along the normals
+// A finger of 0.2 kg on a damped guide over a free box of 0.1 kg, which another pad carries: along
+// the normals
 //   K = [[9 k_n, 9 k_n], [9 k_n, 18 k_n]] for the guide, which counts downwards, and the box; C = tau K, D of the guide alone.
 TEST(Stability, LinearModelHasThePadsSpringsAndTheJointsDampers) {
   Bodies bodies(body("box", "<freejoint/>", 0.1, 10.0) +
@@ -285,7 +293,7 @@ TEST(Stability, LinearModelHasThePadsSpringsAndTheJointsDampers) {
   EXPECT_NEAR(model.mass(guide, guide), 0.2, 1e-12);
   EXPECT_EQ(model.joint_damping(guide, guide), 7.0);
   EXPECT_EQ(model.joint_damping.sum(), 7.0);
-  // Without MuJoCo's implicit dampers Euler alone takes them as explicitly as C.
+  // Without MuJoCo's implicit dampers only Euler treats them as explicitly as C.
   bodies.model->opt.disableflags |= mjDSBL_EULERDAMP;
   for (const int integrator : {mjINT_EULER, mjINT_IMPLICITFAST}) {
     bodies.model->opt.integrator = integrator;
@@ -302,7 +310,7 @@ TEST(Stability, LinearModelHasThePadsSpringsAndTheJointsDampers) {
   EXPECT_EQ(stepping_of(bodies.model.get()), Stepping::runge_kutta);
 }
 
-// Many modes, damped unlike each other: the step itself, as a matrix, has the spectral radius 1 at the limit.
+// Many modes with different damping: at the limit the step's matrix has the spectral radius 1.
 TEST(Stability, DivergenceIsWhereTheStepsSpectralRadiusLeavesOne) {
   constexpr int n = 4;
   using Matrix = Eigen::Matrix<double, n, n>;
@@ -342,9 +350,10 @@ TEST(Stability, DivergenceIsWhereTheStepsSpectralRadiusLeavesOne) {
   }
 }
 
-// A box on a slide with a damper of D = 40 N s/m between two pads, stepped by MuJoCo's Euler: omega^2 = 18 k_n/m, d = D/m = 400/s. The limit is
-// (h omega)^2 = 4 + 2 h d, 3.56 ms, and where MuJoCo is told not to take dampers implicitly (h omega)^2 + 2 h d = 4, 2.08 ms. (Pads' own dashpots and
-// free bodies: tests/tools/program/cost/stability_map_test.cc.)
+// A box on a slide with a damper of D = 40 N s/m between two pads, stepped by MuJoCo's Euler:
+// omega^2 = 18 k_n/m, d = D/m = 400/s. The limit is (h omega)^2 = 4 + 2 h d, 3.56 ms; with explicit
+// dampers it is (h omega)^2 + 2 h d = 4, 2.08 ms. (Pads' dashpots and free bodies:
+// tests/tools/program/cost/stability_map_test.cc.)
 TEST(Stability, DampersOfJointsCountAsEulerTakesThem) {
   using testing_plugin::config;
   testing_plugin::know_the_plugin();
