@@ -1,4 +1,5 @@
-// What every test expects with: GoogleTest, GoogleMock's matchers by their own names, the errors, and what a refused call is answered.
+// Includes of every test: GoogleTest, GoogleMock's matchers by their own names, the errors, and
+// helpers for refused calls.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -19,8 +20,8 @@ using ::testing::AllOf, ::testing::AnyOf, ::testing::Contains, ::testing::Double
 
 using MessageMatcher = ::testing::Matcher<const std::string&>;
 
-// True if what stands from `begin` to `end` of `text` is a whole word, number or key: "4" is neither in "4096" nor in "0.4", nor
-// "motion" in "motion.speed".
+// True if `begin` to `end` of `text` is a whole word, number or key: "4" is neither in "4096" nor
+// in "0.4", nor "motion" in "motion.speed".
 inline bool stands_alone(std::string_view text, std::size_t begin, std::size_t end) {
   const auto of_a_word = [text](std::size_t at) {
     return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_');
@@ -41,8 +42,8 @@ inline bool has_word(std::string_view text, std::string_view word) {
 
 MATCHER_P(HasWord, word, "has the word " + ::testing::PrintToString(word)) { return has_word(arg, word); }
 
-// Matches a message that has every one of `words`. They are what a message must name: the key, the value found, the nearest name,
-// a limit. A test that expects them fails when another error is reported, but not when a sentence is improved.
+// Matches a message that contains all of `words`: the key, the value found, the nearest name, a
+// limit. A test with them fails if another error is reported, but not if a sentence is improved.
 inline MessageMatcher mentions(const std::vector<std::string>& words) {
   std::vector<MessageMatcher> all;
   for (const std::string& word : words) all.emplace_back(HasWord(word));
@@ -57,12 +58,14 @@ MATCHER_P2(BeginsAt, place, rest,
          ::testing::ExplainMatchResult(rest, std::string(text.substr(place.size())), result_listener);
 }
 
-// Matches a message that begins with `place`, a file and its line, a key or a command, and has every one of `words` behind it.
+// Matches a message that begins with `place` (a file and its line, a key or a command), followed by
+// all of `words`.
 inline MessageMatcher refused_at(const std::string& place, const std::vector<std::string>& words) {
   return BeginsAt(place, mentions(words));
 }
 
-// A row of a table of wrong inputs. An input that is right has the place "accepted", as refusal_of() returns it, and no words.
+// A row of a table of wrong inputs. A valid input has the place "accepted", as refusal_of() returns
+// it, and no words.
 template <class Input = std::string>
 struct Refused {
   Input input;
@@ -70,14 +73,14 @@ struct Refused {
   std::vector<std::string> words;
 };
 
-// Expects of each row that `refusal(input)`, a message, is refused at its place and with its words.
+// Expects for each row that `refusal(input)`, a message, has its place and words.
 template <class Input, class Refusal>
 void expect_refusals(const std::vector<Refused<Input>>& rows, Refusal&& refusal) {
   for (const auto& [input, place, words] : rows)
     EXPECT_THAT(refusal(input), refused_at(place, words)) << ::testing::PrintToString(input);
 }
 
-// The message of the Error that `call` throws, "accepted" where it throws none.
+// Returns the message of the Error that `call` throws, or "accepted".
 template <class Error = InputError, class Call>
 std::string refusal_of(Call&& call) {
   try {
@@ -88,7 +91,7 @@ std::string refusal_of(Call&& call) {
   return "accepted";
 }
 
-// Where the SceneValueError that `call` throws points, and its message: "path | message".
+// Returns path and message of the SceneValueError that `call` throws: "path | message".
 template <class Call>
 std::string scene_refusal_of(Call&& call) {
   try {

@@ -1,4 +1,4 @@
-// The matchers of refusals tell one message from another, however it is worded.
+// The matchers distinguish messages independently of their wording.
 #include "tests/expect.h"
 
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// What tests do with files.
+// File helpers for tests.
 #pragma once
 
 #include <cstdlib>
@@ -26,14 +26,14 @@ inline std::vector<std::string> parts_of(const std::string& text, char separator
 
 inline std::vector<std::string> lines_of(const std::string& text) { return parts_of(text, '\n'); }
 
-// Empty at first, and removed with its object.
+// Empty at first; removed with its object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("no temporary folder");
   }
   ~TemporaryFolder() {
-    std::error_code ignored;  // of what a program that was killed still holds
+    std::error_code ignored;  // for files still held by a killed program
     std::filesystem::remove_all(path_, ignored);
   }
   TemporaryFolder(const TemporaryFolder&) = delete;

@@ -1,8 +1,8 @@
-"""What the program promises of its datasets, checked on files that it wrote itself.
+"""Checks what the program promises of its datasets, on files that it wrote.
 
 bars.py PROGRAM CHECK, CHECK one of: onset, rotation, cone, bytes
 
-Prints the worst figure of each check; exits with 1 when it misses its bar.
+Prints the worst value of each check; exits with 1 if it exceeds its limit.
 """
 
 import hashlib
@@ -35,7 +35,8 @@ def demos(path):
 
 
 def worst_onset(program, scene, expected, *changes):
-    """Largest relative error of any pillar's onset, and whether every order is right."""
+    """Returns the largest relative error of any pillar's onset, and whether every order is
+    right."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out.h5"
         run(program, "sweep", HERE / scene, "-o", out, *changes)
@@ -47,7 +48,7 @@ def worst_onset(program, scene, expected, *changes):
             stretch = unit["mu_static"] * load / unit["k_tangential"]
             for key in ("micro_onset_time_s", "onset_time_s"):
                 measured = np.asarray(pad.attrs[key]) - START
-                # A bristle's share of load: none below 0.4 of the mean, none above 1.6 (one bristle: 1).
+                # A bristle's share of load is 0.4 to 1.6 times the mean (a single bristle: 1).
                 weight = 1.0 if "bristles=6" not in " ".join(changes) else (0.4 if key.startswith("micro") else 1.6)
                 wanted = expected(params, stretch * weight)
                 reached = np.isfinite(wanted) & (wanted < 3.9)
@@ -56,7 +57,8 @@ def worst_onset(program, scene, expected, *changes):
                 error = np.abs(measured[reached] / wanted[reached] - 1.0)
                 worst = max(worst, error.max(initial=0.0))
                 compared += int(reached.sum())
-                # The order: wherever the closed form separates two pillars by more than rounding, so does the file.
+                # The file must order two pillars as the closed form does wherever that separates
+                # them by more than rounding.
                 for a in np.flatnonzero(reached):
                     for b in np.flatnonzero(reached):
                         if wanted[a] < wanted[b] * (1 - 1e-9):
@@ -70,7 +72,7 @@ def onset(program):
         return stretch / params["motion.speed"]
 
     def expected_accelerating(params, stretch):
-        # The scene's own 50 mm/s2: s = a t^2/2 up to v^2/(2 a), then v (t - v/(2 a)).
+        # The scene's 50 mm/s2: s = a t^2/2 up to v^2/(2 a), then v (t - v/(2 a)).
         speed, acceleration = params["motion.speed"], 50e-3
         return np.where(stretch < speed**2 / (2 * acceleration), np.sqrt(2 * stretch / acceleration),
                         stretch / speed + speed / (2 * acceleration))

@@ -1,4 +1,5 @@
-// A cycle of a BioTac SP, of 1,000 a second, and a step of its skin on each surface: run with --benchmark_repetitions=9 and read the medians.
+// Times a cycle of a BioTac SP (1,000 per second) and a step of its skin on each surface. Run with
+// --benchmark_repetitions=9 and read the medians.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ std::unique_ptr<Sensor> finger(const std::string& scan, std::int64_t elements, c
   return make({{"scan", scan}, {"elements", elements}}, electronics);
 }
 
-// The skin on a surface, 1.6 mm deep and rocking: what scenes do.
+// The skin on a surface, 1.6 mm deep and rocking, as in scenes.
 template <class Shape>
 void step(benchmark::State& state, const Shape& surface, double top, bool labelled, bool read) {
   const auto sensor = finger("device", state.range(0), {"typical"});
@@ -50,7 +51,8 @@ BENCHMARK(labelled_on_plane)->Arg(300)->Arg(600)->Arg(1200);
 BENCHMARK(all_on_plane)->Arg(300)->Arg(600)->Arg(1200);
 BENCHMARK(all_on_box)->Arg(300)->Arg(600);
 
-// One cycle: of the device it is two electrodes, of `all` it is all 24, so that what is not scheduled is the difference.
+// One cycle: two electrodes with the device's scan, all 24 with `all`, so that the difference is
+// the time of unscheduled ones.
 void reading(benchmark::State& state, const std::string& scan, double cycle_rate, const std::vector<std::string>& electronics) {
   const auto sensor = make({{"scan", scan}, {"cycle_rate", cycle_rate}}, electronics);
   Field field(sensor->layout(), Plane{}, {0.5, 0.4});

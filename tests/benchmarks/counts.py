@@ -1,10 +1,13 @@
-"""Instructions of the first trial of the reference scenes, counted by callgrind: set-up, simulation, sensors, detector and controller.
+"""Counts instructions of the first trial of the reference scenes by callgrind.
+
+Counted are set-up, simulation, sensors, detector and controller.
 
 counts.py BUILD [-o FILE.json] [--compare FOLDER] [--jobs N]
 
-A count says to 1e-5 what a change costs, on a busy machine too. It depends on what `build_of` lists and, since valgrind shows the program a
-processor of its own, on nothing else. --compare takes the file in FOLDER that is of this build, prints what changed, scene by scene and
-function by function, and exits with 1 where a scene takes over 2 % more; with 2 where no file is of this build.
+A count shows the cost of a change to 1e-5, even on a busy machine. It depends on what `build_of`
+lists and on nothing else, because valgrind emulates a processor of its own. --compare takes the
+file of this build in FOLDER, prints the changes by scene and function, and exits with 1 if a scene
+takes over 2 % more, with 2 if no file is of this build.
 """
 
 import argparse
@@ -27,7 +30,7 @@ SCENES = ("papillarray/stage",  # rigid pillars, prescribed motion
           "myrmex/slip",        # three sensors on one free body, images
           "grasp/lift")         # closed loop: detector and controller
 LIMIT = 0.02
-STORED, SHOWN = 40, 6  # functions: the dearest by their own instructions
+STORED, SHOWN = 40, 6  # functions with the most instructions of their own
 
 
 def refuse(message):
@@ -36,7 +39,7 @@ def refuse(message):
 
 
 def build_of(build, valgrind):
-    """All that counts depend on."""
+    """Returns all that counts depend on."""
     doctor = subprocess.run([build / "bin/slipbench", "doctor", "--json"], capture_output=True, text=True).stdout
     found = {check["name"]: check["found"] for check in json.loads(doctor)["checks"]}
     found["flags"] = " ".join(word for word in found["flags"].split() if not word.startswith("-W"))
@@ -48,7 +51,9 @@ def build_of(build, valgrind):
 
 
 def own_instructions(text):
-    """Function -> what it took itself, of what callgrind writes; clones and levels of a recursion count as one."""
+    """Returns the self cost by function from callgrind's output; clones and recursion levels count
+    as one.
+    """
     names, own, function, of_a_call = {}, collections.Counter(), None, False
     for line in text.splitlines():
         named = re.fullmatch(r"(c?)fn=\((\d+)\)(?: (.+))?", line)
@@ -72,7 +77,8 @@ def count(build, valgrind, scene):
     with tempfile.TemporaryDirectory() as folder:
         command = [valgrind, "-q", "--vgdb=no", "--tool=callgrind", "--callgrind-out-file=profile", "--toggle-collect=slipbench::run_trial(*",
                    build / "bin/slipbench", "run", ROOT / "scenes" / f"{scene}.yaml", "--trial", "0", "--jobs", "1", "--json"]
-        # A user's settings of valgrind and of the C library would change counts, as would the loader's look-ups.
+        # Keeps only these: a user's settings of valgrind and the C library would change counts, as
+        # would the loader's lazy look-ups.
         kept = {name: os.environ[name] for name in ("PATH", "LD_LIBRARY_PATH", "TMPDIR") if name in os.environ}
         run = subprocess.run(command, cwd=folder, env=kept | {"LD_BIND_NOW": "1"}, capture_output=True, text=True)
         if run.returncode != 0:
@@ -82,7 +88,7 @@ def count(build, valgrind, scene):
 
 
 def of_this_build(folder, build):
-    """What the file in `folder` holds that is of this build."""
+    """Returns the content of the file in `folder` that is of this build."""
     others = ""
     for path in sorted(folder.glob("*.json")):
         found = json.loads(path.read_text())
@@ -94,7 +100,7 @@ def of_this_build(folder, build):
 
 
 def compared(before, now):
-    """Prints what changed; the names of the scenes that take over LIMIT more."""
+    """Prints the changes; returns the names of the scenes that take over LIMIT more."""
     grew = []
     for scene, counted in now.items():
         if scene not in before:
@@ -108,7 +114,7 @@ def compared(before, now):
         if abs(growth) < 1e-4:
             continue
         old, new = before[scene]["functions"], counted["functions"]
-        # Of a function that is not among those kept it is known only that it was no dearer than the least of them.
+        # A function that is not among the stored ones cost at most as much as the least of them.
         least = {name: min(kept.values()) for name, kept in (("old", old), ("new", new))}
         change = {name: new.get(name, least["new"]) - old.get(name, least["old"]) for name in old.keys() | new.keys()}
         for name in sorted(change, key=lambda name: (-abs(change[name]), name))[:SHOWN]:

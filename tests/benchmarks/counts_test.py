@@ -1,4 +1,4 @@
-"""counts.py on a profile as callgrind writes it, and on counts that grew."""
+"""Tests counts.py on a profile in callgrind's format, and on counts that grew."""
 
 import contextlib
 import io
@@ -8,7 +8,8 @@ import unittest
 
 import counts
 
-# main calls Field::step twice, for 30 + 12 instructions of its own, of which 12 in a clone; what a call cost belongs to whom it called.
+# main calls Field::step twice, for 30 + 12 instructions of its own, 12 of them in a clone; a call's
+# cost belongs to the callee.
 PROFILE = """version: 1
 positions: line
 events: Ir

@@ -1,9 +1,11 @@
-"""A scene without a detector pays nothing for detectors: checked by counting instructions of whole trials with callgrind.
+"""A scene without a detector pays nothing for detectors: counts instructions of whole trials.
 
 detector_cost.py VALGRIND SLIPBENCH SCENE DETECTOR_ARCHIVE...
 
-1. Without one, a trial executes no function that is defined in detectors/, and nothing of the loop that would feed it.
-2. With one it does, and what that costs a tick is printed.
+1. Without a detector a trial executes no function defined in detectors/, and nothing of the loop
+that would feed it.
+
+2. With a detector it does; the cost per tick is printed.
 """
 
 import sys
@@ -13,7 +15,7 @@ from effect_cost import count, defined_in
 
 def main():
     valgrind, program, scene, *archives = sys.argv[1:]
-    # A compiler may leave a copy of the standard library's functions in any archive.
+    # A compiler may put copies of standard library functions into any archive.
     own = lambda name: "slipbench::" in name
     detectors = set(filter(own, set().union(*(defined_in(archive) for archive in archives))))
 

@@ -1,9 +1,10 @@
-"""Effects that a scene does not name cost nothing: checked by counting instructions with callgrind.
+"""Effects that a scene does not name cost nothing: counts instructions with callgrind.
 
 effect_cost.py VALGRIND STAGE_STEPS STAGE_STEPS_ONE_MORE EFFECTS_ARCHIVE
 
-1. Stepping the bench without effects executes no function that is defined in sim/effects.
-2. The instructions of a step are the same when the catalogue holds one effect more.
+1. Stepping the bench without effects executes no function defined in sim/effects.
+
+2. The instructions of a step do not change if the catalogue holds one more effect.
 """
 
 import os
@@ -15,7 +16,9 @@ import tempfile
 
 
 def count(valgrind, function, command):
-    """Instructions that a command spends inside a function, and the names of all functions in which any of them were spent."""
+    """Returns a command's instructions inside a function, and the names of all functions that
+    executed any of them.
+    """
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
         subprocess.run(
@@ -28,7 +31,9 @@ def count(valgrind, function, command):
 
 
 def defined_in(archive):
-    """Demangled names of the functions that the archive defines and no header could have put there."""
+    """Returns demangled names of the functions that the archive defines and no header could have
+    put there.
+    """
     listing = subprocess.run(["nm", "-C", "--defined-only", archive], check=True, capture_output=True, text=True).stdout
     return {match.group(1) for match in re.finditer(r"^[0-9a-f]+ [Tt] (.+)$", listing, re.M)}
 

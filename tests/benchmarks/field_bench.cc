@@ -1,4 +1,5 @@
-// What one step of the element field costs: pads on a plane, sliding with rotation, everything in contact; with and without labels.
+// Times one step of the element field: pads on a plane, sliding with rotation, everything in
+// contact; with and without labels.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -17,7 +18,8 @@ namespace {
 
 constexpr double dt = 1e-3;
 
-// The pad turns and slides to and fro slowly enough to stay on its small circle, with some elements stuck and some slipping.
+// The pad turns and slides to and fro slowly enough to stay on its small circle, with some elements
+// stuck and some slipping.
 Pose pose_at(std::size_t tick) {
   const double phase = 1e-3 * static_cast<double>(tick % 6283);
   Pose pose;
@@ -48,7 +50,7 @@ void field_step_54_labelled(benchmark::State& state) { steps(state, oracle::nine
 void field_step_256(benchmark::State& state) { steps(state, oracle::square_grid(16, 0.08, 1000.0, 600.0), false); }
 void field_step_1024(benchmark::State& state) { steps(state, oracle::square_grid(32, 0.08, 1000.0, 600.0), false); }
 
-// 36 nibs at 2.4 kHz that slide at 2 mm/s, everything in slip, with the effects named.
+// 36 nibs at 2.4 kHz sliding at 2 mm/s, all slipping, with the named effects.
 void nib_steps(benchmark::State& state, const std::vector<std::pair<std::string, std::map<std::string, double>>>& wanted) {
   const PadLayout pad = oracle::square_grid(6, 30e-3, 830.0, 200.0);
   std::vector<Named> effects;

@@ -1,5 +1,6 @@
-// What a trial of scenes/grasp/lift.yaml costs, from the scene to the last tick: nine pillars and 24 elements on a box of 0.2 kg, real
-// stiffness, the sensor's 100 Hz, the step that `auto` takes, and a loop that tightens to the preset force. No recorder, no detector. CPU time.
+// Times a trial of scenes/grasp/lift.yaml from the scene to the last tick: nine pillars and 24
+// elements on a box of 0.2 kg, real stiffness, the sensor's 100 Hz, the step chosen by `auto`, and
+// a loop that tightens to the preset force. No recorder, no detector. CPU time.
 #include <string>
 
 #include <benchmark/benchmark.h>

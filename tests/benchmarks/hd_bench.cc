@@ -1,4 +1,5 @@
-// Time of one sample through the hyperdimensional classifier: run with --benchmark_repetitions=9 and read the medians.
+// Time of one sample through the hyperdimensional classifier: run with --benchmark_repetitions=9
+// and read the medians.
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ constexpr std::uint64_t seed = 1;
 
 constexpr std::size_t frame_count = 4096;
 
-// Feeds random frames, more than a branch predictor learns.
+// Feeds random frames, more than a branch predictor can learn.
 void update(benchmark::State& state, Engine& engine) {
   const std::vector<Frame> frames = random_frames(frame_count, seed);
   std::size_t t = 0;

@@ -1,6 +1,7 @@
-// Time of one image of a Myrmex array of 256 taxels, with and without its electronics, and of the whole bench on which two of them hold an object and a
-// third of 12 touches it: a trial of scenes/myrmex/dataset.yaml, from the scene to the last tick at 1 kHz, with all three read; nothing is recorded
-// but the outcome. Run with --benchmark_repetitions=9 and read the medians of CPU time.
+// Times one image of a Myrmex array of 256 taxels, with and without its electronics. Also times the
+// whole bench where two arrays hold an object and a third of 12 taxels touches it: a trial of
+// scenes/myrmex/dataset.yaml, from the scene to the last tick at 1 kHz, with all three read and
+// only the outcome recorded. Run with --benchmark_repetitions=9 and read the medians of CPU time.
 #include <cstddef>
 #include <string>
 #include <vector>

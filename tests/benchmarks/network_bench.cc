@@ -1,4 +1,5 @@
-// Time of one frame through a network in the loop: run with --benchmark_repetitions=9 and read the medians.
+// Time of one frame through a network in the loop: run with --benchmark_repetitions=9 and read the
+// medians.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -136,7 +137,7 @@ std::string fft_gru() {
   return b.model().SerializeAsString();
 }
 
-// A noise that does not repeat within a window.
+// Noise that does not repeat within a window.
 std::vector<float> signal() {
   std::vector<float> values(4096);
   for (std::size_t n = 0; n < values.size(); ++n) values[n] = std::sin(static_cast<float>(n * n % 8191));

@@ -1,4 +1,5 @@
-// Time of one reading of the nib pad, of 2,400 a second: run with --benchmark_repetitions=9 and read the medians.
+// Times one reading of the nib pad (2,400 per second). Run with --benchmark_repetitions=9 and read
+// the medians.
 #include <benchmark/benchmark.h>
 
 #include "tests/sensors/nib_pad/rig.h"

@@ -1,4 +1,5 @@
-// The catalogue with one effect more, linked in the place of sim/effects/effect_catalogue.cc: what does a step cost then?
+// The catalogue with one more effect, linked in place of sim/effects/effect_catalogue.cc to measure
+// the cost of a step.
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {

@@ -1,4 +1,5 @@
-// What a step of 0.1 ms of a friction-vibrating patch costs: 20 elements, one unit, sliding at 10 mm/s; by effects, and with labels.
+// Times a step of 0.1 ms of a patch with friction vibration: 20 elements, one unit, sliding at 10
+// mm/s; by effects, and with labels.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -63,7 +64,7 @@ void roughness(benchmark::State& state) { steps(state, {"inertia", "roughness"},
 void asperities(benchmark::State& state) { steps(state, {"inertia", "asperities"}, false); }
 void everything(benchmark::State& state) { steps(state, {"inertia", "roughness", "asperities"}, false); }
 void everything_labelled(benchmark::State& state) { steps(state, {"inertia", "roughness", "asperities"}, true); }
-// The whole bench as a scene steps it, without a sensor to read it.
+// The whole bench of a scene, without a sensor.
 void whole_bench(benchmark::State& state, const std::vector<std::string>& names) {
   Scene scene;
   scene.duration = 3600.0;
@@ -79,7 +80,7 @@ void whole_bench(benchmark::State& state, const std::vector<std::string>& names)
   const PadLayout* const pads[] = {&pad};
   const double rates[] = {1.0 / dt};
   StageSimulation bench(scene, pads, rates, 0);
-  for (int tick = 0; tick < 30000; ++tick) bench.step();  // it slides from 2 s on
+  for (int tick = 0; tick < 30000; ++tick) bench.step();  // slides from 2 s on
   for (auto _ : state) {
     bench.step();
     benchmark::DoNotOptimize(bench.contact(0).force.data());

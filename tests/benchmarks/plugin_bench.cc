@@ -1,6 +1,6 @@
-// What mj_step costs with the plugin's pads: two of them hold a free box of 0.1 kg at 1 ms. `without_pads` is MuJoCo's own part
-// of it: the same bodies with nothing between them. The difference is the plugin's share. CPU time, which other programs disturb
-// less than the clock.
+// Times mj_step with the plugin's pads: two of them hold a free box of 0.1 kg at 1 ms.
+// `without_pads` is MuJoCo's own part: the same bodies without pads between them. The difference is
+// the plugin's cost. CPU time, because it is less disturbed by other programs than wall time.
 #include <string>
 
 #include <benchmark/benchmark.h>
@@ -10,7 +10,7 @@
 namespace slipbench::testing_plugin {
 namespace {
 
-// n x n elements on 14 x 14 mm that together have the stiffness of the nine of 3 kN/m and 500 N/m.
+// n x n elements on 14 x 14 mm with the total stiffness of nine elements of 3 kN/m and 500 N/m.
 std::string pad_of_side(int n) { return config("elements", square(n, 0.021 / n, 27000.0 / (n * n), 4500.0 / (n * n))); }
 
 void step(benchmark::State& state, Grip grip, bool read) {

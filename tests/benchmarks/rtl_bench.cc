@@ -1,4 +1,5 @@
-// Time of one sample through the Verilated core, the whole of it: run with --benchmark_repetitions=9 and read the medians.
+// Times one sample through the whole Verilated core. Run with --benchmark_repetitions=9 and read
+// the medians.
 #include <benchmark/benchmark.h>
 
 #include "rtl/verilated/rtl_engine.h"

@@ -1,4 +1,5 @@
-// What a trial of a shipped scene costs, from the scene to the outcome, everything included; nothing is written. CPU time.
+// Times whole trials of shipped scenes, from the scene to the outcome; nothing is written. CPU
+// time.
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@
 namespace slipbench {
 namespace {
 
-// Trials of a cell of the scene's sweep one after the other.
+// Successive trials of a cell of the scene's sweep.
 void trials(benchmark::State& state, const std::string& file, const std::vector<Override>& changes, std::size_t cell = 0) {
   const Scene scene = TrialPlan(shipped(file, changes), catalogues(), 1, 1).trial(cell).scene;
   double simulated = 0.0;
@@ -21,7 +22,8 @@ void trials(benchmark::State& state, const std::string& file, const std::vector<
   state.counters["x_real_time"] = benchmark::Counter(simulated, benchmark::Counter::kIsRate);
 }
 
-// The lever bench: 36 nibs on a plate that forces move, read at 2400 Hz, with a detector. The first trial, and that of a wavy plate.
+// The lever bench: 36 nibs on a plate moved by forces, read at 2400 Hz, with a detector. The first
+// trial, and one with a wavy plate.
 void lever(benchmark::State& state, const std::string& name, std::size_t cell) { trials(state, "nib_pad/" + name, {}, cell); }
 BENCHMARK_CAPTURE(lever, release_paper, "release.yaml", 0)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(lever, release_wavy, "release.yaml", 10)->Unit(benchmark::kMillisecond);
@@ -32,8 +34,8 @@ BENCHMARK_CAPTURE(lever, rotational_paper, "rotational.yaml", 0)->Unit(benchmark
 void reorient(benchmark::State& state) { trials(state, "nib_pad/reorient.yaml", {}); }
 BENCHMARK(reorient)->Unit(benchmark::kMillisecond);
 
-// Ten seconds over the piezoelectric skin at 10 kHz, of which 9 in motion: whole, with one thing left out at a time, and with several sensors against
-// each of them alone.
+// Ten seconds over the piezoelectric skin at 10 kHz, 9 of them in motion: whole, with one thing
+// left out at a time, and with several sensors compared with each alone.
 void slide(benchmark::State& state, std::vector<Override> changes) {
   changes.insert(changes.end(), {{"duration", "10 s"}, {"motion.travel", "1 m"}});
   trials(state, "piezo_skin/slide.yaml", changes);

@@ -1,5 +1,8 @@
-"""Control steps a second of MuJoCo alone, with and without contacts, and of GraspLift-v0 by environments and threads, with Python's share:
-PYTHONPATH=build/release/python build/venv/bin/python tests/benchmarks/vector_speed.py"""
+"""Measures control steps per second of MuJoCo alone and of GraspLift-v0.
+
+MuJoCo runs with and without contacts, GraspLift-v0 by environments and threads, with Python's
+share: PYTHONPATH=build/release/python build/venv/bin/python tests/benchmarks/vector_speed.py
+"""
 import statistics
 import time
 
@@ -8,9 +11,10 @@ import mujoco
 import numpy as np
 import slipbench.gym  # noqa: F401 (registers the environments)
 
-EPISODE = 251  # control steps of 20 ms, with the one that begins the next
-STEPS = 34  # of the lift's own time step in each
-# The lift's bodies and options as slipbench compiles them; what it leaves to its pads, and the fingers' springs, is left to MuJoCo's contacts.
+EPISODE = 251  # control steps of 20 ms, including the one that begins the next episode
+STEPS = 34  # of the lift's own time step, per control step
+# The lift's bodies and options as slipbench compiles them; MuJoCo's contacts replace its pads and
+# the fingers' springs.
 BODIES = f"""<mujoco><option timestep="{0.02 / STEPS}" cone="elliptic" noslip_iterations="10"/><default><geom friction="0.5" solref="0.002"/></default>
 <worldbody><geom type="plane" size="0 0 1" pos="0 0 -0.05"/><body><freejoint/><geom type="box" size="0.03 0.03 0.05" mass="0.2"/></body>
 <body pos="-0.034 0 0" gravcomp="1"><freejoint/><geom type="box" size="0.004 0.011 0.01875" mass="0.08"/></body>

@@ -1,5 +1,5 @@
-// Preloaded into a program: makes its k-th call of a kind fail, over all processes that it starts, and counts such calls.
-// The environment says which:
+// Preloaded into a program: makes its k-th call of a kind fail, over all processes that it starts,
+// and counts such calls. The environment says which:
 //   FAULT_UNDER   calls count that are about files below this folder
 //   FAULT_KIND    write, sync, rename or open (for writing)
 //   FAULT_ERROR   the errno; 0: a write takes only half of its bytes

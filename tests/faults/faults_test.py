@@ -1,9 +1,9 @@
-"""Makes the calls of the program fail, one after the other (faults.c), as SQLite's tests do.
+"""Makes the program's calls fail one after the other (faults.c), as SQLite's tests do.
 
 usage: faults_test.py SLIPBENCH COMPILER FOLDER FAULTS [CASE ...]
 
-Of each case, kind of call and error up to FAULTS calls fail, evenly chosen; 0: all. A call that fails alone, and one from which on all fail.
-README.md says what must hold.
+For each case, kind of call and error up to FAULTS calls fail, evenly chosen; 0: all. Tested are a
+call that fails alone, and one from which on all fail. README.md lists the requirements.
 """
 import collections
 import errno
@@ -24,7 +24,7 @@ import h5py
 HERE = Path(__file__).resolve().parent
 SECONDS = 60  # no command takes longer
 
-# Half a write: 0. Whoever is interrupted, or has written a part, goes on.
+# 0: half a write. Interrupted or partial writes must be continued.
 KINDS = {"write": (errno.ENOSPC, errno.EIO, errno.EINTR, 0), "sync": (errno.EIO, errno.ENOSPC, errno.EINTR), "rename": (errno.EIO, errno.ENOSPC),
          "open": (errno.ENOSPC, errno.EIO, errno.EMFILE)}
 SURVIVED = (errno.EINTR, 0)
@@ -66,7 +66,7 @@ class Bench:
         subprocess.run([self.program, *words], check=True, capture_output=True, timeout=SECONDS)
 
     def run(self, words, where, kind=None, error=0, span=(0, 0)):
-        """Status, what stderr had, and how many calls of the kind there were."""
+        """Returns the status, the text on stderr and the number of calls of the kind."""
         env = {**os.environ, "TMPDIR": str(where)}
         if kind:
             self.count.write_bytes(bytes(8))
@@ -80,7 +80,9 @@ class Bench:
 
 
 def cases(bench):
-    """What each command is: its words (OUT: the folder that it writes into), and what it adds to go on."""
+    """Returns the commands: their words (OUT: the folder they write to), and the words added to
+    continue.
+    """
     scene, two = bench.path("scene.yaml"), bench.path("two.h5")
     found = {
         "run": (["run", scene, "--trials", "2", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
@@ -106,7 +108,7 @@ class Case:
     def __init__(self, bench, name, words, resume):
         self.bench, self.where, self.resume = bench, bench.folder / "out", resume
         self.words = [word.replace("OUT", str(self.where)) for word in words]
-        self.begin = bench.folder / f"begin-{name}"  # what lies there before the command runs
+        self.begin = bench.folder / f"begin-{name}"  # content of the folder before the command runs
         self.begin.mkdir()
         if name == "resume":
             self.leave_half(self.begin)
@@ -119,7 +121,7 @@ class Case:
         return self.run(kind)[2]
 
     def leave_half(self, folder):
-        """A sweep that was interrupted after its first trials."""
+        """Interrupts a sweep after its first trials."""
         words = [word.replace(str(self.where), str(folder)) for word in self.words if word != "--resume"]
         for _ in range(100):
             shutil.rmtree(folder)
@@ -139,7 +141,9 @@ class Case:
         return self.bench.run(self.words, self.where, *fault)
 
     def wrong(self, kind, error, span):
-        """What is wrong with how the command bears this fault: empty where nothing is. None: it makes no such call."""
+        """Returns what is wrong with the command under this fault, empty if nothing is; None if it
+        makes no such call.
+        """
         status, told, calls = self.run(kind, error, span)
         if status == "hang":
             return "hang"
@@ -164,7 +168,7 @@ class Case:
         checkpoint = ["--resume"] if any(name.endswith("checkpoint-0") for name in contents(self.where)) else []
         again = [*self.words, *self.resume, *checkpoint, *(["--json"] if held else [])]
         there = hash((*again, *sorted(contents(self.where).items())))
-        if there not in self.recovered:  # from the same files it goes on in the same way
+        if there not in self.recovered:  # equal files continue in the same way
             done = subprocess.run([self.bench.program, *again], capture_output=True, timeout=SECONDS, check=False)
             if done.returncode != 0 or contents(self.where) != self.right:
                 return f"the next one ends with {done.returncode}: {done.stderr.decode().strip()}"
@@ -175,7 +179,7 @@ class Case:
 
 
 def content_of(path):
-    """A dataset's digest, since what has been joined lies otherwise in the file than what has not; else the bytes."""
+    """Returns a dataset's digest, because joined datasets differ in layout; otherwise the bytes."""
     data = path.read_bytes()
     try:
         with h5py.File(io.BytesIO(data)) as file:
@@ -189,7 +193,7 @@ def contents(folder):
 
 
 def chosen(calls, most):
-    """Up to `most` of the calls 1 to `calls`, evenly; 0: all."""
+    """Returns up to `most` of the calls 1 to `calls`, evenly spaced; 0: all."""
     return range(1, calls + 1) if most == 0 or calls <= most else sorted({1 + i * (calls - 1) // max(1, most - 1) for i in range(most)})
 
 
@@ -205,7 +209,7 @@ def main(program, compiler, folder, most, only):
             for kind, errors in KINDS.items():
                 calls = case.calls(kind)
                 for error in errors:
-                    for last in (0,) if error in SURVIVED else (0, 1 << 40):  # alone, and for ever
+                    for last in (0,) if error in SURVIVED else (0, 1 << 40):  # once, and from then on
                         for call in chosen(calls, most):
                             found = case.wrong(kind, error, (call, last or call))
                             if found is None:

@@ -1,4 +1,5 @@
-// Any bytes are either a network's file, or its description, that can be used, or an InputError: anything else is a crash.
+// Arbitrary bytes are a usable network file or description, or give an InputError; anything else is
+// a crash.
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -15,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     if (bytes.starts_with('{')) {
       const std::string text = network::description_text(network::parse_description(bytes, "fuzz.onnx"));
-      // What is taken is written, and read as it was written.
+      // Accepted text is written again and must be equal.
       if (network::description_text(network::parse_description(text, "fuzz.onnx")) != text) throw std::logic_error(text);
     } else {
       static_cast<void>(network::check_network(bytes, "fuzz.onnx"));

@@ -1,5 +1,6 @@
-// Any bytes are files that a reader of others' files takes, or an InputError: anything else is a crash. SLIPBENCH_READER in the environment names the
-// reader. An input is all of its files in order, parted by lines "====".
+// Arbitrary bytes are files that a reader of foreign files accepts, or give an InputError; anything
+// else is a crash. SLIPBENCH_READER in the environment names the reader. An input is all of its
+// files in order, separated by lines "====".
 #include <unistd.h>
 
 #include <cstddef>
@@ -47,7 +48,7 @@ void read_mjcf(const Texts& paths, const Texts& texts) {
   static_cast<void>(placed_message(paths[0], texts[2]));
 }
 
-// Without slipbench-reader, in which no fuzzer sees anything.
+// Without slipbench-reader, which a fuzzer cannot observe.
 void read_dataset(const Texts& paths, const Texts&) {
   const std::optional<FileAbout> about = file_about(paths[0]);
   const DatasetReader reader(paths[0]);
@@ -61,7 +62,7 @@ void read_dataset(const Texts& paths, const Texts&) {
   if (about && about->header.part) static_cast<void>(stored_trials(paths[0]));
 }
 
-// What HDF5 hands over as texts, which few of the changes to a whole file reach.
+// Texts that come from HDF5, which few changes to a whole file reach.
 void read_dataset_texts(const Texts&, const Texts& texts) {
   static_cast<void>(parse_failures("fuzz.h5", texts[0]));
   static_cast<void>(parse_files("fuzz.h5", texts[1]));
@@ -73,20 +74,20 @@ void read_submission(const Texts&, const Texts& texts) {
   using namespace benchmark;
   const Json submitted = parse_submission(texts[0], "fuzz.json");
   const Json asked = asked_json(parse_asked(submitted.at("asked"), "fuzz.json"));
-  // What is taken is written, and read as it was written.
+  // Accepted text is written again and must be equal.
   if (asked_json(parse_asked(asked, "fuzz.json")) != asked) throw std::logic_error(asked.dump());
   static_cast<void>(difference(texts[0], submitted, {{"asked", asked}, {"sets", {{1, 2.5}, "three"}}}));
   static_cast<void>(difference(texts[0], submitted, submitted));
 }
 
-// Published ones have no model.txt.
+// Published memories have no model.txt.
 void read_memories(const Texts& paths, const Texts& texts) {
   if (texts[0].empty()) fs::remove(paths[0]);
   const hd::SavedModel saved = hd::load(fs::path(paths[0]).parent_path().string(), hd::Model{});
   hd::check(saved.model, saved.memories, true);
 }
 
-// What is taken can be stored.
+// Accepted recordings can be stored.
 template <void (*read)(const SourceFile&, const AddRecording&)>
 void import_by(const Texts& paths, const Texts&) {
   static TrialEncoder encoder;
@@ -117,7 +118,7 @@ const Reader& chosen() {
 // Of this process.
 const fs::path folder = fs::temp_directory_path() / fmt::format("slipbench-fuzz-{}", ::getpid());
 
-// It has the channels of those that are imported.
+// A sensor with the channels of imported ones.
 struct StandIn final : Sensor {
   [[nodiscard]] const PadLayout& layout() const override { return pad; }
   [[nodiscard]] double rate() const override { return 1000.0; }
@@ -138,9 +139,10 @@ Texts numbered_columns(std::size_t count) {
 
 }  // namespace
 
-// In the place of the program's catalogues, formats and protocols. The first two bring all that it simulates, minutes to be built. Columns have
-// their numbers as names, which leaves more of an input for what stands below. A protocol's digest is over all of its scenes: a third of a second,
-// and no file of the corpus could keep it.
+// Replaces the program's catalogues, formats and protocols. The first two would bring everything
+// that is simulated, minutes of build time. Columns have their numbers as names, which leaves more
+// of an input for the rest. A protocol's digest covers all of its scenes: it takes a third of a
+// second, and no file of the corpus could contain it.
 namespace slipbench {
 
 Catalogues pad_catalogues() {

@@ -1,4 +1,5 @@
-// Any text is either a scene whose trials can be made or an InputError: anything else that comes out of the parser is a crash.
+// Arbitrary text is a scene whose trials can be made, or gives an InputError; anything else is a
+// crash.
 #include <cstddef>
 #include <cstdint>
 #include <sstream>

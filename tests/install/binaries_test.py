@@ -1,5 +1,8 @@
-"""What is built for users is hardened, looks for libraries where it should, and does not say where it was built.
-Arguments: the project's root, the build folder, its folder of modules (lib/slipbench), one static library that runs in every step."""
+"""Binaries for users are hardened, find their libraries, and do not contain build paths.
+
+Arguments: the project's root, the build folder, its folder of modules (lib/slipbench), one static
+library that runs in every step.
+"""
 
 import re
 import subprocess
@@ -18,13 +21,14 @@ def readelf(option, path):
     return subprocess.run(["readelf", "--wide", option, path], capture_output=True, text=True, check=True).stdout
 
 
-# Functions of libm whose result IEEE 754 or the arithmetic defines. All others are rounded by the processor's means: sim/core/math.h is there for them.
+# Functions of libm whose result IEEE 754 or arithmetic defines. All others depend on the processor;
+# sim/core/math.h replaces them.
 LIBM = set(re.findall(r"(?:FUNC|IFUNC) .* (\w+)@@", readelf("--dyn-syms", "/lib/x86_64-linux-gnu/libm.so.6")))
 LIBM -= {"ceil", "fegetround", "fesetround", "fmax", "fmin", "fmod", "ilogb", "ldexp", "nearbyint", "nearbyintf", "round"}
 
 
 def faults(path):
-    """What is wrong with a program or a module, a line each."""
+    """Returns what is wrong with a program or a module, one line each."""
     segments, dynamic = readelf("--program-headers", path), readelf("--dynamic", path)
     found = []
     if "GNU_RELRO" not in segments or not re.search(r"\(FLAGS\).*BIND_NOW|\(FLAGS_1\).*NOW", dynamic):
@@ -34,10 +38,10 @@ def faults(path):
     if "(TEXTREL)" in dynamic or not re.search(r"Type: +DYN", readelf("--file-header", path)):
         found.append("it stands at a fixed address")
     for places in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", dynamic):
-        # An empty place is the folder that a user happens to be in.
+        # An empty path means the user's current folder.
         if any(not place.startswith("$ORIGIN/") for place in places.split(":")):
             found.append(f"it looks for libraries in '{places}'")
-    # Verilator's runtime converts wide integers by exp2 of whole numbers, which is exact.
+    # Verilator's runtime converts wide integers by exp2 of integers, which is exact.
     exact = {"exp2"} if path.name == "libslipbench_cores.so" else set()
     rounded = sorted(LIBM.intersection(re.findall(r" UND (\w+)@", readelf("--dyn-syms", path))) - exact)
     found += [f"it rounds by the processor: {rounded}"] if rounded else []
@@ -57,7 +61,9 @@ class BinariesTest(unittest.TestCase):
             self.assertEqual(faults(path), [], path)
 
     def test_what_a_fault_looks_like(self):
-        """Programs that have each fault: the tests' own, whose sources are compiled with their folder's name, and one linked to fit."""
+        """Programs with each fault: the tests' own, compiled with their folder's name, and one
+        linked for this test.
+        """
         self.assertEqual(faults(BUILD / "bin/install_soft"),
                          ["its tables of addresses can be written", "its stack can be run", "it stands at a fixed address",
                           "it looks for libraries in '/nowhere:'", f"it holds {ROOT}"])

@@ -1,5 +1,6 @@
-# Installs BUILD, made from SOURCE, into an empty prefix below WORK, builds the project CONSUMER against it and runs it, then runs the installed
-# program. All from folders that have nothing to do with the source tree.
+# Installs BUILD, made from SOURCE, into an empty prefix below WORK, builds the project CONSUMER
+# against it and runs it, then runs the installed program. All steps run in folders outside the
+# source tree.
 function(run)
   cmake_parse_arguments(ARG "" "IN" "COMMAND" ${ARGN})
   execute_process(COMMAND ${ARG_COMMAND} WORKING_DIRECTORY ${ARG_IN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -12,9 +13,9 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK}/elsewhere)
 run(IN ${WORK}/elsewhere COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
-# The prefix can be moved: nothing in it may point to where it was installed.
+# The prefix is relocatable: nothing in it may point to its original path.
 file(RENAME ${WORK}/first ${WORK}/prefix)
-# The program is the one that was built, and nothing says where; grep finds what does.
+# The program equals the built one and contains no path of the build; grep would find one.
 run(IN ${WORK} COMMAND ${CMAKE_COMMAND} -E compare_files ${BUILD}/bin/slipbench prefix/bin/slipbench)
 file(WRITE ${WORK}/prefix/planted "a file that holds ${SOURCE}.\n")
 execute_process(COMMAND grep --recursive --files-with-matches --fixed-strings --regexp=${SOURCE} --regexp=${BUILD} prefix
@@ -37,12 +38,12 @@ set(program ${WORK}/prefix/bin/slipbench)
 run(IN ${WORK}/elsewhere COMMAND ${program} doctor)
 run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml --seed 3 -o stage.h5)
 run(IN ${WORK}/elsewhere COMMAND ${program} report stage.h5 -o stage.html)
-# A detector of one's own needs nothing but the installed headers.
+# A custom detector needs only the installed headers.
 run(IN ${WORK}/elsewhere COMMAND ${CXX} -shared -fPIC -I ${WORK}/prefix/include/slipbench
   ${CONSUMER}/../../../detectors/example/ratio_gate.cc -o ratio_gate.so)
 run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml
   --set "detector={type: plugin, library: ${WORK}/elsewhere/ratio_gate.so}" -o plugin.h5)
-# A network, with those of OpenVINO's libraries that are installed.
+# A network, with the installed OpenVINO libraries.
 file(GLOB_RECURSE network ${WORK}/prefix/*/libslipbench_network.so)
 if(network)
   run(IN ${WORK}/elsewhere COMMAND ${program} run ${WORK}/prefix/share/slipbench/scenes/papillarray/stage.yaml

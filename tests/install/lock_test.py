@@ -1,5 +1,7 @@
-"""What PyPI may deliver: tools/setup/requirements*.txt hold what requirements*.in ask for, and set-up takes nothing else.
-Argument: the project's root."""
+"""Locks PyPI packages: requirements*.txt match requirements*.in, and set-up installs nothing else.
+
+Both are in tools/setup. Argument: the project's root.
+"""
 
 import base64
 import hashlib
@@ -19,13 +21,13 @@ SETS = ("requirements", "requirements-test", "requirements-lock")
 
 
 def asked(name):
-    """{package: version} of a .in file."""
+    """Returns {package: version} of a .in file."""
     lines = (SETUP / f"{name}.in").read_text(encoding="utf-8").splitlines()
     return dict(line.split("==") for line in lines if line and not line.startswith(("#", "--")))
 
 
 def locked(name):
-    """{package: (version, number of hashes)} of a .txt file."""
+    """Returns {package: (version, number of hashes)} of a .txt file."""
     text = (SETUP / f"{name}.txt").read_text(encoding="utf-8").replace("\\\n", " ")
     entries = [line for line in text.splitlines() if line and not line.lstrip().startswith("#")]
     found = {}
@@ -37,7 +39,7 @@ def locked(name):
 
 
 def forged_wheel(folder, version):
-    """A wheel of mujoco-core that PyPI never had."""
+    """Makes a wheel of mujoco-core that PyPI never had."""
     info = f"mujoco_core-{version}.dist-info"
     members = {
         "mujoco/__init__.py": "",
@@ -71,7 +73,7 @@ class LockTest(unittest.TestCase):
 
     def test_both_sets_of_the_environment_agree(self):
         built, tested = locked("requirements"), locked("requirements-test")
-        self.assertTrue(built.keys() & tested.keys())  # numpy at least, which both need
+        self.assertTrue(built.keys() & tested.keys())  # at least numpy, which both need
         for package in built.keys() & tested.keys():
             self.assertEqual(built[package][0], tested[package][0])
 
@@ -79,7 +81,7 @@ class LockTest(unittest.TestCase):
         python = ROOT / "build/venv/bin/python"
         if not python.exists():
             self.skipTest("no build/venv")
-        # Its own folder alone: Debian's, with PyTorch, is on its path, too.
+        # Only its own folder: Debian's, with PyTorch, is also on its path.
         code = ("import sysconfig\nfrom importlib import metadata as m\n"
                 "for d in m.distributions(path=[sysconfig.get_path('purelib')]): print(d.metadata['Name'], d.version)")
         lines = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout.splitlines()
@@ -87,7 +89,7 @@ class LockTest(unittest.TestCase):
         for line in lines:
             package, version = line.split()
             package = re.sub(r"[-_.]+", "-", package).lower()
-            if package not in ("pip", "setuptools"):  # Python's own, of ensurepip
+            if package not in ("pip", "setuptools"):  # Python's own, from ensurepip
                 self.assertEqual(pinned[package][0], version)
 
     def test_a_forged_package_is_refused(self):

@@ -1,6 +1,8 @@
-"""NOTICE.md names what the program links, loads, is compiled from and inlines, and nothing else.
-Arguments: the project's root, the build folder, the folder of its modules (lib/slipbench), the libraries that a module loads by name
-(joined by ":"), the foreign files that are inlined."""
+"""NOTICE.md names exactly what the program links, loads, is compiled from and inlines.
+
+Arguments: the project's root, the build folder, the folder of its modules (lib/slipbench), the
+libraries that a module loads by name (joined by ":"), the foreign files that are inlined.
+"""
 
 import hashlib
 import os
@@ -17,7 +19,7 @@ LOADED_BY_NAME = [Path(word).name for word in sys.argv[4].split(":") if word]
 INLINED = [Path(word) for word in sys.argv[5:]]
 del sys.argv[1:]
 
-# Of https://spdx.org/licenses, those in use.
+# Identifiers in use, from https://spdx.org/licenses.
 LICENCES = {
     "Apache-2.0", "Artistic-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSD-Attribution-HPND-disclaimer", "BSL-1.0", "GPL-2.0-only", "GPL-2.0-or-later",
     "GPL-3.0-or-later", "ISC", "LGPL-2.0-or-later", "LGPL-2.1-or-later", "LGPL-3.0-only", "LGPL-3.0-or-later", "LicenseRef-public-domain", "MIT",
@@ -31,7 +33,7 @@ SONAME = re.compile(r"[\w.+-]+\.so(?:\.[\w.]+)?")
 
 
 def rows(text):
-    """(names, packages, version, licence) of every table."""
+    """Returns (names, packages, version, licence) of every table."""
     cells = [[cell.strip() for cell in line.strip("| \n").split("|")] for line in text.splitlines() if line.startswith("| ")]
     return [(re.split(r", ", names), re.split(r", ", packages), version, licence)
             for names, packages, version, licence in cells if licence != "licence"]
@@ -39,7 +41,9 @@ def rows(text):
 
 @cache
 def version_of(package):
-    """Of what is installed: a Debian package's to two numbers, since updates of Debian 12 change the others, a pinned one's whole."""
+    """Returns the installed version: whole for a pinned package, two numbers for a Debian one,
+    because updates of Debian 12 change the others.
+    """
     if package.startswith("PyPI: "):
         return PINS[package.removeprefix("PyPI: ")]
     if package == "npm: d3":
@@ -54,7 +58,7 @@ def output(*command):
 
 @cache
 def loaded():
-    """What the programs load, and what each module asks for itself, without our own."""
+    """Returns the libraries that the programs and modules load, without our own."""
     found = set()
     for program in PROGRAMS:
         for line in output("ldd", BUILD / program).splitlines():
@@ -63,17 +67,19 @@ def loaded():
                 found.add(name)
     for module in MODULES.glob("*.so"):
         found.update(re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "--dynamic", module)))
-    # The plugin's builds work in other versions of MuJoCo, which are their users'.
+    # The plugin's builds work with other versions of MuJoCo, which belong to their users.
     found = {name for name in found if not name.startswith("libmujoco.so.") or name in output("ldd", BUILD / PROGRAMS[0])}
     return found | set(LOADED_BY_NAME)
 
 
 @cache
 def compiled_in():
-    """Debian packages of the headers and sources outside of the tree that the product is compiled from."""
+    """Returns Debian packages of the headers and sources outside the tree that the product is
+    compiled from.
+    """
     files = set()
     ours = False
-    packages = {"libpython3-dev"}  # Python's headers are Debian's, or those of another Python that the module is built for
+    packages = {"libpython3-dev"}  # Python's headers come from Debian, or from another Python that the module is built for
     for line in output("ninja", "-t", "deps").splitlines():
         if not line.startswith(" "):
             ours = bool(line) and "#deps" in line and not line.startswith("tests/")
@@ -93,7 +99,7 @@ def compiled_in():
 
 
 def findings(text):
-    """What `text` does not name, and what it names and is not there, a line each."""
+    """Returns what `text` does not name, and what it names without use, one line each."""
     names = {name for row in rows(text) for name in row[0]}
     packages = {package for row in rows(text) for package in row[1]}
     libraries = {name for name in names if SONAME.fullmatch(name)}
@@ -126,7 +132,9 @@ class NoticeTest(unittest.TestCase):
         self.assertEqual(findings(self.text), [])
 
     def test_each_omission_is_found(self):
-        """A row of each kind left out, a row too many, and a licence that does not exist."""
+        """Tables without a row of each kind, with an extra row, and with an unknown licence are
+        refused.
+        """
         def without(start):
             return "".join(line for line in self.text.splitlines(True) if not line.startswith(start))
 

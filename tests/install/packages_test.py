@@ -1,5 +1,7 @@
-"""Everything that the build looks for is found, and tools/setup/packages.txt names the package that it comes from. Without this, a package that
-others bring along, or without which a part is left out, could go missing from the list unseen. Arguments: the project's root, the build folder.
+"""Everything that the build looks for is found, and tools/setup/packages.txt names its package.
+
+Without this test a package could be missing from the list unnoticed, if others bring it along or
+the build leaves out a part without it. Arguments: the project's root, the build folder.
 """
 
 import os
@@ -15,15 +17,15 @@ ROOT, BUILD = (Path(word) for word in sys.argv[1:3])
 del sys.argv[1:]
 
 INSTALLED = Path("/var/lib/dpkg/info")
-# Called by scripts and tests, which CMake does not look for.
+# Called by scripts and tests; CMake does not look for them.
 PROGRAMS = ("c++", "chromium", "cmake", "git", "ninja", "shellcheck", "valgrind")
 # PyTorch loads this. Debian installs the reference BLAS by default, which is several times slower.
 BLAS = Path(f"/usr/lib/{platform.machine()}-linux-gnu/libblas.so.3")
-# Packages whose names hold a version, which Debian's own defaults bring.
+# Packages whose names contain a version; Debian's defaults bring them.
 BY_DEFAULT = {r"g\+\+-\d+.*": "g++", r"libpython3\.\d+-dev": "python3-dev"}
-# What CMake's own module for HDF5 looks for beside the library.
+# Libraries that CMake's own HDF5 module looks for in addition.
 NOT_OURS = re.compile(r"HDF5_(?!C_LIBRARY_hdf5$).*")
-# Of no Debian package, or looked for without a name in the cache.
+# Not from a Debian package, or searched without a name in the cache.
 NO_PACKAGE = {"MuJoCo", "OpenVINO", "Python", "Python3", "Threads"}
 
 
@@ -34,14 +36,14 @@ def named():
 
 
 def sought():
-    """What our own CMake files look for: packages, programs, libraries."""
+    """Returns what our own CMake files look for: packages, programs, libraries."""
     texts = [path.read_text(encoding="utf-8") for pattern in ("cmake/*.cmake", "**/CMakeLists.txt") for path in ROOT.glob(pattern)
              if not path.is_relative_to(ROOT / "build")]
     return set(re.findall(r"find_(?:package|program|library|path|file)\((\w[\w-]*)", "\n".join(texts))) - NO_PACKAGE
 
 
 def places():
-    """{what is looked for: its files and folders in the cache of CMake}"""
+    """Returns {name looked for: its files and folders in CMake's cache}."""
     entries = re.findall(r"^([\w-]+):(?:FILEPATH|PATH)=(/.*)", (BUILD / "CMakeCache.txt").read_text(encoding="utf-8"), re.MULTILINE)
     found = {name: [path for key, path in entries if not NOT_OURS.fullmatch(key) and f"{key}_".lower().startswith(f"{name}_".lower())]
              for name in sought()}
@@ -51,7 +53,9 @@ def places():
 
 
 def owners():
-    """{file or folder: the Debian packages that it comes from}, of files and folders that one package alone has"""
+    """Returns {file or folder: its Debian packages}, of files and folders that belong to one
+    package alone.
+    """
     found = {}
     for listing in INSTALLED.glob("*.list"):
         package = listing.stem.split(":")[0]
@@ -71,7 +75,7 @@ class PackagesTest(unittest.TestCase):
         missing = set()
         for name, found in places().items():
             for path in found:
-                # The second is that of what update-alternatives has put there.
+                # The second is the owner of the target of update-alternatives.
                 packages = owner.get(path) or owner.get(os.path.realpath(path)) or set()
                 missing.update(f"{name}: {package}" for package in packages - known)
         self.assertEqual(sorted(missing), [])

@@ -1,4 +1,5 @@
-// A program without any hardening, which knows the folder of its sources and looks for libraries where its user stands.
+// A program without hardening that contains its source folder and looks for libraries in the user's
+// current folder.
 #include <cstdio>
 
 int main() { std::puts(SLIPBENCH_SOURCE_DIR); }

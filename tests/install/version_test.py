@@ -1,5 +1,7 @@
-"""CMakeLists.txt states the version once; the program, CITATION.cff, CHANGELOG.md and the wheel say the same.
-Arguments: the project's root, the program."""
+"""CMakeLists.txt defines the version; program, CITATION.cff, CHANGELOG.md and wheel agree.
+
+Arguments: the project's root, the program.
+"""
 
 import re
 import subprocess
@@ -13,7 +15,7 @@ del sys.argv[1:]
 
 
 def found(pattern, name):
-    """The first match's group in a file, or what is there in its place."""
+    """Returns the first match's group in a file, or the text found instead."""
     text = (ROOT / name).read_text(encoding="utf-8")
     match = re.search(pattern, text, re.MULTILINE)
     return match[1] if match else f"{name}: nothing matches {pattern}"

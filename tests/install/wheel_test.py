@@ -1,5 +1,8 @@
-"""wheel_test.py ROOT BUILD: builds the wheels of build_wheels.py and tries each as a user has it, in a bare Debian 12 or 13 with python3-venv alone, where
-wheel_user.py runs. Python's lines of tools/python/README.md print there what they print in the build."""
+"""Builds the wheels and tries each as a user would, in a bare Debian 12 or 13.
+
+wheel_test.py ROOT BUILD: wheels of build_wheels.py run with python3-venv alone, under
+wheel_user.py. The Python lines of tools/python/README.md must print the same as in the build.
+"""
 
 import json
 import os

@@ -1,5 +1,8 @@
-"""wheel_user.py ROOT [WHEEL]: what a user of the wheel does first; with WHEEL installs it. ROOT is read for its texts alone. The last line that is printed
-is JSON: `said`, what each of Python's lines printed and digests of trials, and `figures`. Fails where a step does."""
+"""First steps of a user of the wheel: wheel_user.py ROOT [WHEEL].
+
+With WHEEL installs it. ROOT is read for its texts alone. The last printed line is JSON: `said`, the
+output of each Python line and digests of trials, and `figures`. Fails if a step does.
+"""
 
 import json
 import os
@@ -11,7 +14,7 @@ import time
 from pathlib import Path
 
 ROOT, WHEEL = Path(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None
-# What acts at random, or where the renderer is asked for.
+# Scripts that act at random, or need the renderer.
 RANDOM = ("grasp.py", "grasps.py")
 EPISODE = """
 import gymnasium, slipbench.gym
@@ -59,7 +62,7 @@ def timed(*command):
 def install():
     pip = (sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
     figures = {"install_s": timed(*pip, WHEEL)}
-    # The best of five, without what Python itself takes: the machine has others to serve.
+    # The best of five, without Python's own start, because the machine is shared.
     bare, imported = (min(timed(sys.executable, "-c", code) for _ in range(5)) for code in ("pass", "import slipbench"))
     figures["import_s"] = imported - bare
     program = str(Path(sys.executable).with_name("slipbench"))
@@ -77,7 +80,7 @@ def install():
 
 
 def use_commands(program):
-    """Runs what needs no build of the source tree, in the folder that holds hexapod.h5."""
+    """Runs the commands that need no build of the source tree, in the folder with hexapod.h5."""
     for line in ("describe gst_hd", "schema", "detect force_ratio hexapod.h5 -o alarms.csv", "export hexapod.h5 --format npz -o npz", "reproduce list",
                  "reproduce hd-papillarray/resources"):
         run(program, *line.split())

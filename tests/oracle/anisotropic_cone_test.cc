@@ -1,6 +1,8 @@
-// Oracle 7: sliding along d on an elliptic cone with mu_1 along the grain and mu_2 across it. Maximum dissipation gives
+// Oracle 7: sliding along d on an elliptic cone with mu_1 along the grain and mu_2 across it.
+// Maximum dissipation gives
 //   f = -f_n (mu_1^2 d_1, mu_2^2 d_2)/sqrt(mu_1^2 d_1^2 + mu_2^2 d_2^2):
-// the force lies on the ellipse and slip is normal to it, so the force is not opposite to the slide unless d is an axis.
+// the force lies on the ellipse and slip is normal to the ellipse, so the force is opposite to the
+// slide only if d is an axis.
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -19,7 +21,8 @@ TEST(AnisotropicCone, ForceOfASteadySlideHasTheClosedFormAtAnyAngle) {
       const double angle = sixteenth * std::numbers::pi / 8.0;
       Field field = field_with_effect(nine_pillars(), {mu, mu}, "anisotropic_friction", {{"ratio", ratio}, {"angle", grain}});
       ContactFrame last;
-      // The stretch turns into its steady direction within a few times mu f_n/k_t = 0.9 mm of travel.
+      // The stretch turns into its steady direction within a few times mu f_n/k_t = 0.9 mm of
+      // travel.
       drive(
           field, 1e-3, 4.0,
           [&](double t) {

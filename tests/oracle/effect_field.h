@@ -8,7 +8,8 @@
 
 namespace slipbench::oracle {
 
-// Builds `pad` on `surface` with the catalogue's effect `name` at its defaults, but for `changes` (SI).
+// Builds `pad` on `surface` with the catalogue's effect `name`, with its defaults except `changes`
+// (SI).
 inline Field field_with_effect(const PadLayout& pad, Friction friction, const std::string& name,
                                const std::map<std::string, double>& changes = {}, const Surface& surface = Plane{}) {
   return Field(pad, surface, friction, testing_effects::installed(pad, {{name, changes}}));

@@ -1,16 +1,20 @@
-// Oracle: an elastic half-space, incompressible, touched by a rigid sphere of radius R (Johnson, Contact Mechanics, 1985, ch. 4 and 7). At the
-// depth d, with E* = 4 G and mu:
-//   Hertz                   a = sqrt(R d), N = (16/3) G sqrt(R) d^1.5, p = p0 sqrt(1 - r^2/a^2), p0 = 3 N/(2 pi a^2), and
-//                           the second moment of p is (2/5) a^2 N
-//   Cattaneo and Mindlin    all slides from delta_f = 3 mu N (2 - nu)/(16 G a) = 9 mu N/(32 G a) on; before,
-//                           T = mu N [1 - (1 - delta/delta_f)^1.5] and the stuck disc has the radius c = a sqrt(1 - delta/delta_f)
-//   Mindlin and Deresiewicz unloading from (delta*, T*) follows T* - 2 T((delta* - delta)/2), so a full cycle between -delta* and delta* takes
-//                           8 Int_0^delta* T dx - 4 T* delta*,  Int_0^x T = mu N [x - (2/5) delta_f (1 - (1 - x/delta_f)^2.5)]
-//   Lubkin                  twisted until the disc of radius c sticks. With g(t) of q(r) = -d/dr Int_r^a g/sqrt(t^2 - r^2) dt the torque is
-//                           4 pi Int g t dt, and a surface that turns by beta has g = (4 G beta/pi) t. Outside c the traction is mu p, whence
-//                           g_s = (2 t/pi) Int_t^a mu p/sqrt(r^2 - t^2) dr; no traction jumps at c, so beta = (pi/4 G) g_s(c)/c.
-// The theory itself takes the slip as opposed to the load everywhere, which for nu = 1/2 it is not: as the grid is refined T stays .2 % of mu N
-// off.
+// Oracle: an elastic half-space, incompressible, touched by a rigid sphere of radius R (Johnson,
+// Contact Mechanics, 1985, ch. 4 and 7). At the depth d, with E* = 4 G and mu:
+// - Hertz: a = sqrt(R d), N = (16/3) G sqrt(R) d^1.5, p = p0 sqrt(1 - r^2/a^2), p0 = 3 N/(2 pi
+//   a^2); the second moment of p is (2/5) a^2 N.
+// - Cattaneo and Mindlin: all slides from delta_f = 3 mu N (2 - nu)/(16 G a) = 9 mu N/(32 G a) on;
+//   before that T = mu N [1 - (1 - delta/delta_f)^1.5], and the stuck disc has the radius c = a
+//   sqrt(1 - delta/delta_f).
+// - Mindlin and Deresiewicz: unloading from (delta*, T*) follows T* - 2 T((delta* - delta)/2), so a
+//   full cycle between -delta* and delta* takes 8 Int_0^delta* T dx - 4 T* delta*, Int_0^x T = mu N
+//   [x - (2/5) delta_f (1 - (1 - x/delta_f)^2.5)].
+// - Lubkin: twisted until the disc of radius c sticks. With g(t) of q(r) = -d/dr Int_r^a g/sqrt(t^2
+//   - r^2) dt the torque is 4 pi Int g t dt, and a surface that turns by beta has g = (4 G beta/pi)
+//   t. Outside c the traction is mu p, hence g_s = (2 t/pi) Int_t^a mu p/sqrt(r^2 - t^2) dr; the
+//   traction is continuous at c, so beta = (pi/4 G) g_s(c)/c.
+//
+// The theory assumes slip opposite to the load everywhere, which does not hold for nu = 1/2: as the
+// grid is refined T stays .2 % of mu N off.
 #include <array>
 #include <limits>
 #include <numbers>
@@ -25,7 +29,7 @@ namespace slipbench::oracle::elastic_skin_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-// Slopes within the contact stay below a/R = 0.06, whose square is what the theory leaves out.
+// Slopes within the contact stay below a/R = 0.06, whose square the theory neglects.
 constexpr double radius = 40e-3, depth = 0.15e-3, mu = 0.8;
 constexpr std::array moduli{15e3, 150e3, 1.5e6};
 constexpr std::array grids{12, 16, 24, 32, 48};
@@ -42,7 +46,7 @@ struct Hertz {
   [[nodiscard]] double stuck_radius(double way) const { return a * std::sqrt(left(way)); }
 };
 
-// A pad of n x n over 2.4 a, pressed on the sphere.
+// A pad of n x n elements over 2.4 a, pressed on the sphere.
 Field pressed(int n, const Hertz& hertz) {
   Field field = field_with_effect(square_grid(n, 2.4 * hertz.a, 1.0, 1.0), {mu, mu}, "elastic_skin", {{"shear_modulus", hertz.g}},
                                   Sphere{radius});
@@ -87,8 +91,9 @@ TEST(ElasticSkin, PressesAsHertzSays) {
   }
 }
 
-// Pushed sideways to 1.2 of the way at which all slides, in steps of a hundredth. T is right within what cells of 2.4 a/n leave; the stuck disc
-// within a cell's edge as long as its edge moves by less than that when T is .2 % off: until all but 1 % of the friction is used.
+// Pushed sideways to 1.2 times the distance at which all slides, in steps of a hundredth. T is
+// exact within the error of cells of 2.4 a/n; the stuck disc is exact within a cell as long as its
+// edge moves by less than that when T is .2 % off: until all but 1 % of the friction is used.
 TEST(ElasticSkin, SlipsInwardsAsCattaneoAndMindlinSay) {
   for (const double g : moduli) {
     const Hertz hertz(g);
@@ -143,7 +148,7 @@ TEST(ElasticSkin, LosesInACycleWhatMindlinAndDeresiewiczSay) {
 TEST(ElasticSkin, TwistsAsLubkinSays) {
   const Hertz hertz(150e3);
   const double a = hertz.a, p0 = 1.5 * hertz.n / (pi * a * a);
-  // Int_t^a mu p/sqrt(r^2 - t^2) dr with r^2 = t^2 + (a^2 - t^2) sin^2 s, which takes both roots away.
+  // Int_t^a mu p/sqrt(r^2 - t^2) dr with r^2 = t^2 + (a^2 - t^2) sin^2 s, which removes both roots.
   const auto inner = [&](double t) {
     constexpr int pieces = 400;
     double sum = 0.0;
@@ -170,7 +175,8 @@ TEST(ElasticSkin, TwistsAsLubkinSays) {
       constexpr int steps = 40;
       for (int k = 1; k <= steps; ++k) field.step(over(0.0, angle + (beta - angle) * k / steps), 1e-3);
       angle = beta;
-      // The pad turns by beta, the surface stands: its torque on the surface goes the same way.
+      // The pad turns by beta, the surface is fixed: the pad's torque on the surface has the same
+      // direction.
       EXPECT_NEAR(sums_of(field).torque / full, torque / full, 0.01) << n << " at c = " << share << " a";
       EXPECT_NEAR(std::sqrt(sums_of(field).stuck) * 2.4 / n / std::sqrt(pi), share, 2.4 / n) << n;
     }
@@ -179,7 +185,7 @@ TEST(ElasticSkin, TwistsAsLubkinSays) {
   }
 }
 
-// First guesses go on the way of the step before. Were they a little off, thousands of them would add up.
+// First guesses extrapolate the step before. A small bias would accumulate over thousands of steps.
 TEST(ElasticSkin, SinksByWhatItsForcesSayAfterManySmallSteps) {
   constexpr int n = 12, steps = 4000;
   const PadLayout layout = square_grid(n, 2.4 * std::sqrt(radius * depth), 1.0, 1.0);
@@ -202,13 +208,14 @@ TEST(ElasticSkin, SinksByWhatItsForcesSayAfterManySmallSteps) {
   fresh->press(contact.pressure().data(), sunk.data());
   fresh->shear(contact.friction().col(0).data(), contact.friction().col(1).data(), x.data(), y.data());
   constexpr double rounding =
-      1e-10;  // of the largest; a walk of 4000 guesses, each with the last one's way, adds 4000^1.5 times 1e-16
+      1e-10;  // of the largest; a random walk of 4000 guesses, each extrapolated from the last, adds 4000^1.5 times 1e-16
   EXPECT_LT((contact.sunk() - sunk).abs().maxCoeff(), rounding * depth);
   EXPECT_LT((contact.shift().col(0) - x).abs().maxCoeff(), rounding * 1e-5);
   EXPECT_LT((contact.shift().col(1) - y).abs().maxCoeff(), rounding * 1e-5);
 }
 
-// Without friction all slips wherever it is taken, and nothing resists; a kinetic coefficient of 0 lets go once a static one has.
+// Without friction all elements slip freely; a kinetic coefficient of 0 applies once the static
+// limit is exceeded.
 TEST(ElasticSkin, SlipsWithoutFriction) {
   const Hertz hertz(150e3);
   for (const Friction friction : {Friction{0.0, 0.0}, Friction{0.5, 0.0}}) {
@@ -226,7 +233,7 @@ TEST(ElasticSkin, SlipsWithoutFriction) {
   }
 }
 
-// A pad that rests is not worked out anew: what its readers see of it has to come with its state.
+// A resting pad is not recomputed: its readers' values must come with its state.
 TEST(ElasticSkin, RestsAlikeFromASavedState) {
   const Hertz hertz(150e3);
   Field lasting = pressed(12, hertz), fresh = pressed(12, hertz), used = pressed(12, hertz);
@@ -255,7 +262,7 @@ TEST(ElasticSkin, RestsAlikeFromASavedState) {
 
 // The layer of one wave: u = U(z) sin kx, w = W(z) cos kx with k U + W' = 0, stresses tau and S,
 //   U' = tau/G + k W,  W' = -k U,  tau' = k S + 4 G k^2 U,  S' = -k tau;  across: V' = tau/G, tau' = k^2 G V,
-// integrated from the back, where nothing moves, by Runge and Kutta's fourth order.
+// integrated from the fixed back by Runge and Kutta's fourth order.
 struct Wave {
   double u, w, tau, s;
 };
@@ -302,9 +309,10 @@ TEST(ElasticLayer, GivesAsItsDifferentialEquationSays) {
   for (const double part : {thick.normal, thick.along, thick.across}) EXPECT_NEAR(part, 1.0, 0.01);
 }
 
-// A pad on a thick layer is one on a half-space: the back takes 1.17 a/t of a disc's compliance (Johnson, sec. 5.8), 0.1 % at 1,000 pads.
-// One on a thin layer shifts by t/G a unit of traction, but for strips of the order of t along its edges: what is left of them by two layers, one
-// half as thin, is of second order.
+// A pad on a thick layer behaves as on a half-space: the back reduces a disc's compliance by 1.17
+// a/t (Johnson, sec. 5.8), 0.1 % at 1,000 pads. A pad on a thin layer shifts by t/G per unit of
+// traction, except strips of the order of t along its edges; extrapolating two layers, one half as
+// thick, leaves an error of second order.
 TEST(ElasticLayer, IsAHalfSpaceWhereThickAndSpringsWhereThin) {
   const double side = 2.4e-3, g = 150e3;
   const auto stiffness = [&](int n, double thickness) {

@@ -1,4 +1,5 @@
-// Oracles 5 and 9: tips with mass against the closed forms of a driven and of a free oscillator with Coulomb friction.
+// Oracles 5 and 9: tips with mass against closed forms of a driven and a free oscillator with
+// Coulomb friction.
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -24,7 +25,8 @@ struct Change {
   ElementState to;
 };
 
-// Steps through `root(t)` [m] at the pressed depth and tells every change, and the field after every step.
+// Steps through `root(t)` [m] at the pressed depth; reports every change, and the field after every
+// step.
 std::vector<Change> slide(Field& field, double dt, double duration, const std::function<Eigen::Vector2d(double)>& root,
                           const std::function<void(double)>& look = {}) {
   std::vector<Change> changes;
@@ -41,9 +43,10 @@ std::vector<Change> slide(Field& field, double dt, double duration, const std::f
 }
 
 TEST(Inertia, AReleasedTipRingsAtItsFrequencyAndFadesAtAnyStep) {
-  // Lifted off, the tip swings freely about a root at rest: u = exp(-s t) cos(w t + p), s = zeta omega, w = omega sqrt(1 - zeta^2). Samples of
-  // that at any distance obey u[n+2] = 2 exp(-s dt) cos(w dt) u[n+1] - exp(-2 s dt) u[n], and no other frequency or decay does
-  // (below half the sampling rate).
+  // Lifted off, the tip swings freely about a fixed root: u = exp(-s t) cos(w t + p), s = zeta
+  // omega, w = omega sqrt(1 - zeta^2). Its samples obey u[n+2] = 2 exp(-s dt) cos(w dt) u[n+1] -
+  // exp(-2 s dt) u[n] for any dt, and no other frequency or decay does (below half the sampling
+  // rate).
   for (const double zeta : {0.0, 0.06, 0.7}) {
     for (const double dt : {1e-4, 1e-3, 2.7e-3}) {
       Field field = element_with_mass({0.5, 0.5}, frequency, zeta);
@@ -76,15 +79,16 @@ TEST(Inertia, AFreeTipIsFeltAndTouchesNothing) {
     EXPECT_DOUBLE_EQ(field.force_on_pad(0).x(), -k_t * field.stretch(0).x());
     largest = std::max(largest, std::abs(field.force_on_pad(0).x()));
   }
-  // It let go halfway through the first step, at k u, and has lost nothing since.
+  // It was released halfway through the first step, at k u, and has lost nothing since.
   EXPECT_NEAR(largest, k_t * 0.5e-3, 0.01 * k_t * 0.5e-3);
 }
 
 TEST(Inertia, StickSlipHasThePeriodAndTheDropOfTheDrivenOscillator) {
-  // No damping. Stuck, the force grows by k v until mu_s N. Then d = u - mu_k N/k starts at D = (mu_s - mu_k) N/k with the rate v, and
-  // d = D cos(omega t) + v/omega sin(omega t). The tip stands again when d' = v: with h = omega t/2,
+  // No damping. While the tip sticks, the force grows by k v until mu_s N. Then d = u - mu_k N/k
+  // starts at D = (mu_s - mu_k) N/k with the rate v, and d = D cos(omega t) + v/omega sin(omega t).
+  // The tip stops when d' = v: with h = omega t/2,
   //   v (1 - cos 2h) + D omega sin 2h = 0,  tan h = -D omega/v,  t = 2 (pi - atan(D omega/v))/omega,
-  // where d = -D: the force has fallen by 2 (mu_s - mu_k) N, and takes 2 D/v to come back.
+  // where d = -D: the force has fallen by 2 (mu_s - mu_k) N, and takes 2 D/v to recover.
   const double omega = 2.0 * pi * frequency;
   for (const Friction friction : {Friction{0.6, 0.5}, Friction{0.6, 0.4}, Friction{0.3, 0.0}}) {
     const double gap = (friction.mu_static - friction.mu_kinetic) * load / k_t;
@@ -110,7 +114,8 @@ TEST(Inertia, StickSlipHasThePeriodAndTheDropOfTheDrivenOscillator) {
 }
 
 TEST(Inertia, StickSlipForceSwingsAboutKineticFrictionByItsExcess) {
-  // As above: what is felt runs from mu_s N down to (2 mu_k - mu_s) N and, in slip, past mu_k N by sqrt(D^2 + (v/omega)^2) at most.
+  // As above: the felt force runs from mu_s N down to (2 mu_k - mu_s) N and, in slip, exceeds mu_k
+  // N by at most sqrt(D^2 + (v/omega)^2).
   const Friction friction{0.6, 0.45};
   const double omega = 2.0 * pi * frequency, speed = 10e-3, dt = 1e-5;
   const double gap = (friction.mu_static - friction.mu_kinetic) * load / k_t, swing = k_t * std::hypot(gap, speed / omega);
@@ -127,7 +132,7 @@ TEST(Inertia, StickSlipForceSwingsAboutKineticFrictionByItsExcess) {
           EXPECT_NEAR(field.tangential_force(0).y(), -friction.mu_kinetic * load, 1e-12);
         }
       });
-  // Within a step the force changes by k (v + swing omega/k) dt at the most.
+  // Within a step the force changes by at most k (v + swing omega/k) dt.
   const double resolved = (k_t * speed + swing * omega) * dt;
   EXPECT_NEAR(least, friction.mu_kinetic * load - swing, resolved);
   EXPECT_NEAR(most, friction.mu_kinetic * load + swing, resolved);
@@ -148,9 +153,9 @@ TEST(Inertia, AStuckElementHasNothingButTheRamp) {
 }
 
 TEST(Inertia, WithoutMassItIsTheMasslessField) {
-  // Critically damped, so that it does not swing back to stick: the latch. The dashpot gives way with the mass: the onset is early by
-  // c/k = 2 zeta/omega. Afterwards u settles on mu_k N/k, so the path is that of the massless tip, v t - mu_k N/k, from a few
-  // 1/omega on.
+  // Critically damped, so that the tip does not swing back and stick: the latch. The dashpot
+  // relaxes with the mass: the onset is early by c/k = 2 zeta/omega. Afterwards u settles at mu_k
+  // N/k, so from a few 1/omega on the path is that of the massless tip, v t - mu_k N/k.
   const Friction friction{0.6, 0.4};
   const double speed = 4e-3;
   for (const double f : {200.0, 2e3, 2e4}) {
@@ -166,7 +171,8 @@ TEST(Inertia, WithoutMassItIsTheMasslessField) {
 }
 
 TEST(Inertia, SlowLoadingLetsGoWhereTheMasslessTipDoes) {
-  // k v t + c v = mu_s N: early by c/k = 2 zeta/omega whatever the speed, so the force at the onset nears mu_s N as v goes to zero.
+  // k v t + c v = mu_s N: early by c/k = 2 zeta/omega at any speed, so the force at the onset
+  // approaches mu_s N as v goes to zero.
   for (const double speed : {10e-3, 1e-3, 1e-4}) {
     const double exact = 0.5 * load / (k_t * speed), dt = exact / 100.3;
     Field field = element_with_mass({0.5, 0.5}, frequency, 0.1);
@@ -177,7 +183,7 @@ TEST(Inertia, SlowLoadingLetsGoWhereTheMasslessTipDoes) {
 }
 
 TEST(Inertia, AllDirectionsAreAlike) {
-  // A curved way turned by an angle: all forces turn with it.
+  // A curved path turned by an angle: all forces turn with it.
   const auto way = [](double t) { return Eigen::Vector2d(8e-3 * t + 1e-4 * std::sin(70.0 * t), 2e-4 * std::sin(40.0 * t)); };
   Field straight = element_with_mass({0.6, 0.4}, frequency, 0.08);
   std::vector<Eigen::Vector3d> forces;
@@ -190,22 +196,23 @@ TEST(Inertia, AllDirectionsAreAlike) {
         field, 1e-4, 0.3, [&](double t) { return turn * way(t); },
         [&](double) {
           const Eigen::Vector2d force = turn * forces[tick].head<2>();
-          // Rounding, 1e-16 of the coordinates, grows in every stick-slip cycle by the slopes of its map, which are below one here.
+          // Rounding, 1e-16 of the coordinates, is multiplied in every stick-slip cycle by the
+          // slope of the cycle's map, which is below one here.
           EXPECT_NEAR((field.force_on_pad(0).head<2>() - force).norm(), 0.0, 1e-8) << "angle " << angle << ", tick " << tick;
           ++tick;
         });
   }
 }
 
-// What the tip holds [J].
+// Energy of the tip [J].
 double energy(const TipLaw& law, const Tip& tip) {
   const double omega = law.oscillator.omega, mass = law.k / (omega * omega);
   return 0.5 * (mass * tip.speed.squaredNorm() + law.k * tip.place.squaredNorm());
 }
 
 TEST(Inertia, FrictionNeverDrivesATip) {
-  // The root rests at the origin, so nothing but the tip's own energy moves it: that only falls, in either direction and at any step, up
-  // to rounding; and friction brings it to rest.
+  // The root is fixed at the origin, so only the tip's own energy moves the tip. The energy never
+  // grows, in either direction and at any step, up to rounding; and friction stops the tip.
   RandomStream draw(5, 0, "tips");
   for (int trial = 0; trial < 300; ++trial) {
     const TipLaw law{k_t, {2.0 * pi * draw.uniform(20.0, 2e3), draw.uniform(0.0, 1.5)}};
@@ -220,7 +227,8 @@ TEST(Inertia, FrictionNeverDrivesATip) {
     std::vector<ElementEvent> events;
     double before = start;
     int steps = 0;
-    // Friction takes the amplitude down by 2 mu f_n/k every half swing, from some 10 reaches.
+    // Friction reduces the amplitude by 2 mu f_n/k per half swing, from some 10 times the friction
+    // limit.
     for (; tip.state == ElementState::slip && steps < 1e7; ++steps) {
       TipTrace trace;
       move_tip(law, drive, 0, tip, trace, events);

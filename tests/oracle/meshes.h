@@ -15,7 +15,7 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> faces;  // counter-clockwise from outside
 };
 
-// A box of two triangles a side. Vertex k has the signs of k's bits.
+// A box of two triangles per side. Vertex k has the signs of k's bits.
 inline Mesh box_mesh(const Eigen::Vector3d& half) {
   Mesh mesh;
   for (unsigned k = 0; k < 8; ++k) {
@@ -26,7 +26,8 @@ inline Mesh box_mesh(const Eigen::Vector3d& half) {
   return mesh;
 }
 
-// The mesh with corners of its own for each face, each moved by up to `rounding` [m] along each axis, another way every time.
+// The mesh with separate corners for each face, each moved randomly by up to `rounding` [m] along
+// each axis.
 inline Mesh unwelded(const Mesh& mesh, double rounding) {
   Mesh loose;
   unsigned turn = 0;
@@ -42,7 +43,7 @@ inline Mesh unwelded(const Mesh& mesh, double rounding) {
   return loose;
 }
 
-// Two meshes as one, the second moved by `shift` [m].
+// Combines two meshes, the second moved by `shift` [m].
 inline Mesh both(Mesh a, const Mesh& b, const Eigen::Vector3d& shift) {
   const auto first = static_cast<std::uint32_t>(a.vertices.size());
   for (const Eigen::Vector3d& vertex : b.vertices) a.vertices.push_back(vertex + shift);
@@ -50,7 +51,8 @@ inline Mesh both(Mesh a, const Mesh& b, const Eigen::Vector3d& shift) {
   return a;
 }
 
-// An L, extruded from y = -unit to y = unit: in x and z the square from -2 to 2 units without the quarter x > 0, z > 0.
+// An L, extruded from y = -unit to y = unit: in x and z the square from -2 to 2 units without the
+// quarter x > 0, z > 0.
 inline Mesh l_mesh(double unit) {
   Mesh mesh;
   const std::array<std::pair<double, double>, 6> outline{{{-2, -2}, {2, -2}, {2, 0}, {0, 0}, {0, 2}, {-2, 2}}};
@@ -70,7 +72,8 @@ inline Mesh l_mesh(double unit) {
   return mesh;
 }
 
-// An icosahedron whose triangles are split into four `splits` times, with all vertices on the sphere.
+// An icosahedron whose triangles are split into four `splits` times, with all vertices on the
+// sphere.
 inline Mesh ball_mesh(double radius, int splits) {
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   Mesh mesh;

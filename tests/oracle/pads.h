@@ -1,4 +1,4 @@
-// Pads and drives that the oracle tests share.
+// Pads and drives shared by the oracle tests.
 #pragma once
 
 #include <cmath>
@@ -11,8 +11,9 @@
 
 namespace slipbench::oracle {
 
-// Nine pillars as the PapillArray's gripper profile has them: 7 mm pitch, edges 0.20 mm and corners 0.45 mm lower than the centre.
-// `bristles` share a pillar's load with weights from 1.6 to 0.4 times the mean.
+// Nine pillars as in the PapillArray's gripper profile: 7 mm pitch, edges 0.20 mm and corners 0.45
+// mm lower than the centre. `bristles` share a pillar's load with weights from 1.6 to 0.4 times the
+// mean.
 inline PadLayout nine_pillars(std::size_t bristles = 1, double k_n = 7100.0, double k_t = 3900.0) {
   PadLayout pad;
   for (int column = 0; column < 3; ++column) {
@@ -31,7 +32,8 @@ inline PadLayout nine_pillars(std::size_t bristles = 1, double k_n = 7100.0, dou
   return pad;
 }
 
-// A flat square grid of n x n elements with the given side [m], one unit each, at k_n and k_t [N/m] an element.
+// A flat square grid of n x n elements with the given side [m], one unit each, with k_n and k_t
+// [N/m] per element.
 inline PadLayout square_grid(int n, double side, double k_n, double k_t) {
   PadLayout pad;
   for (int i = 0; i < n; ++i) {
@@ -49,7 +51,7 @@ inline Pose turned(double angle, const Eigen::Vector3d& position) {
   return {.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix(), .position = position};
 }
 
-// Steps a field through `pose(t)` for t = 0, dt, ..., duration and hands every frame to `look`.
+// Steps a field through `pose(t)` for t = 0, dt, ..., duration and passes every frame to `look`.
 inline void drive(Field& field, double dt, double duration, const std::function<Pose(double)>& pose,
                   const std::function<void(const ContactFrame&)>& look) {
   ContactLabels labels(field.layout());
@@ -61,7 +63,7 @@ inline void drive(Field& field, double dt, double duration, const std::function<
   }
 }
 
-// First time each unit reported an event of `kind`; NaN: never.
+// First time at which each unit reported an event of `kind`; NaN: never.
 class FirstTimes {
  public:
   FirstTimes(std::size_t units, EventKind kind) : times_(units, std::nan("")), kind_(kind) {}

@@ -1,6 +1,7 @@
-// Oracle 3: a pad turning about a point at distance r from a pillar. While stuck the pillar's stretch is the chord 2 r sin(theta/2), so it
-// slips at theta = 2 asin(mu f_n/(2 k_t r)). Sliding steadily, the bristle trails: its stretch e = mu f_n/k_t is tangent to the circle of
-// the anchor, so the anchor runs at radius sqrt(r^2 - e^2) and the force acts with that lever.
+// Oracle 3: a pad turning about a point at distance r from a pillar. While it sticks the pillar's
+// stretch is the chord 2 r sin(theta/2), so it slips at theta = 2 asin(mu f_n/(2 k_t r)). In steady
+// sliding the bristle trails: its stretch e = mu f_n/k_t is tangent to the anchor's circle, so the
+// anchor moves at radius sqrt(r^2 - e^2), which is also the lever of the force.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -72,9 +73,10 @@ TEST(Rotation, SteadyTorqueActsAtTheTrailingLever) {
   }
   const double torque = std::abs(field.wrench_on_pad().torque.z());
   EXPECT_NEAR(torque, exact, 1e-3 * exact);
-  EXPECT_GT(naive - torque, 3e-3 * naive);  // the lever is seen
+  EXPECT_GT(naive - torque, 3e-3 * naive);  // the lever matters
 
-  // The outer eight slip, the centre one sticks: incipient by the strict rule, about the centre, at the drive's rate.
+  // The outer eight slip, the centre one sticks: incipient by the strict rule, about the centre, at
+  // the drive's rate.
   EXPECT_EQ(last.state, PadState::incipient);
   EXPECT_EQ(last.unit_state[4], UnitState::stick);
   EXPECT_NEAR(last.slip_centre.x(), 0.0, 1e-6);
@@ -83,14 +85,15 @@ TEST(Rotation, SteadyTorqueActsAtTheTrailingLever) {
 }
 
 TEST(Rotation, CombinedSlideStaysInsideTheLimitSurface) {
-  // Rigid slip with velocity (v, w) about the origin dissipates most among all admissible forces (maximum dissipation), so every reached
-  // (F, M) obeys F.v + M w <= sum mu f_n |v_i| up to the trailing lever's share, and equals it as the stretch becomes short (stiff pad).
+  // Rigid slip with velocity (v, w) about the origin dissipates most among all admissible forces
+  // (maximum dissipation), so every reached (F, M) obeys F.v + M w <= sum mu f_n |v_i| up to the
+  // trailing lever's share, with equality as the stretch becomes short (stiff pad).
   const double mu = 0.5, stiff = 1e3;
   const PadLayout pad = nine_pillars(1, k_n, k_t * stiff);
   for (const double angle : {0.0, 0.3, 0.7, 1.1, 1.5}) {
     const double v = 4e-3 * std::cos(angle), w = 0.6 * std::sin(angle);
     Field field(pad, Plane{}, {mu, mu});
-    // The pivot that turns at w and slides at v.
+    // The pivot of a motion that turns at w and slides at v.
     drive(
         field, 1e-4, 0.05,
         [&](double t) {

@@ -1,5 +1,6 @@
-// Oracle 1: a pad pressed by delta slides at constant v from t = 0. A stuck pillar's shear force is k_t v t and its limit is mu k_n delta_p,
-// so it slips at t = mu f_n/(k_t v), f_n = k_n (delta - drop_p): lightest-loaded pillars first.
+// Oracle 1: a pad pressed by delta slides at constant v from t = 0. A sticking pillar's shear force
+// is k_t v t and its limit is mu k_n delta_p, so it slips at t = mu f_n/(k_t v), f_n = k_n (delta -
+// drop_p): lightest-loaded pillars first.
 #include <algorithm>
 #include <numbers>
 #include <tuple>
@@ -42,7 +43,7 @@ TEST_P(SlideOnset, EveryPillarSlipsAtItsClosedFormInTheOrderOfLoads) {
     const double exact = mu * load(pad, p) / (k_t * speed);
     EXPECT_NEAR(times[p], exact, 1e-3 * exact) << "pillar " << p;
   }
-  // Corners (0, 2, 6, 8) carry least, then edges, the centre most.
+  // Corners (0, 2, 6, 8) carry least, then edges; the centre carries most.
   const double last_corner = std::max({times[0], times[2], times[6], times[8]});
   const double first_edge = std::min({times[1], times[3], times[5], times[7]});
   const double last_edge = std::max({times[1], times[3], times[5], times[7]});
@@ -51,7 +52,8 @@ TEST_P(SlideOnset, EveryPillarSlipsAtItsClosedFormInTheOrderOfLoads) {
 }
 
 TEST_P(SlideOnset, SixBristlesSlipFromTheLightestToTheHeaviest) {
-  // Bristle j carries weight w_j of the mean load at equal stiffness, so it slips at w_j mu f_n/(k_t v): first at 0.4, last at 1.6.
+  // Bristle j carries weight w_j of the mean load at equal stiffness, so it slips at w_j mu
+  // f_n/(k_t v): first at 0.4, last at 1.6.
   const auto [speed, mu, eighth] = GetParam();
   const PadLayout pad = nine_pillars(6);
   const auto micro = onsets(pad, EventKind::micro, 1e-3);
@@ -68,8 +70,9 @@ INSTANTIATE_TEST_SUITE_P(SpeedsFrictionsDirections, SlideOnset,
                                           testing::Range(0, 8)));
 
 TEST(SlideOnset, ConvergesUnderAnAcceleratingDrive) {
-  // s = a t^2/2, so slip begins at t = sqrt(2 mu f_n/(k_t a)). Within a step the field takes the way as linear; it is a chord of the parabola,
-  // at most a dt^2/8 above it, so the time is early by at most (a dt^2/8)/(a t) = dt^2/(8 t): quadratic in dt.
+  // s = a t^2/2, so slip begins at t = sqrt(2 mu f_n/(k_t a)). Within a step the field takes the
+  // path as linear, a chord of the parabola at most a dt^2/8 above it, so the time is early by at
+  // most (a dt^2/8)/(a t) = dt^2/(8 t): quadratic in dt.
   const double mu = 0.5, acceleration = 0.05;
   const PadLayout pad = nine_pillars();
   for (const double dt : {4e-3, 1e-3, 1e-4}) {
@@ -123,7 +126,8 @@ TEST(SlideOnset, StaticFrictionAboveKineticLetsTheForceFallOnce) {
 }
 
 TEST(SlideOnset, SlippedDistanceIsTheWayBeyondTheOnset) {
-  // Sliding at v with a fixed stretch: the tip lags the root by mu f_n/k_t, so its path after t is v t - mu f_n/k_t.
+  // Sliding at v with constant stretch: the tip lags the root by mu f_n/k_t, so its path after t is
+  // v t - mu f_n/k_t.
   const double mu = 0.5, speed = 4e-3, duration = 1.0;
   const PadLayout pad = nine_pillars();
   Field field(pad, Plane{}, {mu, mu});

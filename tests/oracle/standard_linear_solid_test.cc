@@ -1,7 +1,7 @@
 // Oracle 6: the standard linear solid f = (1 - g) k u + q, q' = -q/tau + g k u'.
 //   step u_0 at t = 0:          f = k u_0 ((1 - g) + g exp(-t/tau))                        relaxation
 //   ramp u = v t:               f = k v ((1 - g) t + g tau (1 - exp(-t/tau)))
-//   slip at constant f_t = F from t_1 (creep under load): the tip creeps over the surface no more; see the slide test
+//   slip at constant f_t = F from t_1 (creep under load): the tip stops creeping over the surface; see the slide test
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,8 @@ TEST(StandardLinearSolid, RelaxesAfterAStepExactlyAtAnyTimeStep) {
 }
 
 TEST(StandardLinearSolid, ShearRampFollowsItsClosedFormToTheOnset) {
-  // Normal force relaxed beforehand: it starts at the step and has the relaxation above; friction high enough never to slip.
+  // The normal force relaxes first, from the step on, as above; friction is high enough to prevent
+  // slip.
   const double speed = 1e-3;
   Field field = viscoelastic_pad(5.0);
   drive(
@@ -67,10 +68,12 @@ TEST(StandardLinearSolid, SlidingElementObeysTheConeOfItsRelaxedLoad) {
 }
 
 TEST(StandardLinearSolid, CreepsAtConstantForce) {
-  // Creep at constant f = F: with total compliance the stretch follows u(t) = F/k [1/(1-g) - (g/(1-g)) exp(-(1-g) t/tau)] after a step of
-  // force. A slider at its limit is such a load: at the instant the pad slides fast past the limit (t small against tau) the stretch is F/k,
-  // from then on f_t = mu f_n. f_n itself relaxes as in the first test, so F(t) = mu k_n delta ((1 - g) + g exp(-t/tau)) and, for equal
-  // relaxation in both directions, u' = 0: q_t/f_t = q_n/f_n at all times. The stretch stays mu k_n delta/k_t.
+  // Creep at constant f = F: with the total compliance the stretch follows u(t) = F/k [1/(1-g) -
+  // (g/(1-g)) exp(-(1-g) t/tau)] after a step of force. A slider at its limit is such a load: when
+  // the pad slides fast past the limit (t small against tau) the stretch is F/k, from then on f_t =
+  // mu f_n. f_n itself relaxes as in the first test, so F(t) = mu k_n delta ((1 - g) + g
+  // exp(-t/tau)) and, for equal relaxation in both directions, u' = 0: q_t/f_t = q_n/f_n at all
+  // times. The stretch stays mu k_n delta/k_t.
   const double mu = 0.1, speed = 50e-3;
   Field field = viscoelastic_pad(mu);
   const double stretch = mu * k_n * compression / k_t;  // 0.182 mm, reached after 3.6 ms = 0.007 tau
@@ -81,7 +84,8 @@ TEST(StandardLinearSolid, CreepsAtConstantForce) {
         return turned(0.0, {speed * t, 0.0, -compression});
       },
       [&](const ContactFrame& frame) { last = -frame.displacement(0, 4); });
-  // The ramp of 3.6 ms is not a step: its branch has relaxed for half of it on average, g t/(2 tau) = 0.1 %, forgotten after some tau.
+  // The ramp of 3.6 ms is not a step: its branch has relaxed for half of it on average, g t/(2 tau)
+  // = 0.1 %, which decays after some tau.
   EXPECT_NEAR(last, stretch, 1.2e-3 * stretch);
 }
 

@@ -1,5 +1,5 @@
-// A pad that is driven over a free box, which rests on another pad: slow and fast, to and fro; and a box between fingers of
-// another mass.
+// A pad driven over a free box that lies on another pad: slow and fast, to and fro; and a box
+// between fingers of another mass.
 
 #include "tests/stability/hard_case.h"
 
@@ -13,9 +13,9 @@ std::string stacked_scene(const std::string& motion, double duration, double dam
          " s}\nmotion: {compression: 0.04 mm, gap: 0.05 mm, start: 0.5 s, acceleration: inf, " + motion + "}\n";
 }
 
-// The pad above bears N and slides with mu N, the pad below bears N + m g and sticks: its springs give way by mu N/K_t. So they
-// do at any speed, and after the way has been turned back, with the sign turned. The box leans under the two, so N is what
-// presses on its face.
+// The pad above carries N and slides with mu N; the pad below carries N + m g and sticks, so its
+// springs yield by mu N/K_t. The same holds at any speed, and after reversal with the opposite
+// sign. The box leans under the two, so N is the force on its face.
 class Slide : public ::testing::TestWithParam<double> {};
 
 TEST_P(Slide, PullsWithMuTimesTheLoadAtAnySpeedAndBothWays) {
@@ -42,7 +42,7 @@ TEST_P(Slide, PullsWithMuTimesTheLoadAtAnySpeedAndBothWays) {
 
 INSTANTIATE_TEST_SUITE_P(Stability, Slide, ::testing::Values(1e-4, 1e-3, 1e-2, 1e-1));
 
-// A finger on a guide presses with 5 N on the box, which rests on the pad.
+// A finger on a guide presses with 5 N on the box, which lies on the pad.
 struct Ratio {
   double finger, box;  // kg
 };
@@ -56,7 +56,7 @@ TEST_P(MassRatio, OfOneToAThousandIsCarriedOrRefused) {
   box.turn = {1e-4, 0.6e-4, 4e-3};
   const std::string model = fingered_model(box, finger);
   const double fastest = fastest_of_ratio(finger, mass);
-  // tau omega = 0.4 at most
+  // tau omega is at most 0.4
   const auto scene = [&](const std::string& step) {
     return "slipbench: 1\nmodel: box.xml\nduration: 4 s\ntime_step: " + step +
            "\nfriction: {static: 0.5, kinetic: 0.5}\ncontrols: {press: [[0.1 s, 0 N], [0.3 s, 5 N]]}\nsensors:\n"

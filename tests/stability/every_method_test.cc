@@ -1,10 +1,12 @@
-// Every hard case by every way to simulate it: fields with explicit pads under each of MuJoCo's integrators, fields with implicit pads, articulated
-// pads. The other files of this folder hold a case against its closed form by one or two of these; here each
-// - ends finite and without a warning (DynamicSimulation throws else),
-// - gains no energy but what a touch within a step is worth,
-// - carries its weight at rest, and the push that it is held against,
-// - comes to an answer that converges as the step shrinks, to that of a closed form or of the finest run of explicit pads under implicitfast,
-// or is refused before the first step.
+// Every hard case with every simulation method: fields with explicit pads under each of MuJoCo's
+// integrators, fields with implicit pads, articulated pads. The other files of this folder test a
+// case against its closed form with one or two of these. Here each run must
+// - end with finite values and without a warning (otherwise DynamicSimulation throws),
+// - gain no energy beyond the error of a touch within a step,
+// - carry its weight at rest, and the push that it resists,
+// - converge as the step shrinks, to a closed form or to the finest run of explicit pads under
+//   implicitfast,
+// or be refused before the first step.
 #include <cctype>
 #include <functional>
 #include <limits>
@@ -31,30 +33,29 @@ const std::vector<Method>& methods() {
   return all;
 }
 
-// How a run went.
+// Results of a run.
 struct Outcome {
   double phase = 0.0;        // h omega of the fastest mode
-  double answer = 0.0;       // what must converge
-  double energy_gain = 0.0;  // most that there was over what it began with and what the push gave, share of the most there was
-  double carried_off = 0.0;  // what the pad carries over the second half of the run, less the weight, share of the weight
-  double held_off = 0.0;     // the same along x, less the push, share of the weight
+  double answer = 0.0;       // the value that must converge
+  double energy_gain = 0.0;  // largest energy above the initial one plus the push's work, relative to the largest energy
+  double carried_off = 0.0;  // force of the pad over the second half of the run minus the weight, relative to the weight
+  double held_off = 0.0;     // the same along x, minus the push, relative to the weight
 };
 
-// A box on a pad. The end is 2 ms before its duration.
+// A box on a pad. The run ends 2 ms before its duration.
 struct HardCase {
   std::string name;
   BoxOnPad box;
   std::function<double(CaseRun&)> answer;
   double scale = 1.0;                                          // of the answer
   double expected = std::numeric_limits<double>::quiet_NaN();  // the answer by a closed form; NaN: the finest implicitfast run's
-  double tolerance = 0.0;                                      // of the closed form, share of the scale
-  double articulated =
-      0.03;  // what articulated pads come to at the finest step, share of the scale; README.md tells where that is not right
-  bool rattles = false;  // articulated tips, while they slide, so much that their answer is not seen to converge
-  bool rests = false;    // on the pad, up and down
-  bool held = false;     // and sideways, against the push
-  bool smooth = true;    // nothing touches, slips or lets go within a step that decides the answer
-  bool fast = false;     // over 100 mm/s on the surface, where articulated tips chatter: their load is right on average only
+  double tolerance = 0.0;                                      // of the closed form, relative to the scale
+  double articulated = 0.03;  // error of articulated pads at the finest step, relative to the scale; README.md lists exceptions
+  bool rattles = false;       // articulated tips rattle so much in sliding that convergence is not visible
+  bool rests = false;         // rests on the pad, vertically
+  bool held = false;          // also sideways, against the push
+  bool smooth = true;         // no touch, slip or separation within a step decides the answer
+  bool fast = false;          // over 100 mm/s on the surface, where articulated tips chatter: their load is right only on average
 };
 
 double push_at(const BoxOnPad& box, double time) {
@@ -76,11 +77,12 @@ Outcome run_of(const HardCase& hard, const std::string& time_step) {
   const double end = longest_sample * (std::ceil(box.duration / longest_sample - 1e-9) - 1.0), weight = box.mass * box.gravity;
   const auto ticks = static_cast<int>(std::lround(end / step));
   const Eigen::Vector3d inertia = inertia_of(box.mass);
-  // One-stage integrators have the velocities of a tick half a step before its positions: what moves is taken between two ticks.
+  // Single-stage integrators have a tick's velocities half a step before its positions, so motion
+  // is evaluated between two ticks.
   const bool staggered = box.fidelity == "field" && box.solver == "explicit" && box.integrator != "RK4";
   double start = 0.0, given = 0.0, most = 0.0, gain = 0.0, carried = 0.0, held = 0.0, windows = 0.0, x = 0.0;
-  double potential = 0.0, stored = 0.0;                                 // J, of the tick before
-  Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), spin = momentum;  // of the tick before
+  double potential = 0.0, stored = 0.0;                                 // J, of the previous tick
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), spin = momentum;  // of the previous tick
   for (int tick = 0; tick <= ticks; ++tick) {
     run.step();
     const BodyState& body = run.body("box");
@@ -90,7 +92,8 @@ Outcome run_of(const HardCase& hard, const std::string& time_step) {
       const Eigen::Vector3d w = staggered ? Eigen::Vector3d(0.5 * (spin + spin_now)) : spin;
       const double kinetic = 0.5 * p.squaredNorm() / box.mass + 0.5 * w.cwiseAbs2().dot(inertia);
       most = std::max(most, kinetic + stored);
-      // An articulated pad's labels are forces of tips, with what joints damp in them: not what its springs hold, which is left out after the start.
+      // An articulated pad's labels are tip forces, including joint damping, not the springs'
+      // forces; the stored energy is left out after the start.
       const double energy = kinetic + (box.fidelity == "articulated" && tick > 1 ? 0.0 : stored) + potential;
       if (tick == 1) start = energy;
       gain = std::max(gain, energy - start - given);
@@ -108,7 +111,7 @@ Outcome run_of(const HardCase& hard, const std::string& time_step) {
                 0.5 * truth.contact_force.col(i).head<2>().matrix().squaredNorm() / element.k_tangential;
     }
     if (2 * tick >= ticks) {
-      const double window = std::pow(std::sin(2.0 * std::numbers::pi * tick / ticks), 2);  // what still rings has no mean
+      const double window = std::pow(std::sin(2.0 * std::numbers::pi * tick / ticks), 2);  // averages ringing out
       carried += window * run.force().z();
       held += window * (run.force().x() + push_at(box, tick * step));
       windows += window;
@@ -123,7 +126,7 @@ Outcome run_of(const HardCase& hard, const std::string& time_step) {
 
 double momentum_along(CaseRun& run) { return run.momentum().x(); }
 
-// Put down askew and pushed with `part` of what friction bears.
+// Put down askew and pushed with `part` of the friction limit.
 HardCase pushed(const std::string& name, const BoxOnPad& box, double part) {
   HardCase hard{name, box, momentum_along};
   const double period = 2.0 * std::numbers::pi / modes_of(box).slowest, push = part * box.mu * box.mass * g;
@@ -132,12 +135,13 @@ HardCase pushed(const std::string& name, const BoxOnPad& box, double part) {
   hard.scale = part < 1.0 ? push / modes_of(box).slowest : (part - 1.0) * push * 3.0 * period;
   hard.rests = hard.held = part < 1.0;
   if (part < 1.0) {
-    hard.expected = 0.0;  // it has rung out; articulated pads, whose dashpots are held to 1 ms, have not quite
+    hard.expected = 0.0;  // has decayed; articulated pads, whose dashpots are limited to 1 ms, not quite
     hard.tolerance = 1e-4;
     return hard;
   }
-  // Sticks until the push is mu m g, then gains what is over that. What it has by then is that of the springs' way, (1 -+ 1) m rate/K_t: 0.6 %
-  // of the scale either way, and what it is askew by makes as much.
+  // Sticks until the push is mu m g, then gains the excess. By then it has the momentum of the
+  // springs' motion, (1 -+ 1) m rate/K_t: 0.6 % of the scale either way; the skew position
+  // contributes as much.
   const double slips = 2.0 * period / part, bears = push / part;
   const double end = longest_sample * (std::ceil(hard.box.duration / longest_sample - 1e-9) - 1.0);
   const double lateral = static_cast<double>(box.pad.elements.size()) * box.pad.elements[0].k_tangential;
@@ -148,7 +152,7 @@ HardCase pushed(const std::string& name, const BoxOnPad& box, double part) {
   return hard;
 }
 
-// Of translation and turn [J].
+// Kinetic energy of translation and rotation [J].
 double motion_of(CaseRun& run) {
   const BodyState& box = run.body("box");
   const double mass = run->model()->body_mass[mj_name2id(run->model(), mjOBJ_BODY, "box")];
@@ -156,7 +160,7 @@ double motion_of(CaseRun& run) {
   return 0.5 * run.momentum().squaredNorm() / mass + 0.5 * spin.cwiseAbs2().dot(inertia_of(mass));
 }
 
-// At 0.5 m/s, in weightlessness and without dashpots; sideways at 0.1 m/s with friction.
+// At 0.5 m/s, without weight and dashpots; sideways at 0.1 m/s with friction.
 HardCase blow(const std::string& name, double mass, double stiffer, double mu) {
   HardCase hard{name, {}, motion_of};
   BoxOnPad& box = hard.box;
@@ -170,21 +174,21 @@ HardCase blow(const std::string& name, double mass, double stiffer, double mu) {
   box.velocity = {mu > 0.0 ? 0.1 : 0.0, 0.0, -0.5};
   box.duration = 12.0 / omega + 2.0 * longest_sample;
   hard.scale = 0.5 * mass * 0.25;
-  if (mu == 0.0) hard.expected = hard.scale;  // all of it comes back
-  hard.articulated = mu == 0.0 ? 0.2 : 0.35;  // in less than the first order
+  if (mu == 0.0) hard.expected = hard.scale;  // all energy is returned
+  hard.articulated = mu == 0.0 ? 0.2 : 0.35;  // converges more slowly than first order
   hard.smooth = false;
   return hard;
 }
 
-// The box flies by at 100 mm/s, touches at 1 mm/s, springs back at 1 mm/s, and slips all the while. It touches askew by a twentieth of how deep it gets,
-// and some of the blow goes into a turn.
+// The box passes at 100 mm/s, touches at 1 mm/s, rebounds at 1 mm/s, and slips all the time. It
+// touches askew by a twentieth of its depth, and some of the impact goes into rotation.
 HardCase grazing() {
   HardCase hard = blow("grazing touch and lift-off", 0.1, 1.0, 0.5);
   const double omega = std::sqrt(9.0 * k_n / 0.1), deep = 1e-3 / omega;
   hard.box.turn = {0.05 * deep / pitch, 0.03 * deep / pitch, 4e-3};
   hard.box.position.z() = 0.3 * deep;
   hard.box.velocity = {0.1, 0.0, -1e-3};
-  // Friction takes mu times the blow: what it took, in parts of that.
+  // Friction takes mu times the impact's momentum; the answer is relative to that.
   hard.answer = [](CaseRun& run) {
     const Eigen::Vector3d speed = run.momentum() / 0.1;
     return (0.1 - speed.x()) / (0.5 * (1e-3 + speed.z()));
@@ -204,15 +208,15 @@ HardCase tumbling() {
   box.spin = {5.0, -3.0, 2.0};
   box.damping = 0.4 / modes_of(box).fastest;
   box.duration = 1.4;
-  hard.scale = hard.expected = sag_of(box);  // how deep the face lies over the pad's middle
+  hard.scale = hard.expected = sag_of(box);  // depth of the face over the pad's middle
   hard.tolerance = 2e-3;
   hard.rests = true;
   hard.smooth = false;
   return hard;
 }
 
-// Every element slips, f_n = m g/9 each, and the torque mu f_n sum sqrt(r^2 - e^2), with e = mu f_n/k_t = 14 um hardly less than r, slows it down by
-// torque/I a second.
+// Every element slips, f_n = m g/9 each, and the torque mu f_n sum sqrt(r^2 - e^2), with e = mu
+// f_n/k_t = 14 um hardly less than r, slows the box down by torque/I per second.
 HardCase spinning() {
   HardCase hard{"spins at 100 rad/s", {}, {}};
   BoxOnPad& box = hard.box;
@@ -221,7 +225,7 @@ HardCase spinning() {
   box.damping = 0.4 / modes_of(box).fastest;
   box.spin = {0.0, 0.0, 100.0};
   box.duration = 0.15;
-  // What it has lost, in parts of that.
+  // Loss of spin, relative to the expected one.
   const double slower = box.mu * box.mass * g / 9.0 * pitch * (4.0 + 4.0 * std::sqrt(2.0)) / inertia_of(box.mass).z();
   const double end = box.duration - longest_sample;
   hard.answer = [=](CaseRun& run) { return (100.0 - run.body("box").angular_velocity.z()) / (slower * end); };
@@ -229,7 +233,7 @@ HardCase spinning() {
   hard.tolerance = 2e-3;
   hard.rests = true;
   hard.fast = true;
-  hard.articulated = 0.25;  // tips that chatter take 20 % more
+  hard.articulated = 0.25;  // chattering tips take 20 % more
   return hard;
 }
 
@@ -272,7 +276,7 @@ const std::vector<HardCase>& hard_cases() {
   return all;
 }
 
-// What is printed beside a failure, and kept as a property of the test.
+// Text printed with a failure, also stored as a property of the test.
 std::string told(const std::vector<Outcome>& runs, double scale) {
   std::string text;
   for (const Outcome& run : runs) {
@@ -284,7 +288,8 @@ std::string told(const std::vector<Outcome>& runs, double scale) {
 
 using Pair = std::tuple<std::size_t, std::size_t>;  // method, case
 
-// All but 1,024 articulated pillars: over 3,000 degrees of freedom, of which noslip makes a dense matrix, take seconds a step.
+// All except 1,024 articulated pillars: over 3,000 degrees of freedom, which noslip turns into a
+// dense matrix, take seconds per step.
 std::vector<Pair> pairs() {
   std::vector<Pair> all;
   for (std::size_t m = 0; m < methods().size(); ++m) {
@@ -295,14 +300,15 @@ std::vector<Pair> pairs() {
   return all;
 }
 
-// As gtest wants it: letters, digits and underscores.
+// As gtest requires: letters, digits and underscores.
 std::string name_of(const std::string& text) {
   std::string name;
   for (const char c : text) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   return name;
 }
 
-// h_0 with pads of this method: the longest that is allowed; where nothing or the recipe alone limits it, h omega = `phase` at most.
+// h_0 with pads of this method: the longest allowed step; if nothing or only the recipe limits it,
+// at most h omega = `phase`.
 double longest_of(const Method& method, const std::function<double()>& automatic, double fastest, double phase) {
   const double longest = method.solver == "implicit" ? longest_sample : automatic();
   if (method.fidelity == "field" && method.solver == "explicit") return longest;
@@ -328,14 +334,15 @@ TEST_P(EveryMethod, EndsRightAndConverges) {
   hard.box.solver = method.solver;
   hard.box.integrator = method.integrator;
   const bool articulated = method.fidelity == "articulated";
-  // Of articulated pads dashpots are joints' dampers, and may be 1 ms at most.
+  // Dashpots of articulated pads are joint dampers of at most 1 ms.
   if (articulated) hard.box.damping = std::min(hard.box.damping, 1e-3);
   const auto automatic = [&hard] {
     BoxOnPad probe = hard.box;
     probe.time_step = "auto";
     return CaseRun(probe)->time_step(0);
   };
-  // Both take energy from a blow, in the first order of h omega, which must be small to show it.
+  // Both lose energy in an impact, to first order in h omega, which must be small to show the
+  // order.
   const double longest = longest_of(method, automatic, modes_of(hard.box).fastest, hard.smooth ? 3.0 : 0.4);
   std::vector<Outcome> runs;
   for (const double part : {1.0, 0.5, 0.25, 0.125}) runs.push_back(run_of(hard, exact(longest * part) + " s"));
@@ -344,8 +351,9 @@ TEST_P(EveryMethod, EndsRightAndConverges) {
   const bool explicit_pads = !articulated && method.solver == "explicit";
   for (const Outcome& run : runs) {
     ASSERT_TRUE(std::isfinite(run.answer));
-    // With v taken between two ticks a spring that is stepped velocity first has y^2 + v^2 within z^2/4 of what is kept, y = omega x, and touch and
-    // lift-off within a step make 1/(1 - z^2/4) of it at most (impact_test.cc). Implicit pads and articulated ones take energy.
+    // With v between two ticks a spring stepped velocity first has y^2 + v^2 within z^2/4 of its
+    // invariant, y = omega x, and touch and lift-off within a step multiply the invariant by at
+    // most 1/(1 - z^2/4) (impact_test.cc). Implicit and articulated pads lose energy.
     const double lost = 0.25 * run.phase * run.phase;
     EXPECT_LE(run.energy_gain, explicit_pads ? lost / (1.0 - lost) : 1e-6);
   }
@@ -356,14 +364,15 @@ TEST_P(EveryMethod, EndsRightAndConverges) {
     EXPECT_LT(std::abs(runs.back().held_off), 1e-4);
   }
   const auto change = [&](std::size_t k) { return std::abs(runs[k + 1].answer - runs[k].answer) / hard.scale; };
-  // In the first order the finest run is off by as much as it has changed last; three times that allows for the reference's own error and for what
-  // is not yet quite of that order. Where a touch or a change of state within a step decides, its place in the step is worth z^2/4.
+  // To first order the finest run's error equals its last change; three times that covers the
+  // reference's own error and higher orders. If a touch or a change of state within a step decides,
+  // its position in the step is worth z^2/4.
   const double finest = hard.smooth ? 0.0 : 0.25 * std::pow(runs.back().phase, 2);
   const double expected = std::isnan(hard.expected) ? reference(hard) : hard.expected;
   EXPECT_LE(std::abs(runs.back().answer - expected) / hard.scale,
             articulated ? hard.articulated : hard.tolerance + 3.0 * change(2) + finest)
       << "expected " << exact(expected / hard.scale);
-  const double noise = hard.smooth ? 1e-4 : 0.5 * std::pow(runs[2].phase, 2);  // either way
+  const double noise = hard.smooth ? 1e-4 : 0.5 * std::pow(runs[2].phase, 2);  // either sign
   if (!articulated || !hard.rattles) {
     EXPECT_LT(change(2), std::max(0.6 * change(0), articulated ? hard.articulated : noise));
   }
@@ -376,8 +385,9 @@ INSTANTIATE_TEST_SUITE_P(Stability, EveryMethod, ::testing::ValuesIn(pairs()), [
   return methods()[std::get<0>(info.param)].name + "_" + name_of(hard_cases()[std::get<1>(info.param)].name);
 });
 
-// Steps of 0.1 to 2 ms as a scene gives them: explicit pads are refused exactly where h > 0.75/omega, and articulated ones where MuJoCo's contact
-// would give way by too much, both before the first step, with the longest that is allowed; that one is taken. What is taken runs.
+// Steps of 0.1 to 2 ms given by a scene: explicit pads are refused exactly if h > 0.75/omega,
+// articulated ones if MuJoCo's contact would yield too much, both before the first step and with
+// the longest allowed step, which is then accepted. Accepted runs complete.
 class GivenStep : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(GivenStep, IsTakenOrRefusedWithTheLongest) {
@@ -419,25 +429,27 @@ TEST_P(GivenStep, IsTakenOrRefusedWithTheLongest) {
 INSTANTIATE_TEST_SUITE_P(Stability, GivenStep, ::testing::Range<std::size_t>(0, methods().size()),
                          [](const auto& info) { return methods()[info.param].name; });
 
-// Cases that are no free box on a pad. Energy and, of free bodies, weight are the bench's own to watch here.
+// Cases other than a free box on a pad. Here the bench itself checks energy and, for free bodies,
+// weight.
 struct OtherCase {
   std::string name;
-  std::string model;  // without its integrator, which stands for '@'
+  std::string model;  // without its integrator, marked by '@'
   std::string scene;  // without time_step and pads
   std::vector<PadLayout> pads;
-  double fastest;                          // rad/s, about
+  double fastest;                          // rad/s, approximately
   double end;                              // s
-  std::function<double(CaseRun&)> answer;  // in parts of what it should be, or of what matters
+  std::function<double(CaseRun&)> answer;  // relative to the expected value or to a relevant scale
   double expected, tolerance;              // NaN: that of the finest run of explicit pads under implicitfast
-  bool fast = false;                       // 100 mm/s on the surface and more
+  bool fast = false;                       // 100 mm/s on the surface or more
 };
 
 double position_of(CaseRun& run, const char* joint) {
   return run->data()->qpos[run->model()->jnt_qposadr[mj_name2id(run->model(), mjOBJ_JOINT, joint)]];
 }
 
-// A pad under a finger of 1 kg on guides, over the edge or the corner of a fixed box, pushed with half of what friction bears: n
-// elements carry it all, at the depth m g/(n k_n), and give way by 0.25 g/(n k_t).
+// A pad under a finger of 1 kg on guides, over the edge or the corner of a fixed box, pushed with
+// half of the friction limit: n elements carry everything, at the depth m g/(n k_n), and yield by
+// 0.25 g/(n k_t).
 OtherCase on_edge(int touching, double x, double y) {
   const std::string model =
       "<mujoco><compiler angle='radian'/><option integrator='@'/><worldbody><geom name='box' type='box' size='0.1 0.1 0.02' euler='0 0 0.004' pos='" +
@@ -460,7 +472,7 @@ OtherCase on_edge(int touching, double x, double y) {
           1e-3};
 }
 
-// A pad that is driven over a free box on another pad and turns back: it pulls with mu N on the box's face.
+// A pad driven over a free box on another pad, with reversal: it pulls with mu N on the box's face.
 OtherCase driven(double speed) {
   BoxOnPad box;
   box.integrator = "@";
@@ -486,7 +498,7 @@ OtherCase driven(double speed) {
           speed >= 0.1};
 }
 
-// A finger that presses a free box onto a pad, one of them a thousand times as heavy as the other.
+// A finger presses a free box onto a pad; one of them is a thousand times as heavy as the other.
 OtherCase mass_ratio(double finger, double mass) {
   BoxOnPad box{.mass = mass, .integrator = "@"};
   box.position.z() = -sag_of(box);
@@ -552,7 +564,8 @@ TEST_P(EveryMethodToo, EndsRightAndConverges) {
   EXPECT_LT(last, std::max(0.6 * first, (articulated ? 0.02 : 1e-3) * std::abs(answers.back())));
 }
 
-// All but articulated pillars at 100 mm/s: their tips chatter, and what they press with at an instant says nothing.
+// All except articulated pillars at 100 mm/s: their tips chatter, and their instantaneous press
+// means nothing.
 std::vector<Pair> other_pairs() {
   std::vector<Pair> all;
   for (std::size_t m = 0; m < methods().size(); ++m) {

@@ -1,4 +1,4 @@
-// A free box on a pad, as heavy, as stiff and as smooth as a hard case wants it.
+// A free box on a pad with the mass, stiffness and friction of a hard case.
 #pragma once
 
 #include <algorithm>
@@ -23,12 +23,13 @@ namespace slipbench::hard {
 inline constexpr double g = 9.81;                    // m/s2
 inline constexpr double longest_sample = 2e-3;       // s, sampling time of the pads: the longest step of the hard cases
 inline constexpr double k_n = 7100.0, k_t = 3900.0;  // N/m, a real pillar (SENSORS.md)
-// m. So wide that 5 kg stand on the softest pad: turned by a, its face sends the box m g a/K_t sideways, and the pad has to bear
-// m g times that with K_r a, K_r = 6 k_n pitch^2: with K_t = 9 k_t it takes pitch > m g/sqrt(54 k_n k_t) = 13 mm at a tenth of
-// k_n, k_t.
+// m. Wide enough for 5 kg on the softest pad: turned by a, the box's face moves it sideways by m g
+// a/K_t, and the pad must balance m g times that with K_r a, K_r = 6 k_n pitch^2. With K_t = 9 k_t
+// this needs pitch > m g/sqrt(54 k_n k_t) = 13 mm at a tenth of k_n, k_t.
 inline constexpr double pitch = 0.02;
 
-// n x n flat elements, one every `spacing` [m], each with `k_normal` and `k_tangential` [N/m]; one unit each.
+// n x n flat elements, one every `spacing` [m], each with `k_normal` and `k_tangential` [N/m]; one
+// unit each.
 inline PadLayout flat_square(int n, double spacing, double k_normal, double k_tangential) {
   return oracle::square_grid(n, n * spacing, k_normal, k_tangential);
 }
@@ -42,14 +43,15 @@ inline std::string exact(double value) {
 
 inline std::string exact(const Eigen::Vector3d& v) { return exact(v.x()) + " " + exact(v.y()) + " " + exact(v.z()); }
 
-// A box whose frame has its origin in the middle of the face it lies on, its centre of mass 1 mm above it and a little
-// beside: what pushes at the origin hardly tips it. Nothing of it is symmetric about the pad.
+// A box whose frame has its origin in the middle of the face it lies on, with its centre of mass 1
+// mm above and slightly beside: a push at the origin hardly tips it. Nothing is symmetric about the
+// pad.
 struct BoxOnPad {
   double mass = 0.1;                                                                   // kg
   double mu = 0.5;                                                                     // static and kinetic
-  PadLayout pad = flat_square(3, pitch, k_n, k_t);                                     // looks up, fixed to the world
+  PadLayout pad = flat_square(3, pitch, k_n, k_t);                                     // faces up, fixed to the world
   double damping = 0.0;                                                                // s, tau
-  std::string time_step = "auto";                                                      // of the scene
+  std::string time_step = "auto";                                                      // in the scene
   double duration = 1.0;                                                               // s, rounded up to whole samples
   Eigen::Vector3d position{0.013e-3, -0.021e-3, 0.0};                                  // m, of the face's middle over the pad's
   Eigen::Vector3d turn = 0.004 * Eigen::Vector3d(0.5, 0.7, 0.6).normalized();          // rad
@@ -61,7 +63,7 @@ struct BoxOnPad {
 
 inline constexpr double half_width = 0.04, half_height = 0.02;  // m
 inline const Eigen::Vector3d centre{0.03e-3, 0.01e-3, 1e-3};    // m, of mass
-// About the centre of mass, of a plate of that width [kg m2].
+// About the centre of mass, for a plate of that width [kg m2].
 inline Eigen::Vector3d inertia_of(double mass) {
   const double across = mass * (half_width * half_width + half_height * half_height) / 3.0;
   return {across, across, 2.0 / 3.0 * mass * half_width * half_width};
@@ -79,7 +81,7 @@ inline std::string model_of(const BoxOnPad& box) {
          "'/></body></worldbody><actuator><motor name='push' joint='box' gear='1 0 0 0 0 0'/></actuator></mujoco>";
 }
 
-// The box's upper face lies at z = 0, under the stage's pad; both pads are nine pillars.
+// The box's upper face is at z = 0, under the stage's pad; both pads are nine pillars.
 inline std::string stacked_model(const BoxOnPad& box) {
   std::string model = model_of(box);
   const double down = -2.0 * half_height;
@@ -92,7 +94,8 @@ inline std::string stacked_model(const BoxOnPad& box) {
   return model;
 }
 
-// The same with a finger of `finger` [kg] on a guide, whose motor is `press`; the pad above the box sits at its site `finger` instead of the stage.
+// The same with a finger of `finger` [kg] on a guide, whose motor is `press`; the pad above the box
+// is at its site `finger` instead of the stage.
 inline std::string fingered_model(const BoxOnPad& box, double finger) {
   std::string model = stacked_model(box);
   model.insert(model.find("</worldbody>"),
@@ -103,10 +106,11 @@ inline std::string fingered_model(const BoxOnPad& box, double finger) {
   return model;
 }
 
-// The stiffest mode [rad/s] between finger and box: the lighter of them against 18 springs, or 9 that are fixed.
+// The stiffest mode [rad/s] between finger and box: the lighter one against 18 springs, or 9 fixed
+// ones.
 inline double fastest_of_ratio(double finger, double box) { return std::sqrt(18.0 * k_n / std::min(finger, box)); }
 
-// What a scene says of how its pads are simulated: with articulated pads there is no solver to choose.
+// The scene's lines for simulating its pads; articulated pads have no choice of solver.
 inline std::string pads_of(const std::string& fidelity, const std::string& solver) {
   return fidelity == "articulated" ? "fidelity: articulated\n" : "field_solver: " + solver + "\n";
 }
@@ -120,15 +124,15 @@ inline std::string scene_of(const BoxOnPad& box) {
          "]}\nsensors: {pad: {type: papillarray, site: pad, touches: [box], damping: " + exact(box.damping) + " s}}\n";
 }
 
-// A bench of the scene; pads are those handed over, whatever the scene's sensors are.
+// A bench of the scene with the given pads, whatever the scene's sensors.
 class CaseRun {
  public:
   explicit CaseRun(const BoxOnPad& box) : CaseRun(scene_of(box), "box.xml", model_of(box), {&box.pad}) {
-    // Articulated pads have joints before the box's.
+    // Articulated pads' joints come before the box's.
     const int first = simulation_->model()->jnt_dofadr[mj_name2id(simulation_->model(), mjOBJ_JOINT, "box")];
     Eigen::Map<Eigen::Vector3d>(simulation_->data()->qvel + first) = box.velocity;
     Eigen::Map<Eigen::Vector3d>(simulation_->data()->qvel + first + 3) = box.spin;
-    mj_comVel(simulation_->model(), simulation_->data());  // what a first tick without a step reads
+    mj_comVel(simulation_->model(), simulation_->data());  // needed by a first tick without a step
   }
   CaseRun(const std::string& scene, const std::string& file, const std::string& model,
           const std::vector<const PadLayout*>& pads) {
@@ -139,7 +143,7 @@ class CaseRun {
   }
 
   DynamicSimulation* operator->() { return simulation_.get(); }
-  // Until the tick at `time` [s] has been evaluated: truth and bodies are those of then.
+  // Runs until the tick at `time` [s] has been computed; truth and bodies are those of that tick.
   void to(double time) {
     while (static_cast<double>(done_) * simulation_->time_step(0) <= time + 1e-9) step();
   }
@@ -151,13 +155,13 @@ class CaseRun {
     ++done_;
   }
   [[nodiscard]] const BodyState& body(const std::string& name) const { return body_of(*simulation_, name); }
-  // Of the box in the world [N s].
+  // Momentum of the box in the world [N s].
   [[nodiscard]] Eigen::Vector3d momentum() const {
     const BodyState& box = body("box");
     const int id = mj_name2id(simulation_->model(), mjOBJ_BODY, "box");
     return simulation_->model()->body_mass[id] * (box.velocity + box.angular_velocity.cross(box.pose.rotation * centre));
   }
-  // Of the pad's springs on what it touches, in the world [N].
+  // Force of the pad's springs on the object, in the world [N].
   [[nodiscard]] Eigen::Vector3d force(std::size_t pad = 0) const {
     return -(body_of_pad(pad).rotation * simulation_->contact(pad).force.rowwise().sum().matrix());
   }
@@ -170,8 +174,8 @@ class CaseRun {
   std::size_t done_ = 0;
 };
 
-// The modes of the box on its pad with every element stuck: K x = omega^2 M x about the pad's origin, written out for a pad that
-// looks up and a box with the pose it starts with.
+// The modes of the box on its pad with all elements sticking: K x = omega^2 M x about the pad's
+// origin, for a pad that faces up and the box's initial pose.
 struct Modes {
   double fastest, slowest;  // rad/s
 };
@@ -184,7 +188,7 @@ inline Modes modes_of(const BoxOnPad& box) {
   };
   Matrix6 stiffness = Matrix6::Zero(), mass = Matrix6::Zero();
   for (const Element& e : box.pad.elements) {
-    // The site's x axis is the world's x or -x: the pad is symmetric, so that the sign is the same.
+    // The site's x axis is the world's x or -x; the pad is symmetric, so both give the same result.
     Eigen::Matrix<double, 3, 6> move;  // of the tip, per velocity at the origin and spin
     move << Eigen::Matrix3d::Identity(), -cross({e.tip.x(), e.tip.y(), -e.tip.z()});
     stiffness += move.transpose() * Eigen::Vector3d(e.k_tangential, e.k_tangential, e.k_normal).asDiagonal() * move;
@@ -208,12 +212,13 @@ inline double sag_of(const BoxOnPad& box) {
 }
 
 inline BoxOnPad put_down(BoxOnPad box) {
-  // Where its weight is carried, but askew: a third more on one corner, a third less on the other (a tenth of mu at most, so
-  // that it does not slide off), and 4 mrad about the vertical.
+  // At the equilibrium height, but askew: a third more on one corner, a third less on the other (at
+  // most a tenth of mu, so that the box does not slide off), and 4 mrad about the vertical.
   box.position.z() = -sag_of(box);
   const double askew = std::min(0.2 * sag_of(box) / pitch, 0.1 * box.mu);
   box.turn = {askew, 0.65 * askew, 4e-3};
-  // The stiffest mode is damped by zeta = tau omega/2 = 0.2; h tau omega^2 <= 1 then allows the 0.75/omega that the spring does.
+  // The stiffest mode is damped by zeta = tau omega/2 = 0.2; h tau omega^2 <= 1 then allows the
+  // springs' 0.75/omega.
   box.damping = 0.4 / modes_of(box).fastest;
   return box;
 }
@@ -223,7 +228,7 @@ inline BoxOnPad box_of(double mass, double stiffer, double mu) {
   return put_down(box);
 }
 
-// What a scene that is refused is told; empty when it is taken.
+// Returns the error of a refused scene; empty if it is accepted.
 inline std::string refusal(const BoxOnPad& box) {
   return refusal_of([&] { CaseRun run(box); });
 }

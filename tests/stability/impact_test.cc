@@ -1,4 +1,4 @@
-// Blows, grazing touches, falls, edges and corners, spin and shaking: each askew.
+// Impacts, grazing contacts, falls, edges and corners, spin and shaking, all askew.
 #include <numbers>
 #include <tuple>
 
@@ -14,8 +14,8 @@ double kinetic_of(CaseRun& run) {
   return 0.5 * mju_dot(moved.data(), d->qvel, static_cast<int>(run->model()->nv));
 }
 
-// What comes back of the kinetic energy of a blow at 0.5 m/s, without dashpots and weight, at `part` of the longest step.
-// `askew`: how far apart the elements touch, in parts of the depth.
+// Returned share of the kinetic energy of an impact at 0.5 m/s, without dashpots and weight, at
+// `part` of the longest step. `askew`: spread of the elements' touches, relative to the depth.
 struct Blow {
   double returned;
   double phase;  // h omega
@@ -37,11 +37,13 @@ Blow blow(double mass, double stiffer, double mu, double across, double askew, d
   return {kinetic_of(run) / before, step * fastest};
 }
 
-// One spring, stepped velocity first, keeps Q = v^2 + y^2 - z v y, y = omega x, z = h omega. It enters at y = f z v, f of a step
-// being done inside, with Q = v^2 (1 - f (1 - f) z^2), and leaves at the same with another f. So the energy that comes back is
-// between 1 - z^2/4 and 1/(1 - z^2/4) of what came: 16 % too much at most at the longest step that is allowed, a quarter of that
-// at half the step. That is a limit of explicit springs, and this says how large it is; the bound is taken for all springs at
-// the fastest mode. With friction (the box also flies sideways at 0.1 m/s) less comes back, and how much converges as fast.
+// One spring, stepped velocity first, conserves Q = v^2 + y^2 - z v y, y = omega x, z = h omega. It
+// enters at y = f z v, with the share f of a step inside, with Q = v^2 (1 - f (1 - f) z^2), and
+// leaves in the same way with another f. So the returned energy is between 1 - z^2/4 and 1/(1 -
+// z^2/4) of the initial one: at most 16 % too much at the longest allowed step, a quarter of that
+// at half the step. This is a limitation of explicit springs, and the test shows its size; the
+// bound uses the fastest mode for all springs. With friction (the box also moves sideways at 0.1
+// m/s) less is returned, and its amount converges as fast.
 class Impact : public ::testing::TestWithParam<std::tuple<double, double>> {};
 
 TEST_P(Impact, AtHalfAMetreASecondReturnsItsEnergyWithinTheBoundOfTheStep) {
@@ -63,9 +65,9 @@ TEST_P(Impact, AtHalfAMetreASecondReturnsItsEnergyWithinTheBoundOfTheStep) {
 INSTANTIATE_TEST_SUITE_P(Stability, Impact,
                          ::testing::Combine(::testing::Values(0.005, 0.1, 5.0), ::testing::Values(0.1, 1.0, 10.0, 100.0)));
 
-// A box that flies by at 100 mm/s touches at 1 mm/s, springs back at 1 mm/s, and slips all the while: friction takes mu times the
-// blow from its speed, mu 2 mm/s. Afterwards nothing is left. It touches askew by a twentieth of how
-// deep it gets, and some of the blow goes into a turn.
+// A box that passes at 100 mm/s touches at 1 mm/s, rebounds at 1 mm/s, and slips all the time:
+// friction takes mu times the impact from its speed, mu 2 mm/s. Afterwards no force is left. The
+// box touches askew by a twentieth of its depth, and some of the impact goes into rotation.
 TEST(Stability, GrazingTouchTakesMuTimesTheBlow) {
   for (const double mass : {0.005, 0.1, 5.0}) {
     BoxOnPad box;
@@ -87,8 +89,9 @@ TEST(Stability, GrazingTouchTakesMuTimesTheBlow) {
   }
 }
 
-// A box that falls on the pad from 2 mm, leaning by 3 and 2 degrees and tumbling at 5 rad/s, bounces and comes to rest; then its
-// weight is carried, and its face lies as deep as a box that was put down.
+// A box that falls on the pad from 2 mm, leaning by 3 and 2 degrees and tumbling at 5 rad/s,
+// bounces and comes to rest; then its weight is carried, and its face is as deep as that of a box
+// that was put down.
 TEST(Stability, LeaningTumblingBoxComesToRest) {
   for (const double mass : {0.005, 0.1, 5.0}) {
     BoxOnPad box{.mass = mass, .turn = {3.0 * std::numbers::pi / 180.0, 2.0 * std::numbers::pi / 180.0, 0.1}};
@@ -105,8 +108,9 @@ TEST(Stability, LeaningTumblingBoxComesToRest) {
   }
 }
 
-// A box that spins on its pad at 100 rad/s: every element slips, f_n = m g/9 each, and the torque mu f_n sum sqrt(r^2 - e^2),
-// with e = mu f_n/k_t = 14 um hardly less than r, slows it down by torque/I a second.
+// A box spinning on its pad at 100 rad/s: every element slips, f_n = m g/9 each, and the torque mu
+// f_n sum sqrt(r^2 - e^2), with e = mu f_n/k_t = 14 um hardly less than r, slows it down by
+// torque/I per second.
 TEST(Stability, SpinningBoxSlowsDownByTheTorqueOfFriction) {
   BoxOnPad box;
   box.position.z() = -sag_of(box);
@@ -128,9 +132,9 @@ TEST(Stability, SpinningBoxSlowsDownByTheTorqueOfFriction) {
   }
 }
 
-// Pushed to and fro at 50 Hz in triangles of amplitude F. At each turn the force goes on over the peak by at most 0.69
-// s/omega_t, s = 200 F/s (x = F - s t + 2 s/omega_t sin omega_t t): 0.5 % at the 26 krad/s of 5 g on a pad of stiffness x100, so
-// that it slips over mu m g and not 2 % under it.
+// Pushed to and fro at 50 Hz in triangles of amplitude F. At each reversal the force overshoots the
+// peak by at most 0.69 s/omega_t, s = 200 F/s (x = F - s t + 2 s/omega_t sin omega_t t): 0.5 % at
+// the 26 krad/s of 5 g on a pad of stiffness x100. So it slips above mu m g, and not 2 % below.
 TEST(Stability, ShakenAt50HzSlipsAboveMuTimesTheLoad) {
   for (const double part : {0.98, 1.02}) {
     BoxOnPad box{.mass = 0.005, .pad = flat_square(3, pitch, 100.0 * k_n, 100.0 * k_t)};
@@ -152,8 +156,9 @@ TEST(Stability, ShakenAt50HzSlipsAboveMuTimesTheLoad) {
   }
 }
 
-// A pad under a finger of 1 kg on guides, over a fixed box: on its edge with six and with three of nine elements, and on its
-// corner with one. Those carry it all: depth m g/(n k_n); pushed with 0.98 of mu m g it stays, with 1.02 it goes with 0.02 mu g.
+// A pad under a finger of 1 kg on guides, over a fixed box: on its edge with six and with three of
+// nine elements, and on its corner with one. These carry everything: depth m g/(n k_n). Pushed with
+// 0.98 of mu m g it stays, with 1.02 it accelerates with 0.02 mu g.
 TEST(Stability, EdgeAndCornerCarryWhatTheWholePadCarries) {
   struct Place {
     double x, y;
@@ -162,7 +167,7 @@ TEST(Stability, EdgeAndCornerCarryWhatTheWholePadCarries) {
   for (const Place& place : {Place{0.01, 0.0, 6}, Place{-0.01, 0.0, 3}, Place{-0.01, -0.01, 1}, Place{0.01, 0.01, 4}}) {
     for (const double part : {0.98, 1.02}) {
       const double push = part * 0.5 * g;
-      // The box's corner at x, y from the pad's middle; 0.1 mm and 4 mrad off.
+      // The box's corner is at x, y from the pad's middle; 0.1 mm and 4 mrad off.
       const std::string model =
           "<mujoco><compiler angle='radian'/><worldbody><geom name='box' type='box' size='0.1 0.1 0.02' euler='0 0 0.004' pos='" +
           exact({place.x - 0.1 + 1e-4, (place.touching % 3 == 0 ? 0.0 : place.y - 0.1) + 1e-4, -0.02}) +

@@ -1,4 +1,5 @@
-// Long runs: 10,000 cycles of stick and slip, 1,000 touch-downs. None drifts. (Ten minutes of hold: tests/sim/mujoco.)
+// Long runs without drift: 10,000 cycles of stick and slip, 1,000 touch-downs. (Ten minutes of
+// hold: tests/sim/mujoco.)
 #include <limits>
 #include <numbers>
 
@@ -13,17 +14,19 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int cycles = 1000, touches = 100;  // what sanitizers look for is seen by then
+constexpr int cycles = 1000, touches = 100;  // enough for the sanitisers
 #else
 constexpr int cycles = 10000, touches = 1000;
 #endif
 
-// A tip of mass m on k_t, w = sqrt(k_t/m), dragged at v (closed form 5; tests/oracle/inertia_test.cc derives it): from sticking until mu_s N
-// the force falls to (2 mu_k - mu_s) N within a slip of 2 (pi - atan(D w/v))/w, D = (mu_s - mu_k) N/k_t, and takes 2 D/v to come back.
+// A tip of mass m on k_t, w = sqrt(k_t/m), dragged at v (closed form 5; derived in
+// tests/oracle/inertia_test.cc): from sticking until mu_s N the force falls to (2 mu_k - mu_s) N
+// within a slip of 2 (pi - atan(D w/v))/w, D = (mu_s - mu_k) N/k_t, and takes 2 D/v to recover.
 //
-// Bounds. Places are told to epsilon X, X the way so far, which is epsilon X/v in the time of a change; a cycle has two changes, each of which takes a
-// few differences of places. So a period is off by 10 epsilon X/v at most, wherever in the run, a thousand of them together by a thousand
-// times that at worst, and a force by 10 epsilon k_t X.
+// Bounds. Positions are exact to epsilon X, with X the distance so far, which is epsilon X/v in the
+// time of a change; a cycle has two changes, each computed from a few differences of positions. So
+// a period is off by at most 10 epsilon X/v anywhere in the run, a thousand of them together by at
+// most a thousand times that, and a force by 10 epsilon k_t X.
 TEST(LongRun, TenThousandCyclesOfStickAndSlipKeepPeriodAndDrop) {
   constexpr double k_normal = 1000.0, k_tangential = 300.0, depth = 1e-3, load = k_normal * depth, frequency = 180.0, v = 33e-3;
   const Friction friction{0.6, 0.4};
@@ -45,7 +48,7 @@ TEST(LongRun, TenThousandCyclesOfStickAndSlipKeepPeriodAndDrop) {
         if (tick == 0) continue;
         const double after = (1.0 - event.fraction) * dt;
         if (event.to == ElementState::slip) slips.push_back(time - after);
-        // Since it stands the force has grown by k v; it fell from mu_s N.
+        // Since the tip stopped the force has grown by k v; it fell from mu_s N.
         if (event.to == ElementState::stick && !slips.empty()) {
           const double now = field.tangential_force(0).head<2>().dot(along) / v;
           drops.push_back(friction.mu_static * load - (now - k_tangential * v * after));
@@ -61,7 +64,7 @@ TEST(LongRun, TenThousandCyclesOfStickAndSlipKeepPeriodAndDrop) {
     RecordProperty("drop_off_" + std::to_string(dt), std::to_string(worst_drop / drop * 1e12) + "e-12");
     EXPECT_LT(worst_period, bound);
     EXPECT_LT(worst_drop, 10.0 * epsilon * k_tangential * way);
-    // Of a tenth of the run each, the first and the last.
+    // Compares the first and the last tenth of the run.
     const std::size_t part = static_cast<std::size_t>(cycles) / 10;
     const double first = (slips[part] - slips[0]) / static_cast<double>(part),
                  last = (slips[slips.size() - 1] - slips[slips.size() - 1 - part]) / static_cast<double>(part);
@@ -70,9 +73,10 @@ TEST(LongRun, TenThousandCyclesOfStickAndSlipKeepPeriodAndDrop) {
   }
 }
 
-// Down, sideways, up, again and again along the same poses: a pad of nine elements, askew, which sticks, slips and lets go. A touch-down
-// begins with nothing of the one before, so each has the same forces, to the bit.
-Pose pressing(int tick) {  // of 40 in a touch-down
+// Down, sideways and up, repeatedly along the same poses: a pad of nine elements, askew, which
+// sticks, slips and separates. A touch-down keeps nothing of the one before, so all have
+// bit-identical forces.
+Pose pressing(int tick) {  // 40 ticks per touch-down
   const double phase = 2.0 * std::numbers::pi * tick / 40.0;
   Pose pose;
   pose.rotation = (Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.013, Eigen::Vector3d::UnitY()) *
@@ -107,8 +111,8 @@ TEST(LongRun, AThousandTouchDownsOfAFieldAreTheSameToTheBit) {
   }
 }
 
-// An articulated pad is solved iteratively, from where the step before has left it: its touch-downs are alike to what the solver's
-// tolerance of 1e-10 leaves. (Measured: to the bit.)
+// An articulated pad is solved iteratively, starting from the step before: its touch-downs are
+// equal within the solver's tolerance of 1e-10. (Measured: bit-identical.)
 TEST(LongRun, AThousandTouchDownsOfArticulatedPillarsAreAlike) {
   ArticulatedStage simulation(flat_square(3, 7e-3, k_n, k_t), Plane{}, {0.5, 0.5}, 1e-3);
   std::vector<double> first;
@@ -130,11 +134,14 @@ TEST(LongRun, AThousandTouchDownsOfArticulatedPillarsAreAlike) {
   EXPECT_LT(worst, 1e-10 * largest);
 }
 
-// A box of 100 g on a guide bounces on a pad without dashpots, touching askew. Velocity first, what is kept in flight and in contact is
+// A box of 100 g on a guide bounces on a pad without dashpots, touching askew. Stepped velocity
+// first, in flight and in contact the invariant is
 //   Q = v^2/2 + g x + k x^2/(2 m) - (h v/2) (g + k x/m)                                 (x < 0 in the pad, else without k)
-// A step ends inside with x = f h v, f of it being done in the pad: Q has changed by -(z v)^2 f (1 - f)/2, z = h omega, and by as much to the
-// other side where it leaves. So a bounce changes the energy by z^2 (f' (1 - f') - f (1 - f)), at most z^2/4 either way: no mean, and a
-// standard deviation of z^2 sqrt(2/180) where f and f' are as good as random. After n bounces: 0.105 z^2 sqrt(n), five times that at most.
+// A step that ends inside with x = f h v has the share f in the pad: Q changes by -(z v)^2 f (1 -
+// f)/2, z = h omega, and with the opposite sign where the box leaves. So a bounce changes the
+// energy by z^2 (f' (1 - f') - f (1 - f)), at most z^2/4 either way: zero mean, and a standard
+// deviation of z^2 sqrt(2/180) if f and f' are practically random. After n bounces: 0.105 z^2
+// sqrt(n), of which five are allowed.
 TEST(LongRun, AThousandBouncesNeitherGainNorLose) {
   const double mass = 0.1, omega = std::sqrt(9.0 * k_n / mass), high = 0.2e-3, speed = std::sqrt(2.0 * g * high);
   for (const char* integrator : {"Euler", "implicitfast", "discrete"}) {
@@ -158,8 +165,8 @@ TEST(LongRun, AThousandBouncesNeitherGainNorLose) {
       while (bounces < touches) {
         run.step();
         const bool flies = run->contact(0).state == PadState::no_contact;
-        if (flies && (!flying || !begun)) {  // it has just left, or been let go
-          // Position and velocity are of the step's end; in the step it flew.
+        if (flies && (!flying || !begun)) {  // it has just left, or been released
+          // Position and velocity are those of the step's end; the box flew during the step.
           const double v = run->data()->qvel[0], energy = 0.5 * v * v + g * run->data()->qpos[0] - 0.5 * g * step * v;
           if (!begun) start = energy;
           bounces += begun ? 1 : 0;

@@ -1,4 +1,5 @@
-// A box of 5 g to 5 kg on a pad of 0.1 to 100 times the real stiffness, with mu 0.01 to 2 and steps of 0.1 to 2 ms.
+// A box of 5 g to 5 kg on a pad of 0.1 to 100 times the real stiffness, with mu 0.01 to 2 and steps
+// of 0.1 to 2 ms.
 #include <tuple>
 
 #include "tests/stability/hard_case.h"
@@ -14,8 +15,8 @@ double settling_time(const BoxOnPad& box) {
   return samples(14.0 / (0.5 * box.damping * slowest * slowest));
 }
 
-// At rest: the springs carry the weight and the push, to 1e-4 of what presses (0.1 % is the bar; 1e-6 is left of the ringing), at
-// the depth m g/K_n. A turn by 4 mrad changes the depth by its square.
+// At rest: the springs carry the weight and the push to 1e-4 of the press (the limit is 0.1 %; 1e-6
+// of the ringing is left), at the depth m g/K_n. A turn by 4 mrad changes the depth by its square.
 void expect_at_rest(CaseRun& run, const BoxOnPad& box, double push) {
   const double weight = box.mass * g;
   EXPECT_LT((run.force() + Eigen::Vector3d(push, 0.0, -weight)).norm(), 1e-4 * weight);
@@ -26,12 +27,13 @@ void expect_at_rest(CaseRun& run, const BoxOnPad& box, double push) {
   EXPECT_LT(run.body("box").velocity.norm(), 1e-5 * std::sqrt(g * sag_of(box))) << "m/s";
 }
 
-// Rest, then a quarter of what friction bears, then one and a half: it slides. Then
-//   m (v_1 - v_0) = sum h (push + weight + force of the springs)        to 1 % of the half of friction that is left over,
-// every element pulls with mu f_n, and the acceleration is g mu/2 to 1 %. The last where the face stays level: the box moves by
-// less than 10 mm, which turns the face by a = m g 10 mm/K_r, so that the pad pushes aside with m g a: 1 % of m g mu/2 at a =
-// mu/200. It is not pushed to slip where it would tip over: where the springs give way by more than 2.5 mm before they slip, or
-// the face turns by more than mu with every millimetre.
+// Rest, then a quarter of the friction limit, then one and a half: it slides. Then
+//   m (v_1 - v_0) = sum h (push + weight + force of the springs)        to 1 % of the excess half of the friction limit,
+// every element pulls with mu f_n, and the acceleration is g mu/2 to 1 %. The last holds if the
+// face stays level: the box moves by less than 10 mm, which turns the face by a = m g 10 mm/K_r, so
+// that the pad pushes sideways with m g a: 1 % of m g mu/2 at a = mu/200. The box is not pushed to
+// slip if it would tip over: if the springs yield by more than 2.5 mm before they slip, or the face
+// turns by more than mu per millimetre.
 void expect_rest_and_slide(const BoxOnPad& from) {
   BoxOnPad box = from;
   const double weight = box.mass * g, lateral = static_cast<double>(box.pad.elements.size()) * box.pad.elements[0].k_tangential;
@@ -87,8 +89,8 @@ INSTANTIATE_TEST_SUITE_P(Stability, MassStiffnessFriction,
 
 class MassStiffnessStep : public ::testing::TestWithParam<std::tuple<double, double, double>> {};
 
-// Refused exactly where h > 0.75/omega of the fastest mode, computed here from the masses and springs; else right. What the
-// message allows is rounded down to three digits.
+// Refused exactly if h > 0.75/omega of the fastest mode, computed here from the masses and springs;
+// otherwise correct. The step in the message is rounded down to three digits.
 TEST_P(MassStiffnessStep, IsRightOrRefusedWithTheLimit) {
   const auto [mass, stiffer, step] = GetParam();
   BoxOnPad box = box_of(mass, stiffer, 0.5);
@@ -109,8 +111,8 @@ INSTANTIATE_TEST_SUITE_P(Stability, MassStiffnessStep,
                          ::testing::Combine(::testing::Values(0.005, 0.1, 5.0), ::testing::Values(0.1, 1.0, 10.0, 100.0),
                                             ::testing::Values(1e-4, 5e-4, 1e-3, 2e-3)));
 
-// What explicit springs must refuse, implicit ones do right: 5 g on a pad of stiffness x100 with 2 ms has h omega > 70. Without
-// the energy rule, for the reason below.
+// Implicit springs are correct where explicit ones must be refused: 5 g on a pad of stiffness x100
+// with 2 ms has h omega > 70. The energy check is off, for the reason below.
 class Implicit : public ::testing::TestWithParam<std::tuple<double, double, double>> {};
 
 BoxOnPad implicit_box(double mass, double stiffer, double step) {

@@ -1,7 +1,9 @@
-"""Every command that a text shows in a block ```sh ends with exit status 0. Arguments: the project's root, the folder of the built programs.
+"""Every command in a text's block ```sh ends with exit status 0.
 
-The steps of a text are taken in their order, in a folder of their own that has the scenes, the program as ./slipbench and build/; files that
-the text shows are written there first. tools/lint/readmes.py collects the steps and says which blocks are not run.
+Arguments: the project's root, the folder of the built programs. The steps of a text run in order,
+in a temporary folder with the scenes, the program as ./slipbench and build/; files shown in the
+text are written there first. tools/lint/readmes.py collects the steps and defines which blocks are
+skipped.
 """
 
 import os
@@ -26,7 +28,7 @@ def make_folder(folder):
 
 
 def failures(text):
-    """The text's commands that fail, each with what it printed."""
+    """Yields the text's failing commands, each with its output."""
     steps = list(commands(text))
     if not any(step[0] == "run" for step in steps):
         return

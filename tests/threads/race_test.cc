@@ -1,4 +1,5 @@
-// The thread sanitizer of this build finds a race that is there: without this, a silent one would pass for a clean one.
+// The thread sanitizer of this build finds a planted race; without this test a silent sanitizer
+// would pass for a clean program.
 #include <atomic>
 #include <thread>
 
@@ -9,8 +10,9 @@
 namespace slipbench::testing {
 namespace {
 
-// Two works that no lock keeps apart write one number, the first once the second has begun, the second after it. What they wait by orders nothing,
-// so that the race is there in every run. It stands apart from the number: the sanitizer remembers the last four accesses of eight bytes.
+// Two unsynchronised tasks write one number, the first once the second has begun, the second after
+// it. Their waiting creates no ordering, so that the race occurs in every run. The flag is kept
+// away from the number because the sanitizer remembers the last four accesses of eight bytes.
 void race() {
   alignas(64) int shared = 0;
   alignas(64) std::atomic<bool> begun{false};

@@ -1,4 +1,5 @@
-// Sweeps by four threads that leave the thread sanitizer nothing to say: with halt_on_error=1 a race ends the test.
+// Sweeps by four threads without reports of the thread sanitizer: with halt_on_error=1 a race ends
+// the test.
 #include <string>
 #include <vector>
 
@@ -11,8 +12,8 @@
 namespace slipbench::testing {
 namespace {
 
-// Scenes that have every sensor, both fidelities, spectra, a detector and controllers at work in several threads at once, as short as they
-// may be.
+// Scenes that use every sensor, both fidelities, spectra, a detector and controllers in several
+// threads at once, as short as possible.
 struct Sweep {
   std::string scene;
   std::vector<Override> overrides;
@@ -22,7 +23,7 @@ void PrintTo(const Sweep& sweep, std::ostream* out) { *out << sweep.scene; }
 class Threads : public FolderTest, public ::testing::WithParamInterface<Sweep> {};
 
 TEST_P(Threads, SweepWithoutARace) {
-  constexpr std::size_t trials = 6;  // so that a thread begins a second one beside others that have not ended their first
+  constexpr std::size_t trials = 6;  // so that a thread begins a second trial while others are in their first
   SweepOptions options;
   options.scene_path = SLIPBENCH_SOURCE_DIR "/scenes/" + GetParam().scene;
   options.overrides = GetParam().overrides;

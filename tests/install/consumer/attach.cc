@@ -1,4 +1,4 @@
-// A pad on somebody else's model: attach LIBRARY. Exit status 0: it carries what stands on it.
+// A pad on a foreign model: attach LIBRARY. Exit status 0: the pad carries the load on it.
 #include <cmath>
 
 #include <mujoco/mujoco.h>

@@ -1,5 +1,5 @@
-// What somebody else's program does with the installed libraries: presses one pillar, slides it, and asks when it slips.
-// Exit status 0: at mu f_n/(k_t v), as it must.
+// A foreign program with the installed libraries: presses one pillar, slides it, and reads when it
+// slips. Exit status 0: at mu f_n/(k_t v), as expected.
 #include <cmath>
 
 #include "sim/core/quantity.h"
