@@ -1,4 +1,6 @@
-"""The site of `./slipbench docs`: all links lead somewhere, nothing comes from elsewhere, and pages look as they should."""
+"""The site of `./slipbench docs`: links work, nothing is loaded from elsewhere, and pages look
+right.
+"""
 
 import html.parser
 import io
@@ -17,12 +19,12 @@ sys.path[:0] = [str(ROOT / "tests/tools/base/page"), str(ROOT / "tools/lint")]
 import chromium  # noqa: E402
 from tree import project_files  # noqa: E402
 
-# A page of text, one of tables and the wide Python reference.
+# A text page, a page of tables and the wide Python reference.
 LOOKED_AT = ("index.html", "tools/base/dataset/index.html", "python.html")
 
 
 class Page(html.parser.HTMLParser):
-    """The anchors of a page, and what it asks for: (attribute, address)."""
+    """Returns a page's anchors, and its links: (attribute, address)."""
 
     def __init__(self, text):
         super().__init__()

@@ -16,7 +16,7 @@ PROGRAM = str(Path(sys.argv.pop(1)).resolve())
 
 
 def told(*words):
-    """What the program prints with --json."""
+    """Returns the program's output with --json."""
     return json.loads(subprocess.run([PROGRAM, *words, "--json"], check=False, capture_output=True, text=True).stdout)
 
 
@@ -126,7 +126,7 @@ class Commands(unittest.TestCase):
 
 class Pytest(unittest.TestCase):
     def pytest(self, files, *words):
-        """Exit status and output of pytest in a folder of these files."""
+        """Returns exit status and output of pytest in a folder with these files."""
         with tempfile.TemporaryDirectory() as folder:
             for name, text in files.items():
                 (Path(folder) / name).write_text(text, encoding="utf-8")

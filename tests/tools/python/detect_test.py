@@ -18,7 +18,9 @@ LABELS = ", state: {column: slip, values: {0: non_slip, 1: gross}, rule: by hand
 
 
 def write_log(path):
-    """3 s of nine pillars under 1 N each, whose shear is 0.1 N but for 0.6 N from 1 s to 2 s. The label says slip from 1.1 s to 2 s."""
+    """3 s of nine pillars under 1 N each, with 0.1 N of shear, 0.6 N from 1 s to 2 s. The label
+    says slip from 1.1 s to 2 s.
+    """
     time = np.arange(3 * RATE) / RATE
     shear = np.where((time >= 1) & (time < 2), 0.6, 0.1)
     columns = {"t": time}
@@ -68,7 +70,7 @@ class DetectTest(unittest.TestCase):
             with self.assertRaisesRegex(slipbench.InputError, message):
                 judge("force_ratio", self.place / "dead.h5")
         alarms = self.detect("labelled")["trials"][0]["alarms"]
-        for name in ("without", "neighbour"):  # all pillars of the log read the same
+        for name in ("without", "neighbour"):  # all pillars of the log have equal readings
             self.assertEqual(self.detect(name)["trials"][0]["alarms"], alarms)
 
     def test_an_unknown_detector_is_named_without_another_command(self):

@@ -24,7 +24,7 @@ def make(**options):
 
 
 def total_force(environment, observation):
-    """The measured grip force [N], summed as the controllers do."""
+    """Returns the measured grip force [N], summed like the controllers do."""
     names = environment.unwrapped.observation_names
     return sum(float(value) for name, value in zip(names, observation, strict=True) if name.startswith("pad.") and name.endswith("FZ"))
 
@@ -39,7 +39,7 @@ class Grasps(unittest.TestCase):
         from stable_baselines3.common.env_checker import check_env as check
 
         for name in ("Grasp-v0", "GraspLift-v0", "StageSlip-v0"):
-            check(gymnasium.make(f"slipbench/{name}").unwrapped)  # what it warns of is an error here
+            check(gymnasium.make(f"slipbench/{name}").unwrapped)  # its warnings are errors here
 
     def test_two_of_them_match(self):
         check_environments_match(make(), make(), num_steps=60, seed=4)
@@ -74,7 +74,7 @@ class Grasps(unittest.TestCase):
                 one.step(action)
         with self.assertRaisesRegex(slipbench.InputError, r"^actions: expected shape \(2, 1\), found \(3, 1\)$"):
             two.step(np.zeros((3, 1)))
-        one.step(np.zeros(1))  # what was refused has ended nothing
+        one.step(np.zeros(1))  # a refused action has not ended the episode
 
     def test_episodes_of_a_seed_differ_and_repeat(self):
         environment = make()
@@ -205,7 +205,9 @@ class Grasps(unittest.TestCase):
             return
 
         def height():
-            """Of the box's orange in the picture [pixel rows from below], and its share of the picture."""
+            """Returns the rows of the box's orange in the picture [pixels from below], and its
+            share of the picture.
+            """
             picture = environment.render().astype(int)
             self.assertEqual(picture.shape, (480, 480, 3))
             rows, _ = np.nonzero((picture[:, :, 0] > picture[:, :, 2] + 60) & (picture[:, :, 0] > 80))
@@ -250,7 +252,7 @@ DRAWN = {"duration": "2.2 s", "motion.distance": "10 mm",
 
 class Seeds(unittest.TestCase):
     def scales(self, info):
-        """What was drawn for each environment of a vector."""
+        """Returns the drawn values of each environment of a vector."""
         params = info["params"]
         return [float(scale) for scale in (params["friction.scale"] if isinstance(params, dict) else [one["friction.scale"] for one in params])]
 
@@ -277,7 +279,7 @@ class Seeds(unittest.TestCase):
         one_by_one = []
         for i in range(4):
             environment = slipbench.gym.GraspEnv(values=DRAWN)
-            environment.reset()  # whatever came before
+            environment.reset()  # independent of earlier episodes
             one_by_one.append([environment.reset(seed=7 + i)[1]["params"]["friction.scale"],
                                *(environment.reset()[1]["params"]["friction.scale"] for _ in range(2))])
         expected = [list(column) for column in zip(*one_by_one, strict=True)]
@@ -329,7 +331,7 @@ class Seeds(unittest.TestCase):
                 with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "no episode has begun: reset\\(\\) comes first"):
                     environment.step(action)
                 environment.reset(seed=1)
-                if environment is vector:  # the next episode begins by itself
+                if environment is vector:  # the next episode begins automatically
                     continue
                 with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "the episode is over: reset\\(\\) comes first"):
                     for _ in range(3000):
@@ -346,7 +348,7 @@ class Failing(unittest.TestCase):
 
             def __init__(self, source):
                 if Fails.fails:
-                    raise ValueError("not today \udce9")  # a lone surrogate, which no UTF-8 has
+                    raise ValueError("not today \udce9")  # a lone surrogate, which UTF-8 cannot encode
 
             def update(self, frame):
                 return slipbench.State.NON_SLIP

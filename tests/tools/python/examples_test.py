@@ -12,7 +12,8 @@ from public_names import functions
 
 del sys.argv[1]
 FOLDER = Path(__file__).resolve().parents[3] / "tools/python"
-# Runs the script of the second argument; writes which functions of the package it calls into the file of the first.
+# Runs the script of the second argument; writes the package functions it calls to the file of the
+# first.
 CALLS = """
 import json, runpy, sys, threading
 calls = set()
@@ -40,7 +41,7 @@ class Examples(unittest.TestCase):
             scripts[-1].write_text(text, encoding="utf-8")
         cls.calls = set()
         for script in scripts:
-            # What takes minutes has a short way, too.
+            # Slow scripts have a short mode.
             quick = ["--quick"] if "--quick" in script.read_text(encoding="utf-8") else []
             subprocess.run([sys.executable, "-c", CALLS, "calls.json", str(script), *quick], cwd=cls.folder, check=True)
             cls.calls |= {tuple(call) for call in json.loads((cls.folder / "calls.json").read_text(encoding="utf-8"))}
@@ -50,7 +51,7 @@ class Examples(unittest.TestCase):
         cls.holder.cleanup()
 
     def test_every_public_function_is_called(self):
-        # What a tutorial's test runs is called, too.
+        # Functions called in a tutorial's test count as called.
         tutorials = "".join(path.read_text(encoding="utf-8") for path in (FOLDER / "tutorials").glob("*.ipynb"))
         named = set(re.findall(r"\bslipbench[.\w]*\.(\w+)\(", tutorials))
         offered = dict(functions())

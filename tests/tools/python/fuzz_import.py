@@ -44,7 +44,7 @@ with instrumented:
     import numpy as np
     import pyarrow as pa
     import pyarrow.parquet
-    import rosbags.highlevel  # noqa: F401  to be instrumented, before bags.py imports it
+    import rosbags.highlevel  # imported before bags.py does, so that it is instrumented
     import slipbench
     from rosbags.rosbag1 import Writer as Writer1
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer as Writer2
@@ -97,7 +97,7 @@ WORDS = [
 
 
 def bag_types(version, pillar=PILLAR, message=MESSAGE):
-    """A store with the messages of the bags, for ROS 1 or 2."""
+    """Returns a type store with the messages of the bags, for ROS 1 or 2."""
     store = get_typestore({1: Stores.ROS1_NOETIC, 2: Stores.LATEST}[version])
     store.register(
         get_types_from_msg(pillar, "fuzz_msgs/msg/Pillar") | get_types_from_msg(message, "fuzz_msgs/msg/Pad")
@@ -106,7 +106,7 @@ def bag_types(version, pillar=PILLAR, message=MESSAGE):
 
 
 def bag_messages(version):
-    """A store, and three messages in its encoding."""
+    """Returns a store, and three messages in its encoding."""
     store = bag_types(version)
     types = store.types
     made = []
@@ -155,14 +155,14 @@ def write_bag2(folder, plugin, mode=CompressionMode.NONE):
 
 
 def npy(array):
-    """The bytes of an .npy file."""
+    """Returns the bytes of an .npy file."""
     file = io.BytesIO()
     np.save(file, array)
     return file.getvalue()
 
 
 def npz(*members, compression=zipfile.ZIP_STORED):
-    """An .npz file of named members."""
+    """Returns an .npz file of named members."""
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", compression) as archive:
         for name, data in members:
@@ -171,7 +171,7 @@ def npz(*members, compression=zipfile.ZIP_STORED):
 
 
 def parquet(**options):
-    """A Parquet file with numbers, lists, texts and times."""
+    """Returns a Parquet file with numbers, lists, texts and times."""
     columns = {
         "t": pa.array([0.0, 0.01, 0.02]),
         "f": pa.array([[1.0, 2.0]] * 3, pa.list_(pa.float32())),
@@ -272,7 +272,9 @@ class Fuzzer:
         return folder
 
     def read(self, kind, data):
-        """Imports an input without an output. Raises InputError where it is refused; anything else is a fault."""
+        """Imports a source without an output. Raises InputError if it is refused; anything else is
+        a fault.
+        """
         source, map = self.write(kind, data)
         (self.folder / "map.yaml").write_bytes(map if isinstance(map, bytes) else map.encode())
         described = recordings.Map(block.read_map(str(self.folder / "map.yaml")))

@@ -23,7 +23,8 @@ HAS_IMPLICIT = hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
 
 
 def stock(collide=True):
-    """The gripper and the box of hold.xml without any pad; its geoms collide, as a robot's do."""
+    """Returns the gripper and the box of hold.xml without pads; its geoms collide, like a
+    robot's."""
     text = re.sub(r"<extension>.*</extension>|<sensor>.*</sensor>|<plugin instance=[^>]*/>", "", HOLD.read_text(encoding="utf-8"), flags=re.DOTALL)
     return mujoco.MjSpec.from_string(text.replace('<geom contype="0" conaffinity="0"/>', "") if collide else text)
 
@@ -36,7 +37,7 @@ def grasp(model, seconds=1.0, control=4.0):
 
 
 def held(spec, left="left_pad", right="right_pad", touch="box", **more):
-    """The pads of hold.xml."""
+    """Attaches the pads of hold.xml."""
     return [slipbench.mujoco.attach_pad(spec, site, touch, friction=0.5, **more) for site in (left, right)]
 
 
@@ -51,7 +52,8 @@ class Attach(unittest.TestCase):
         right = slipbench.mujoco.attach_pad(spec, "right_pad", touch="box", friction=0.5)
         data = grasp(spec.compile(), 3.0)
         self.assertAlmostEqual(left.read(data).force[:, 2].sum(), 4.0, places=3)  # the fingers' 4 N
-        # Each pad carries half of 0.1 kg; the pads' axes stand level, so that it is all tangential.
+        # Each pad carries half of 0.1 kg; the pads' axes are level, so that the load is all
+        # tangential.
         for pad in (left, right):
             self.assertAlmostEqual(np.hypot(*pad.read(data).force[:, :2].sum(axis=0)), 0.05 * 9.81, places=5)
         self.assertEqual(set(left.read(data).unit_state), {0.0, 1.0})
@@ -200,7 +202,7 @@ class Cpp(unittest.TestCase):
     @unittest.skipUnless(TRACE, "attached_trace is built for the bench's own MuJoCo")
     def test_the_same_pads_attached_in_cpp_and_in_python(self):
         for solver in ("explicit", "implicit"):
-            text = stock().to_xml()  # rounded: both ways begin with it
+            text = stock().to_xml()  # rounded, so both methods start from it
             spec = mujoco.MjSpec.from_string(text)
             with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
                 file.write(text)
@@ -273,7 +275,8 @@ class Step(unittest.TestCase):
             left.read(data)
 
     def test_longest_step_is_that_of_the_closed_form(self):
-        # 2 kg on a vertical slider over a plate, 4 springs of 1 kN/m: omega = sqrt(4000/2) = 44.7 rad/s, and a step of 1/omega is borne.
+        # 2 kg on a vertical slider over a plate, 4 springs of 1 kN/m: omega = sqrt(4000/2) = 44.7
+        # rad/s, and a step of 1/omega is stable.
         spec = mujoco.MjSpec.from_string("""<mujoco><worldbody><geom name="plate" type="plane" size="1 1 1" contype="0" conaffinity="0"/>
             <body pos="0 0 0.2"><joint type="slide" axis="0 0 1"/><geom size="0.01" mass="2"/><site name="pad"/></body></worldbody></mujoco>""")
         slipbench.mujoco.attach_pad(spec, "pad", "plate", pad=[[x, y, 0, 1000, 200] for x in (-0.01, 0.01) for y in (-0.01, 0.01)], damping=1e-4)

@@ -1,4 +1,4 @@
-"""A detector in a module of its own, as a worker process can import it."""
+"""A detector in a separate module, which a worker process can import."""
 
 import slipbench
 

@@ -19,7 +19,7 @@ GRASP = {"friction": {"static": 0.2, "kinetic": 0.15}, "duration": "2.5 s", "mot
 
 @slipbench.detector("twin_of_force_ratio")
 class ForceRatio:
-    """The catalogue's force_ratio over all units, told a ratio that a scene may set."""
+    """The catalogue's force_ratio over all units, with a ratio that a scene may set."""
 
     parameters = {"share": 0.3}
     made = 0
@@ -42,7 +42,7 @@ class ForceRatio:
 
 @slipbench.controller("twin_of_hold_preset")
 class HoldPreset:
-    """As hold_preset: tightens below the preset force, then keeps the last position."""
+    """Like hold_preset: tightens below the preset force, then keeps the last position."""
 
     def __init__(self, source):
         self.preset = source.preset
@@ -75,7 +75,7 @@ class NinePillars:
 
 
 def one_point(measured, **layout):
-    """A sensor of one point whose measure() says what it is told."""
+    """A sensor of one point whose measure() returns a given value."""
 
     class One:
         def __init__(self, source):
@@ -218,7 +218,7 @@ class OwnDetectors(unittest.TestCase):
             self.assertEqual(result["detector"]["type"], "twin_of_force_ratio")
             own = slipbench.evaluate("twin_of_force_ratio", path, parameters={"share": 0.05})
             self.assertNotEqual(own["all"], result["all"])
-            # The child that judges has none of this process's other threads, and must not wait for them.
+            # The judging child has none of this process's other threads and must not wait for them.
             stop = threading.Event()
             other = threading.Thread(target=stop.wait)
             busy = threading.Thread(target=lambda: [None for _ in iter(lambda: stop.wait(0.001), True)])
@@ -263,7 +263,8 @@ class OwnControllers(unittest.TestCase):
     def test_a_twin_of_a_controller_gives_its_trial(self):
         scene = slipbench.Scene.load("grasp/lift.yaml").set(GRASP)
         own, catalogues = (scene.set({"controller.type": name}).run(seed=3) for name in ("twin_of_hold_preset", "hold_preset"))
-        # hold_preset never reacts to slip, so its reaction time is null. A controller of the user's counts as reacting when it tightens after a slip.
+        # hold_preset never reacts to slip, so its reaction time is null. A custom controller counts
+        # as reacting if it tightens after a slip.
         self.assertIsNone(catalogues.outcome["reaction_time_s"])
         self.assertEqual({**own.outcome, "reaction_time_s": None}, catalogues.outcome)
         np.testing.assert_array_equal(own.control.command, catalogues.control.command)

@@ -1,4 +1,4 @@
-"""The package gives what the command line gives. Argument: the program."""
+"""The package gives the command line's results. Argument: the program."""
 
 import gzip
 import importlib.util
@@ -20,7 +20,7 @@ PROGRAM = sys.argv.pop(1)
 
 
 def command_line(folder, *words):
-    """The dataset that the program writes."""
+    """Returns the dataset that the program writes."""
     path = str(Path(folder) / "command.h5")
     subprocess.run([PROGRAM, *words, "-o", path, "--quiet"], check=True)
     return path
@@ -109,7 +109,7 @@ class Trials(unittest.TestCase):
 
     def test_a_check_is_that_of_the_command_line(self):
         path, expect = slipbench.scenes() / "grasp/lift.yaml", {"dropped": False, "max_slip": "0.1 mm"}
-        with tempfile.TemporaryDirectory() as folder:  # where a failed check leaves its evidence
+        with tempfile.TemporaryDirectory() as folder:  # a failed check leaves its evidence there
             done = subprocess.run([str(Path(PROGRAM).resolve()), "check", str(path), "--set", "duration=2.5 s", "--set", "motion.distance=30 mm", "--set", "expect=" + json.dumps(expect),
                                    "--trials", "2", "--json"], capture_output=True, text=True, check=False, cwd=folder)
         told = json.loads(done.stdout)["scenes"][0]
@@ -119,13 +119,14 @@ class Trials(unittest.TestCase):
 
 
 class Warnings(unittest.TestCase):
-    """What the command line warns of is a Python warning with the same text."""
+    """Warnings of the command line are Python warnings with the same text."""
 
     STAGE = str(slipbench.scenes() / "papillarray/stage.yaml")
     LIFT = str(slipbench.scenes() / "grasp/lift.yaml")
 
     def told(self, call):
-        """Texts of the warnings in `call`, which are all of lines in this file, and what it returns."""
+        """Returns the texts of the warnings in `call`, all at lines of this file, and its
+        result."""
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             result = call()
@@ -311,7 +312,7 @@ class Datasets(unittest.TestCase):
 
 
 def values_of(path, check):
-    """Everything that the package reads of a dataset, as text."""
+    """Returns everything that the package reads of a dataset, as text."""
 
     def arrays(group):
         return {name: arrays(group[name]) if isinstance(group[name], slipbench.Arrays) else group[name][()].tobytes() for name in group}
@@ -328,7 +329,9 @@ def values_of(path, check):
 
 
 class DamagedDatasets(unittest.TestCase):
-    """What the command line refuses, the package refuses: an InputError of one line that begins with the file's name."""
+    """The package refuses what the command line refuses: an InputError of one line that begins with
+    the file's name.
+    """
 
     @classmethod
     def setUpClass(cls):
@@ -376,7 +379,7 @@ class DamagedDatasets(unittest.TestCase):
         self.assertEqual(values_of(path, check=True), values_of(self.path, check=True))
 
     def write_pair(self, first, second, number):
-        """`first` and `second` as files 0 and `number` of a dataset of two files."""
+        """Joins `first` and `second` as files 0 and `number` of a dataset of two files."""
         import h5py
 
         paths = [Path(self.folder.name) / name for name in ("pair.h5", "pair-0001.h5")]
@@ -404,7 +407,7 @@ class DamagedDatasets(unittest.TestCase):
         second.write_bytes(self.whole[:1000])
         self.assertIn(f"{second}: is cut short: it has 1000 of {len(self.whole)} bytes", self.refusal(first))
         first, second = self.write_pair(self.whole, self.whole, 1)
-        with slipbench.open(first, check=False) as data:  # together they are one; their digests are of two
+        with slipbench.open(first, check=False) as data:  # together they are one; their digests belong to two
             self.assertEqual(data.trials, [0, 1, 2, 3])
         self.assertIn("is damaged: its content has the SHA-256", self.refusal(first))
 
@@ -431,7 +434,9 @@ class DamagedDatasets(unittest.TestCase):
 
 
 def with_training(network, trained):
-    """A copy of a network's file whose description, the last entry of the file, says what it was trained on."""
+    """Copies a network's file with other training data in its description, the last entry of the
+    file.
+    """
     data = network.read_bytes()
     start = data.rindex(b"\x72", 0, data.index(b"\n\tslipbench\x12"))  # metadata_props is field 14 of ModelProto, of the wire type 2
     text = data[data.index(b'{"format"', start) :]

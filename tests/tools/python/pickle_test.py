@@ -1,4 +1,6 @@
-"""Scenes, trials, datasets, windows and environments are pickled and copied, and work in processes of every kind. Argument: the program."""
+"""Scenes, trials, datasets, windows and environments can be pickled, copied and used in other
+processes. Argument: the program.
+"""
 
 import copy
 import importlib.util
@@ -23,7 +25,7 @@ KINDS = ("fork", "forkserver", "spawn")
 
 
 def both(held):
-    """What comes back of pickle, and a deep copy."""
+    """Returns a pickled copy and a deep copy."""
     return pickle.loads(pickle.dumps(held)), copy.deepcopy(held)
 
 
@@ -41,7 +43,7 @@ def onset(trial):
 
 
 def steps(env, count):
-    """What the next steps of an environment give."""
+    """Returns the results of an environment's next steps."""
     return [env.step(np.full(env.action_space.shape, -0.2, np.float32))[:4] for _ in range(count)]
 
 

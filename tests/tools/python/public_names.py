@@ -1,4 +1,4 @@
-"""What the package offers to its users."""
+"""The package's public names."""
 
 import importlib
 import inspect
@@ -11,19 +11,21 @@ import slipbench
 
 
 def modules() -> list[ModuleType]:
-    """The package, and its modules that are not private."""
+    """Returns the package and its public modules."""
     names = [module.name for module in pkgutil.iter_modules(slipbench.__path__) if not module.name.startswith("_")]
     return [slipbench, *(importlib.import_module(f"slipbench.{name}") for name in names)]
 
 
 def offered() -> dict[str, Any]:
-    """Classes and functions by their names."""
+    """Returns classes and functions by name."""
     found = {name: vars(module)[name] for module in modules() for name in module.__all__}
     return {name: value for name, value in found.items() if inspect.isclass(value) or inspect.isfunction(value)}
 
 
 def functions() -> Iterator[tuple[str, FunctionType]]:
-    """Functions, methods, and what computes a property, by qualified name. A protocol's methods are its users' to write."""
+    """Yields functions, methods and property getters by qualified name. A protocol's methods are
+    excluded: users write them.
+    """
     for name, value in offered().items():
         if inspect.isfunction(value):
             yield name, value

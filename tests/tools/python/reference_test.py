@@ -1,4 +1,6 @@
-"""The reference holds every public name with its docstring; docstrings name what they must. Argument: the program."""
+"""The reference has every public name with its docstring, and docstrings are complete. Argument:
+the program.
+"""
 
 import ast
 import dataclasses
@@ -20,12 +22,14 @@ import reference  # noqa: E402
 
 
 def words(text):
-    """Letters and digits alone: what Markdown and HTML leave as it is. The page writes the section "Args" as "Arguments"."""
+    """Returns letters and digits alone, which Markdown and HTML keep. The page writes the section
+    "Args" as "Arguments".
+    """
     return re.sub(r"[\W_]+", "", re.sub(r"^ *Args:$", "Arguments:", text, flags=re.MULTILINE))
 
 
 def attributes(documented):
-    """Of the section `Attributes` of a class's docstring: name to description."""
+    """Parses the section `Attributes` of a class's docstring: name to description."""
     section = re.search(r"^Attributes:\n((?:    .*\n?)+)", inspect.getdoc(documented) or "", re.MULTILINE)
     return dict(re.findall(r"^    (\w+): (.+)$", section[1], re.MULTILINE)) if section else {}
 
@@ -36,7 +40,7 @@ class ThePage(unittest.TestCase):
         places = re.split(r"^#+ (\S+) \{#[^}]+\}$", page, flags=re.MULTILINE)
         told = {name: words(part) for name, part in zip(places[1::2], places[2::2], strict=True)}
         self.assertIn("slip_velocity: NDArray[float32]", page)
-        self.assertNotIn("ndarray", page)  # as numpy would have it said
+        self.assertNotIn("ndarray", page)  # as numpy would call it
         documented = {**{module.__name__: module for module in modules()}, **offered(), **dict(functions())}
         self.assertGreater(len(documented), 50)
         for name, value in documented.items():

@@ -1,5 +1,8 @@
-"""robots_test.py FOLDER WithoutModels|Models: scenes/mujoco/robots. Models needs a clone of MuJoCo Menagerie, which the variable SLIPBENCH_MENAGERIE
-names, and ends with 77 where none of its models is there."""
+"""Tests scenes/mujoco/robots: robots_test.py FOLDER WithoutModels|Models.
+
+Models needs a clone of MuJoCo Menagerie, named by the variable SLIPBENCH_MENAGERIE; exits with 77
+if none of its models is there.
+"""
 
 import contextlib
 import importlib.util
@@ -23,7 +26,7 @@ described = importlib.util.spec_from_file_location("robots", FOLDER / "robots.py
 robots = importlib.util.module_from_spec(described)
 described.loader.exec_module(robots)
 
-# What the example knows of a Panda: two coupled slides, the drive, the names.
+# What the example needs of a Panda: two coupled slides, the drive, the names.
 HAND = """<mujoco model="stand-in"><option integrator="implicitfast"/><worldbody><body name="hand" pos="0 0 0.5" quat="0 1 0 0">
   <body name="left_finger" pos="0 0 0.06"><joint name="finger_joint1" type="slide" axis="0 1 0" damping="1"/>
     <geom type="box" pos="0 0.005 0.04" size="0.01 0.005 0.02" mass="0.03"/></body>
@@ -36,7 +39,7 @@ HAND = """<mujoco model="stand-in"><option integrator="implicitfast"/><worldbody
 
 
 def run(*words):
-    """Exit status, what is printed, what is complained of."""
+    """Returns exit status, output and errors."""
     out, complaint = io.StringIO(), io.StringIO()
     with mock.patch.object(sys, "argv", ["robots.py", *map(str, words)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(complaint):
         try:
@@ -48,23 +51,26 @@ def run(*words):
 
 class Checks(unittest.TestCase):
     def slips_by_the_law(self, figures, mass, rate):
-        """Each of two pads carries half of the weight; Coulomb's law lets go where mu N is less. The grip falls by `rate` [N/s]. What sticks last
-        are the two centre pillars, 650 N/m each: the box swings on them, and is late by half a swing at most. A reading is up to two steps old. A
-        face that leans by 1 degree carries 2e-4 less than the weight."""
+        """Each of two pads carries half of the weight; by Coulomb's law it slips when mu N is less.
+        The grip falls by `rate` [N/s]. The two centre pillars, 650 N/m each, stick last: the box
+        swings on them and is late by at most half a swing. A reading is up to two steps old. A
+        face that leans by 1 degree carries 2e-4 less than the weight.
+        """
         law = mass * 9.81 / (2 * 0.5)
         late = rate * (math.pi * math.sqrt(mass / (2 * 650)) + 2 * 0.002)
         self.assertAlmostEqual(figures["m g / (2 mu) [N]"], law, places=12)
         self.assertAlmostEqual(figures["the box slips at [N]"], law, delta=late + 2e-4 * law)
-        self.assertLess(late / law, 2e-3)  # what the page says
+        self.assertLess(late / law, 2e-3)  # as documented on the page
         self.assertEqual(figures["other contacts of the box"], 0)
 
     def drive_is_what_pads_feel(self, figures):
-        # Two slides that a tendon pulls with half its force each, at rest: only what still moves is left of the balance.
+        # Two slides, each pulled by a tendon with half its force, at rest: only residual motion
+        # disturbs the balance.
         self.assertAlmostEqual(figures["normal force of the pads at rest [N]"], figures["force of the drive on a finger [N]"], delta=1e-4)
         self.assertGreater(figures["force of the drive on a finger [N]"], 1.2)  # 100 N/m over 29.7 mm, halved, is 1.49 N; the pads open it further
 
     def refuses(self, function, folder, text, **changes):
-        """attach_pad with those arguments changed; `excludes=False` takes back what it excluded."""
+        """Returns attach_pad with changed arguments; `excludes=False` removes what it excluded."""
         attach, excludes = slipbench.mujoco.attach_pad, changes.pop("excludes", True)
 
         def changed(spec, *words, **named):
@@ -140,7 +146,7 @@ class Models(Checks):
 
     def test_panda_mistakes(self):
         self.refuses(robots.panda, MENAGERIE, 'contact is possible .*<exclude body1="left_finger" body2="object"/>', excludes=False)
-        if HAS_IMPLICIT:  # else the example takes shorter steps
+        if HAS_IMPLICIT:  # otherwise the example takes shorter steps
             self.refuses(robots.panda, MENAGERIE, "the time step 2 ms is too long .* or solver='implicit'", solver="explicit")
         with mock.patch.object(robots, "JAW_SIDE", [1, 1, 0, 0]):
             self.refuses(robots.panda, MENAGERIE, "the site looks the wrong way")
@@ -149,24 +155,26 @@ class Models(Checks):
         figures, _ = robots.robotiq_2f85(MENAGERIE)
         drive, pads = figures["work of drive, springs and weight [N m/rad]"], figures["work of the pads [N m/rad]"]
         self.assertGreater(drive, 0.3)
-        # At rest they are each other's opposite. The example takes a pillar's force to act straight behind its tip, the field along the face's
-        # normal: a jaw that leans by 0.02 rad makes 22 um of 1.1 mm, at 6.3 N on each of two jaws that turn by 0.04 rad a rad of the drive.
+        # At rest they are opposite. The example takes a pillar's force as acting straight behind
+        # its tip, the field along the face's normal: a jaw that leans by 0.02 rad gives 22 um of
+        # 1.1 mm, at 6.3 N on each of two jaws that turn by 0.04 rad per rad of the drive.
         self.assertAlmostEqual(-pads, drive, delta=2 * 6.3 * 0.02 * 1.1e-3 * 0.04)
         self.slips_by_the_law(figures, 0.5, 0.1)
 
     def test_2f85_mistakes(self):
-        # The jaw is welded to the follower and carries a silicone pad: three bodies on a side.
+        # The jaw is welded to the follower and carries a silicone pad: three bodies per side.
         self.refuses(robots.robotiq_2f85, MENAGERIE, 'contact is possible .*<exclude body1="left_follower" body2="object"/>', excludes=False)
 
     def test_leap_hand(self):
         figures, _ = robots.leap_hand(MENAGERIE)
-        # Newton's second law of a bar at rest. An acceleration of 1 mm/s2 would be left of a swing: 0.1 mN of 100 g.
+        # Newton's second law of a bar at rest. A residual acceleration of 1 mm/s2 from a swing
+        # would give 0.1 mN at 100 g.
         self.assertAlmostEqual(figures["weight of the bar [N]"], 0.981, places=12)
         self.assertAlmostEqual(figures["sum of the pads' forces on it, upwards [N]"], 0.981, delta=1e-4)
         self.assertLess(figures["sum, sideways [N]"], 1e-4)
         self.assertEqual(figures["other contacts of the bar"], 0)
         fingers = [figures[f"normal force of {name} [N]"] for name in ("index", "middle", "ring")]
-        # Asked for is 1 N. The servos give way to the bar: less in the older model, more in the newer.
+        # 1 N is requested. The servos yield to the bar: less in the older model, more in the newer.
         self.assertTrue(all(0.7 < force < 1.3 for force in fingers), fingers)
         self.assertAlmostEqual(figures["normal force of thumb [N]"], sum(fingers), delta=0.02)  # faces lean by up to 1 degree: the weight's share
 

@@ -17,7 +17,7 @@ PROGRAM = sys.argv.pop(1)
 SOURCE = Path(sys.argv.pop(1))
 SCENES = SOURCE / "scenes"
 MODELINE = "# yaml-language-server: $schema="
-# Scenes whose bytes a protocol of `slipbench benchmark` counts in its digest.
+# Scenes whose bytes are part of a protocol's digest in `slipbench benchmark`.
 FROZEN = ("benchmark/*/*.yaml", "biotac_sp/slip.yaml", "myrmex/dataset.yaml", "piezo_skin/dataset.yaml")
 STAGE = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n"
 WRONG = (
@@ -74,7 +74,7 @@ WRONG = (
     STAGE + "sweep: {trials: 0}",
 )
 RIGHT = (
-    STAGE + "duration: 1e1\nmotion: {speed: 1e-3}",  # which PyYAML reads as text
+    STAGE + "duration: 1e1\nmotion: {speed: 1e-3}",  # PyYAML reads it as text
     STAGE + "motion: {speed: 4mm/s, gap: +0.5 mm, tilt: [-1 deg, 0.1]}",
     STAGE + "motion: {speed: 4000 \u00b5m/s, acceleration: 2 m/s^2}",
     STAGE + "effects: [ageing, stribeck: {speed: 1 mm/s}]",
@@ -116,7 +116,7 @@ def printed(*words):
 
 
 def faults(validator, text):
-    """The messages of a validator about YAML."""
+    """Returns a validator's messages about YAML."""
     return [f"{error.json_path}: {error.message}" for error in validator.iter_errors(yaml.safe_load(text))]
 
 
@@ -177,7 +177,7 @@ class Scenes(unittest.TestCase):
         self.assertGreater(count, 100)
 
     def test_sections_have_the_keys_of_the_parser(self):
-        """The parser's message about an unknown key lists those that it knows."""
+        """The parser's message about an unknown key lists the known ones."""
         defs = self.schema["$defs"]
         root = self.schema["properties"]
         body = "bodies: {box: {shape: box}}\nslipbench: 1\nsensors: {pad: {type: papillarray, touches: [box]}}\n"

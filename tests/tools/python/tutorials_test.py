@@ -1,6 +1,7 @@
-"""A tutorial runs from its first cell to its last, shows what it says, and is stored without outputs. Argument: its name.
+"""A tutorial runs from first to last cell, shows what its text says, and is stored without outputs.
 
-Its kernel is this Python. It speaks by sockets in the temporary folder that it runs in, and this folder is its home.
+Argument: its name. The kernel is this Python. It uses sockets in its temporary working folder,
+which is also its home.
 """
 
 import os
@@ -19,7 +20,7 @@ from traitlets.config import Config
 
 NAME = sys.argv.pop(1)
 FOLDER = Path(__file__).resolve().parents[3] / "tools/python/tutorials"
-# Of a cell, by its id: how often it shows what it must.
+# By cell id: patterns that the cell must show, and how often.
 SHOWN = {
     "dataset_and_classifier": {
         "judge": [(r"^any constant answer +same.h5 +0.500 ", 1), (r"^classifier +same.h5 +0.9[2-5]", 1), (r"^best threshold, .* 0.(8[4-9]|9[0-2])\d* +0.[89]", 2),
@@ -32,7 +33,7 @@ SHOWN = {
 
 
 def shown(cell):
-    """What a cell has shown, as text, without the colours of a terminal."""
+    """Returns a cell's output as text, without terminal colours."""
     parts = [part for one in cell.outputs for part in [one.get("text", ""), *(one.get("data", {}).get(kind, "") for kind in ("text/plain", "text/html"))]]
     return re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(parts))
 

@@ -1,4 +1,7 @@
-"""The package's own files, the studies', its extension's types and its examples pass mypy --strict. Arguments: the project's root, the package."""
+"""The package, the studies, the extension's types and the examples pass mypy --strict.
+
+Arguments: the project's root, the package.
+"""
 
 import re
 import subprocess
@@ -9,17 +12,18 @@ from pathlib import Path
 root, package = (Path(word).resolve() for word in sys.argv[1:])
 with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
-    # Other libraries may come without types: h5py, pandas, scikit-learn.
+    # Other libraries may lack types: h5py, pandas, scikit-learn.
     strict = [sys.executable, "-m", "mypy", "--strict", "--disable-error-code=import-untyped", f"--cache-dir={folder / 'cache'}"]
     text = (root / "tools/python/README.md").read_text(encoding="utf-8")
     for file, example in re.findall(r"```python (\S+)\n(.*?)```", text, re.DOTALL):
         (folder / file).write_text(example, encoding="utf-8")
-    # An example for a reader leaves the types of its own functions out; all that it uses of the package has them.
+    # Examples for readers may omit the types of their own functions; everything they use of the
+    # package has types.
     own = ["--allow-untyped-defs", "--allow-untyped-decorators", "--allow-untyped-calls"]
     examples = [*sorted(folder.glob("*.py")), *sorted((root / "tools/python/examples").glob("*.py")), root / "scenes/mujoco/robots/robots.py"]
     print([path.name for path in examples])
     ends = [subprocess.run([*strict, *own, *map(str, examples)], cwd=folder, check=False).returncode]
-    # By name: the package of a build has links to the folders of all that it is built from.
+    # By name: the package of a build has links to its source folders.
     folders = sorted(init.parent for init in package.parent.glob("slipbench_studies/**/__init__.py"))
     studies = [file for folder in folders for file in sorted(folder.glob("*.py"))]
     parts = [file for part in ("_detect", "_export", "_import", "learning") for file in sorted((package / part).glob("*.py"))]

@@ -1,4 +1,6 @@
-"""Scenes of text and dicts, values of numpy, quantities, random streams, and what units feel. Argument: the program."""
+"""Scenes from text and dicts, numpy values, quantities, random streams, and forces of units.
+Argument: the program.
+"""
 
 import copy
 import decimal
@@ -83,7 +85,7 @@ class Scenes(unittest.TestCase):
 
 
 class Numpy(unittest.TestCase):
-    """Values as scripts have them: tools of the field hand over numpy's."""
+    """Values as scripts have them: the field's tools return numpy's."""
 
     SCENE = slipbench.Scene.load("papillarray/stage.yaml")
 
@@ -205,7 +207,8 @@ class Contacts(unittest.TestCase):
         self.assertEqual(contact.force.shape, (len(sensor.t), len(labels.k_normal), 3))
         np.testing.assert_array_equal(contact.t, sensor.t)
         np.testing.assert_allclose(contact.force, labels.force, atol=1e-6)  # a flat pad on a flat surface: both frames are one
-        # Springs: f = k u, along the plane and along the normal, where pressing in is positive as the force is.
+        # Springs: f = k u, along the plane and along the normal, where indentation and force are
+        # positive.
         stiffness = np.stack([labels.k_tangential, labels.k_tangential, labels.k_normal], axis=-1)
         touches = labels.unit_state > 0
         np.testing.assert_allclose((contact.displacement * stiffness)[touches], contact.force[touches], rtol=0.05, atol=0.02)

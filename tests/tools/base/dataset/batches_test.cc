@@ -1,4 +1,4 @@
-// The dataset of a sweep: batches, what is left of them after an end at any instant, and what comes of going on.
+// The dataset of a sweep: batches, their state after an end at any instant, and the continuation.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -32,7 +32,8 @@ struct BatchesTest : FolderTest {
     TrialEncoder encoder;
     for (std::size_t k = begin; k < end; ++k) writer.append(encoder.encode(make_grasp_record(k, rows)));
   }
-  // Writes the trials up to `end` in batches of two, going on with what is there, and then does `finish`.
+  // Writes the trials up to `end` in batches of two, continuing with existing ones, and then calls
+  // `finish`.
   std::size_t run(std::size_t end, const std::function<void(SweepWriter&)>& finish, std::uint64_t limit = several) {
     SweepWriter writer(path("out.h5"), header, limit);
     const std::map<std::size_t, std::string> held = writer.resume(&params_of);
@@ -51,7 +52,7 @@ struct BatchesTest : FolderTest {
     return in_child([&] { run(end, [](SweepWriter&) { ::raise(SIGKILL); }); });
   }
   std::vector<std::string> digests() { return DatasetReader(path("out.h5")).content_sha256(); }
-  // Those of a run that nobody disturbs.
+  // Digests of an undisturbed run.
   std::vector<std::string> undisturbed() {
     run(trials, &commit);
     const std::vector<std::string> expected = digests();
@@ -65,7 +66,7 @@ TEST_F(BatchesTest, JoinedBatchesAreTheDatasetOfOne) {
   const std::vector<std::string> expected = undisturbed();
   ASSERT_GE(expected.size(), 2U);
   SweepWriter writer(path("out.h5"), header, several);
-  append(writer, 0, trials);  // a single batch, which is cut into files
+  append(writer, 0, trials);  // a single batch, split into files
   writer.commit();
   EXPECT_EQ(digests(), expected);
   EXPECT_THAT(names(), Not(Contains("out.h5.partial")));
@@ -99,7 +100,7 @@ TEST_F(BatchesTest, GivesTheContentOfAnUndisturbedRun) {
   }
 }
 
-// Finished batches are a dataset without an end: each command reads them.
+// Finished batches are a readable dataset even before the run ends.
 TEST_F(BatchesTest, BatchesAreReadAsOneDataset) {
   ASSERT_TRUE(WIFSIGNALED(kill(7)));
   const DatasetReader reader(batch(0));
@@ -141,7 +142,7 @@ TEST_F(BatchesTest, FinishedTrialsAreNotThrownAway) {
   EXPECT_EQ(run(3, &keep), 3U);
 }
 
-// Of each thing that a run is: what is changed, and a word of the message.
+// For each property of a run: a change, and a word of the error.
 TEST_F(BatchesTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
   run(3, &keep);
   const std::string before = file_sha256(batch(0));
@@ -186,7 +187,7 @@ TEST_F(BatchesTest, FilesOfTheSceneAreTheSame) {
   EXPECT_THAT(refusal({{"mine.so", digest}}), HasSubstr("file model.xml, which this run's scene does not name;"));
 }
 
-// The lock is that of the folder: a run that writes, goes on or only looks has it.
+// The lock belongs to the folder: runs that write, continue or only read hold it.
 TEST_F(BatchesTest, TwoRunsDoNotShareATarget) {
   const SweepWriter first(path("out.h5"), header);
   EXPECT_THAT(refusal_of([&] { SweepWriter(path("out.h5"), header); }), HasSubstr("another run is writing it"));
@@ -208,12 +209,12 @@ TEST_F(BatchesTest, WholeDatasetIsComplete) {
   other.seed = 8;
   EXPECT_FALSE(finished_dataset(path("out.h5"), other));
   EXPECT_FALSE(finished_dataset(path("no.h5"), header));
-  // It is not replaced by another run that asks to go on with it.
+  // Another run that asks to continue must not replace it.
   EXPECT_THAT(refusal_of([&] { SweepWriter(path("out.h5"), other).resume(&params_of); }),
               HasSubstr("out.h5 was written by another run: seed 7"));
 }
 
-// What a trial's digest does not cover any more is not joined.
+// A batch is not joined if a trial no longer matches its digest.
 TEST_F(BatchesTest, DamagedBatchIsSimulatedAgain) {
   const std::vector<std::string> expected = undisturbed();
   for (const bool readable : {true, false}) {
@@ -237,13 +238,13 @@ TEST_F(BatchesTest, DamagedBatchIsSimulatedAgain) {
       EXPECT_EQ(held.size(), 4U);
       EXPECT_EQ(held.at(5), make_grasp_record(5, rows).params);
     }
-    EXPECT_EQ(run(trials, &commit), 4U);  // the trials of the hole come first
+    EXPECT_EQ(run(trials, &commit), 4U);  // the missing trials come first
     EXPECT_EQ(digests(), expected);
     for (const std::string& name : names()) std::filesystem::remove(path(name));
   }
 }
 
-// One bit of what stands beside the trials: the text of a group.
+// One flipped bit outside the trials: in a group's text.
 TEST_F(BatchesTest, DamageBesideTheTrialsIsFound) {
   const std::vector<std::string> expected = undisturbed();
   run(6, &keep);
@@ -261,7 +262,7 @@ TEST_F(BatchesTest, DamageBesideTheTrialsIsFound) {
   EXPECT_EQ(digests(), expected);
 }
 
-// A reader that cannot run says nothing of the batches: they stay as they are.
+// Without a working reader the batches are not judged and stay unchanged.
 TEST_F(BatchesTest, ResumeWithoutAReaderLosesNothing) {
   run(6, &keep);
   std::ofstream(path("libstdc++.so.6"));
@@ -275,7 +276,7 @@ TEST_F(BatchesTest, ResumeWithoutAReaderLosesNothing) {
   EXPECT_EQ(run(trials, &commit), 6U);
 }
 
-// A batch that was copied holds nothing new. One with other trials of the same numbers is refused.
+// A copied batch adds nothing. A batch with different trials of the same numbers is refused.
 TEST_F(BatchesTest, TrialsThatStandTwice) {
   const std::vector<std::string> expected = undisturbed();
   run(6, &keep);
@@ -296,8 +297,8 @@ TEST_F(BatchesTest, TrialsThatStandTwice) {
               AllOf(HasSubstr("trial 0 is in " + batch(0)), HasSubstr("with other content, in " + batch(7))));
 }
 
-// A limit on the file's size stands for the full disk: the write fails half-way in the same place. What is left of nine trials, in batches
-// of two, which are smaller than the dataset.
+// A limit on the file's size emulates a full disk: the write fails half-way in the same place. Nine
+// trials in batches of two, each smaller than the dataset, are left.
 TEST_F(BatchesTest, FullDiskKeepsTheBatches) {
   const auto commit_as_one = [&] { return run(trials, &commit, DatasetWriter::default_shard_limit); };
   commit_as_one();
@@ -323,7 +324,7 @@ TEST_F(BatchesTest, FullDiskKeepsTheBatches) {
   }
 }
 
-// A run is killed between the renaming of its files and the end: all batches are there still.
+// A run killed between renaming its files and the end keeps all batches.
 TEST_F(BatchesTest, KilledAtTheEndItIsJoinedAgain) {
   const std::vector<std::string> expected = undisturbed();
   run(trials, &keep);
@@ -336,7 +337,7 @@ TEST_F(BatchesTest, KilledAtTheEndItIsJoinedAgain) {
   EXPECT_THAT(names(), Not(Contains("out.h5.partial")));
 }
 
-// More batches than files that a reader has open at a time.
+// More batches than a reader has files open at a time.
 TEST_F(BatchesTest, ManyBatchesAreReadAndJoined) {
   constexpr std::size_t many = 150;
   {

@@ -1,4 +1,4 @@
-// Files of others, which slipbench-reader reads before this process does.
+// Foreign files, which slipbench-reader reads before this process does.
 #include "tools/base/dataset/checked_dataset.h"
 
 #include <atomic>
@@ -52,7 +52,7 @@ TEST_F(CheckedDataset, WhatIsNoDatasetIsRefused) {
   EXPECT_THAT(refusal_of([&] { whole_dataset(path("a.h5")); }), HasSubstr("a-0001.h5"));
 }
 
-// A library that is no library ends the reader while it is loaded.
+// An invalid library ends the reader at load time.
 TEST_F(CheckedDataset, ReaderThatCannotRunSaysNothingOfTheFile) {
   std::ofstream(path("libstdc++.so.6"));
   const int status = in_child([&] {
@@ -73,7 +73,7 @@ TEST_F(CheckedDataset, CrashOfTheReaderIsDamage) {
   EXPECT_THAT(bytes_of(path("message")), StartsWith(path("a.h5") + ": is damaged: reading it crashed (Segmentation fault)"));
 }
 
-// A host that ignores the ends of its children leaves no status of them.
+// A host that ignores its children's ends leaves no exit status.
 TEST_F(CheckedDataset, NoStatusIsNeeded) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
   EXPECT_EQ(checked_dataset(path("a.h5")).trials().size(), 3U);

@@ -129,7 +129,8 @@ TEST_F(DatasetTest, DetectorComesBackAsItWasWritten) {
   EXPECT_EQ(reader.stored_digest(0), trial_digest(found));
 }
 
-// Versions before `detection` gave an early alarm a delay, and did not say from when. Slip that has no delay shows in the samples.
+// Versions before `detection` gave an early alarm a delay and did not store the start of judging.
+// The samples show slip without a delay.
 TEST_F(DatasetTest, OldOutcomesAreJudgedByTodaysRule) {
   TrialRecord seen = make_controlled_record(0, 41), early = make_controlled_record(1, 41), missed = make_controlled_record(2, 41);
   early.outcome.false_alarm_time = 0.166;
@@ -167,7 +168,7 @@ TEST_F(DatasetTest, GripperComesBackAsItWasWritten) {
   EXPECT_THAT(found.bodies.at(0).size, ElementsAre(0.0625, 0.05, 0.1));
 }
 
-// A channel that is slower than its sensor's samples, also one that never had a row.
+// A channel slower than its sensor's samples, and one that never had a row.
 TEST_F(DatasetTest, ChannelWithATimeOfItsOwnComesBackAsItWasWritten) {
   TrialRecord record = make_record(0, 7);
   SensorRecord& sensor = record.sensors[0];
@@ -277,7 +278,7 @@ TEST_F(DatasetTest, TrialsComeInOrder) {
   EXPECT_THROW(writer.append(make_trial(1, 10)), std::logic_error);
 }
 
-// What people have under the name of a dataset, and a word by which the message tells them.
+// Files that people give in place of a dataset, and a word of the error.
 TEST_F(DatasetTest, ReaderSaysWhatAFileIs) {
   using namespace std::string_literals;
   const std::string whole = bytes_of(write("whole.h5", 2, 10, DatasetWriter::default_shard_limit));
@@ -307,7 +308,7 @@ TEST_F(DatasetTest, ReaderSaysWhatAFileIs) {
     EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("other.h5")); }),
                 AllOf(HasSubstr(path("other.h5") + ": "), HasSubstr(word)));
   }
-  // The size that was written stands in the file's first bytes.
+  // The file's first bytes hold the size that was written.
   std::ofstream(path("other.h5"), std::ios::binary | std::ios::trunc) << whole.substr(0, whole.size() / 2);
   EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("other.h5")); }), HasSubstr(fmt::format("of {} bytes", whole.size())));
   std::ofstream(path("other.h5"), std::ios::binary | std::ios::trunc) << whole << '\0';

@@ -1,4 +1,5 @@
-"""The digests of tools/base/dataset/README.md, recomputed with h5py and nothing of this project."""
+"""The digests of tools/base/dataset/README.md, computed with h5py, independently of this
+project."""
 import hashlib
 
 import h5py
@@ -6,7 +7,7 @@ import numpy as np
 
 
 def entry(key, value):
-    """The SHA-256 of one array or attribute."""
+    """Returns the SHA-256 of one array or attribute."""
     value = np.asarray(value)
     if value.dtype.kind in "OSU":
         kind = "text"
@@ -18,7 +19,9 @@ def entry(key, value):
 
 
 def entries(item, path, leave_out=()):
-    """{key: SHA-256} of a group or array and of all below it; `path` is its own in the keys."""
+    """Returns {key: SHA-256} of a group or array and everything below; `path` is its own path in
+    the keys.
+    """
     found = {f"{path}@{name}": entry(f"{path}@{name}", value) for name, value in item.attrs.items() if f"{path}@{name}" not in leave_out}
     if isinstance(item, h5py.Dataset):
         found[path] = entry(path, item[()])

@@ -1,4 +1,4 @@
-// What happens to a dataset when its writing cannot go on.
+// Datasets whose writing cannot continue.
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -142,8 +142,8 @@ TEST_F(FailureTest, WhatAKilledRunHasLeftIsReplaced) {
   EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
-// HDF5 leaves out an optional filter that does not make a chunk smaller and notes so in the chunk's filter mask: h5repack and h5py write such files.
-// A chunk that was never written reads as zeros.
+// HDF5 leaves out an optional filter that does not shrink a chunk, and records that in the chunk's
+// filter mask; h5repack and h5py write such files. A chunk that was never written reads as zeros.
 TEST_F(FailureTest, ChunksAreReadWhateverFiltersTheyLeaveOut) {
   constexpr std::size_t rows_of_chunk = 25, columns = 24, values_of_chunk = rows_of_chunk * columns;
   const std::string name = path("chunks.h5");
@@ -157,7 +157,7 @@ TEST_F(FailureTest, ChunksAreReadWhateverFiltersTheyLeaveOut) {
   const hdf5::Handle array(
       H5Dcreate2(file.get(), "force", H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
 
-  // Bit 0 of the mask leaves shuffle out, bit 1 deflate. The fifth chunk is missing.
+  // Bit 0 of the mask disables shuffle, bit 1 deflate. The fifth chunk is missing.
   std::vector<float> written(5 * values_of_chunk);
   for (std::uint32_t mask = 0; mask < 4; ++mask) {
     float* const values = written.data() + mask * values_of_chunk;
@@ -192,7 +192,7 @@ TEST_F(FailureTest, ChunksAreReadWhateverFiltersTheyLeaveOut) {
   }
 }
 
-// HDF5 1.10 reads beyond the values of a chunk that decompresses to too few bytes.
+// HDF5 1.10 reads beyond a chunk that decompresses to too few bytes.
 TEST_F(FailureTest, AChunkThatDecompressesToTooLittleIsRefused) {
   write(path("a.h5"), 1);
   {
@@ -208,7 +208,8 @@ TEST_F(FailureTest, AChunkThatDecompressesToTooLittleIsRefused) {
   EXPECT_THAT(refusal_of([&] { checked_dataset(path("a.h5")); }), AllOf(HasSubstr(path("a.h5") + ": "), HasSubstr("damaged")));
 }
 
-// Whatever bytes a file has lost or changed, a check ends in a file that this process can read, or in an InputError that names it.
+// For any lost or changed bytes a check gives a file that this process can read, or an InputError
+// that names the file.
 TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
   {
     DatasetWriter writer(path("whole.h5"), header);

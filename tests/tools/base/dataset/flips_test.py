@@ -1,8 +1,8 @@
 """Every flipped bit that changes a value is found. Arguments: the project's root, the program.
 
-250 bits, one a copy: half of them evenly over the file of a small run, most of which is unused, half over its bytes that are not zero. `verify` reads
-all copies. Where it finds nothing, h5py must read every value, name, type
-and shape as they were.
+250 bits, one per copy: half of them evenly over the file of a small run, most of which is unused,
+half over its non-zero bytes. `verify` reads all copies. If it finds nothing, h5py must read every
+value, name, type and shape unchanged.
 """
 
 import json
@@ -24,7 +24,7 @@ FLIPS = 250
 
 
 def values_of(path):
-    """Everything that h5py reads of a file, as text."""
+    """Returns everything that h5py reads of a file, as text."""
     found = {}
 
     def visit(name, item):
@@ -65,7 +65,7 @@ class FlipsTest(unittest.TestCase):
                 self.assertEqual(demo.attrs["sha256"], trial_digest(demo).hex())
             self.assertEqual(file.attrs["content_sha256"], file_digest(file).hex())
 
-    # The reproducer: report and every export took them for true.
+    # The issue's reproducer: report and every export accepted the changed times.
     def test_onset_times_are_covered(self):
         with h5py.File(self.whole, "r+") as file:
             file["data/demo_0/labels/pad"].attrs["onset_time_s"] = [1.2345] * 9
@@ -94,7 +94,7 @@ class FlipsTest(unittest.TestCase):
         for path in held:
             try:
                 values = values_of(path)
-            except OSError:  # h5py brings a newer HDF5, which refuses more; what is refused is not silent
+            except OSError:  # h5py brings a newer HDF5, which refuses more; a refusal is not silent
                 continue
             self.assertEqual(values, expected, path.name)
 

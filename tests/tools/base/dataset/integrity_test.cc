@@ -1,4 +1,4 @@
-// What a digest covers, and what is refused before it is read.
+// Coverage of the digests, and refusals before reading.
 #include <sys/stat.h>
 
 #include <functional>
@@ -18,7 +18,7 @@ namespace {
 const DatasetHeader header{"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"};
 constexpr std::size_t rows = 40;
 
-// Takes the first float64 or text value of an attribute or array away and puts another one there.
+// Replaces the first float64 or text value of an attribute or array.
 void change_attribute(hid_t file, const std::string& object, const std::string& name, double value) {
   const hid_t holder = H5Oopen(file, object.c_str(), H5P_DEFAULT), attribute = H5Aopen(holder, name.c_str(), H5P_DEFAULT);
   const std::vector<double> values(static_cast<std::size_t>(H5Aget_storage_size(attribute)) / 8, value);
@@ -42,7 +42,7 @@ struct IntegrityTest : FolderTest {
     for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
     writer.commit();
   }
-  // Each change is found, alone.
+  // Expects each change alone to be found.
   void expect_found(const std::vector<std::function<void(hid_t)>>& changes, const std::string& message) const {
     for (std::size_t i = 0; i < changes.size(); ++i) {
       const std::string whole = bytes_of(path("a.h5"));
@@ -72,7 +72,8 @@ struct IntegrityTest : FolderTest {
 
 TEST_F(IntegrityTest, WholeFileHolds) { EXPECT_NO_THROW(check()); }
 
-// The reproducer: the onset times of all units, which report and every export took without a word.
+// The reproducer: changed onset times of all units, which report and every export accepted
+// silently.
 TEST_F(IntegrityTest, AttributeOfATrialIsCovered) {
   change([](hid_t file) { change_attribute(file, "/data/demo_1/labels/pad", "onset_time_s", 1.2345); });
   EXPECT_THAT(refusal_of([&] { check(); }), mentions({"a.h5", "/data/demo_1", "SHA-256"}));
@@ -106,7 +107,7 @@ TEST_F(IntegrityTest, WhatStandsBesideTheTrialsIsCovered) {
   expect_found(changes, "a.h5: is damaged: its content has the SHA-256 ");
 }
 
-// A file as version 1 wrote it: no digest of a trial, no codes, arrays alone in content_sha256.
+// A file as version 1 wrote it: no digests of trials, no codes, only arrays in content_sha256.
 TEST_F(IntegrityTest, SchemaOneHasItsArraysChecked) {
   change([&](hid_t file) {
     std::vector<Digest> digests;
@@ -123,7 +124,7 @@ TEST_F(IntegrityTest, SchemaOneHasItsArraysChecked) {
   ::testing::internal::CaptureStderr();
   EXPECT_NO_THROW(check());
   const std::string said = ::testing::internal::GetCapturedStderr();
-  // What a detector has learnt from is known by this.
+  // This digest identifies a detector's training data.
   {
     const DatasetReader reader(path("a.h5"));
     EXPECT_EQ(trial_identity(reader, 1), hexadecimal(reader.stored_digest(1)));

@@ -43,7 +43,7 @@ TEST(Outcome, SaysWhetherABodyWasHeldWhereTheSceneAsks) {
   EXPECT_EQ(back.hold->moved, 1.0 / 3.0);
 }
 
-// Scripts read the three times; the two other keys stand only where a detector is.
+// Scripts read the three times; the two other keys exist only with a detector.
 TEST(Outcome, SaysHowTheDetectorDid) {
   TrialOutcome outcome;
   EXPECT_EQ(outcome_json(outcome).find("detection\""), std::string::npos);
@@ -86,7 +86,8 @@ TEST(Detection, IsDecidedByTheFirstAlarm) {
   EXPECT_EQ(seen.grasp->reaction_time, 0.04);
 }
 
-// Alarm at 0.166 s, and at 1.0004 s once more or still: 0.4 ms after the slip began are no delay.
+// Alarm at 0.166 s, and at 1.0004 s again or still: the 0.4 ms after the slip began are not a
+// delay.
 TEST(Detection, ThatIsEarlyHasNoDelay) {
   constexpr double never = std::numeric_limits<double>::quiet_NaN();
   for (const double later : {1.0004, never}) {
@@ -119,7 +120,8 @@ TEST(Outcome, KeepsWhatBecameOfAGrasp) {
   EXPECT_EQ(back.reaction_time, 0.06);
 }
 
-// Held, dropped and not lifted are three things; where nothing is said of the lift, as in datasets of version 0.2.0, what is not dropped is held.
+// Held, dropped and not lifted are different outcomes. If nothing is stored about the lift, as in
+// datasets of version 0.2.0, a box that is not dropped is held.
 TEST(Outcome, IsHeldDroppedOrNotLifted) {
   const auto ended = [](bool dropped, std::optional<bool> lifted) {
     const GraspOutcome grasp{.dropped = dropped, .lifted = lifted};
@@ -162,7 +164,7 @@ TEST(Outcome, TellsOfAConverterOnlyWhereItCutValuesOff) {
   EXPECT_EQ(parse_outcome(outcome_json(outcome)).saturated, outcome.saturated);
 }
 
-// Datasets of versions before there were detectors.
+// Datasets of versions without detectors.
 TEST(Outcome, NeedsNoDetector) {
   const TrialOutcome outcome = parse_outcome(
       R"({"touch_time_s":0.5,"first_micro_slip_time_s":null,"first_slip_time_s":null,"gross_slip_time_s":null,"max_slip_distance_m":0})");
@@ -241,16 +243,16 @@ TEST(Masks, FollowTheScenesRule) {
   for (const std::size_t trial : masks.test) {
     EXPECT_EQ(std::ranges::count_if(masks.test, [&](std::size_t other) { return other % 10 == trial % 10; }), 3);
   }
-  // Each trial by itself, whatever its group is called.
+  // Each trial by itself, whatever the name of its group.
   const Masks single = split_trials(trials_of(10, {"a", "b"}), 7, SplitRule{"trial", {0.5, 0.3, 0.2}});
   EXPECT_EQ(single.train.size(), 5U);
   EXPECT_EQ(single.valid.size(), 3U);
   EXPECT_EQ(single.test.size(), 2U);
-  // Only one group: it is for training.
+  // A single group is for training.
   EXPECT_EQ(split_trials(trials_of(9, {"a"}), 7, SplitRule{"material", {0.7, 0.15, 0.15}}).train.size(), 9U);
 }
 
-// Files of scenes without a `split` keep their bytes.
+// Files of scenes without a `split` stay bit-identical.
 TEST(Masks, WithoutARuleAreAsEver) {
   const std::vector<std::string> materials{"acrylic", "felt", "glass", "paper", "ptfe", "rubber", "steel"};
   const Masks own = split_trials(trials_of(70, materials), 7),

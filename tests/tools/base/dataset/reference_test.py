@@ -1,6 +1,8 @@
-"""The reference of the dataset format (tools/base/dataset/README.md) and written files name the same. Arguments: the project's root, the program.
+"""The reference of the dataset format matches written files. Arguments: the project's root, the
+program.
 
-Every array, attribute and outcome that a file holds has a row whose shape, type and unit are the file's, and every row is held by a file.
+Every array, attribute and outcome of a file has a row in tools/base/dataset/README.md with the
+file's shape, type and unit, and every row occurs in a file.
 """
 
 import json
@@ -16,7 +18,8 @@ import h5py
 PROGRAM = Path(sys.argv.pop(2)).resolve()
 ROOT = Path(sys.argv.pop(1)).resolve()
 
-# All sensors, on a stage, on bodies and in grasps; with a detector, with a guided arm, with the outcome alone.
+# All sensors, on a stage, on bodies and in grasps; with a detector, with a guided arm, with the
+# outcome alone.
 RUNS = (
     ("papillarray/stage.yaml", "--set", "detector={type: force_ratio}", "duration=3 s"),
     ("grasp/two_skins.yaml", "--set", "duration=2 s", "motion.distance=10 mm"),
@@ -28,7 +31,9 @@ RUNS = (
 
 
 def rows_of(text):
-    """{(path, kind, name): the row's cells by column} of all tables below a heading that is a path; a cell may hold several names."""
+    """Returns {(path, kind, name): the row's cells by column} of all tables below a heading that is
+    a path; a cell may hold several names.
+    """
     rows, path, columns = {}, None, None
     for line in text.splitlines():
         if line.startswith("#"):
@@ -55,10 +60,10 @@ def attribute_text(value):
     return "text" if isinstance(value, str) or value.dtype == object else str(value.dtype)
 
 
-# The second of two trials is beyond what can be computed.
+# The second of two trials exceeds the range of a float.
 WITH_A_FAILURE = ["--trials", "2", "--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e300}}]]}"]
 RUNS += (("papillarray/stage.yaml", *WITH_A_FAILURE),)
-# A part of a sweep, whose scene says how it is split.
+# A part of a sweep, with a split defined by its scene.
 SHARD = ("--shard", "1/1", "--record", "outcome", "--set", "split={by: trial, shares: [0.8, 0.1, 0.1]}", "duration=1 s", "motion.start=500 ms")
 RUNS += (("papillarray/stage.yaml", *SHARD),)
 
@@ -116,7 +121,7 @@ class ReferenceTest(unittest.TestCase):
             source = Path(folder) / "bts3v2_palm_45.csv"
             names = [f"{finger}_biotac_{e}" for finger in ("ff", "mf", "th") for e in range(1, 25)]
             source.write_text(",".join(["object", "slipped", *names]) + "\ncoke,1" + ",3000" * 72 + "\n", encoding="ascii")
-            # A recording with times, whose sensor says how even they are.
+            # A recording with times, whose sensor stores how even they are.
             simulated, tables = Path(folder) / "simulated.h5", Path(folder) / "tables"
             stage = [PROGRAM, "run", ROOT / "scenes/papillarray/stage.yaml", "-o", simulated]
             for command in (stage, [PROGRAM, "export", simulated, "--format", "training-csv", "-o", tables]):

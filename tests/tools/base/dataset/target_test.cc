@@ -1,4 +1,4 @@
-// What a run may replace and remove: the user's files, other datasets and links stay.
+// Rules for replacing and removing files: the user's files, other datasets and links are kept.
 #include <sys/stat.h>
 
 #include <hdf5.h>
@@ -16,7 +16,7 @@ constexpr std::size_t rows = 400;
 constexpr std::uint64_t several = 100'000;  // bytes: eight trials fill more than one file
 
 struct TargetTest : FolderTest {
-  // A dataset of another seed is another one.
+  // A dataset of another seed is a different dataset.
   std::vector<std::string> write(const std::string& name, std::size_t trials, std::uint64_t limit = several,
                                  std::uint64_t seed = 7) {
     DatasetWriter writer(path(name), {"1.2.3", "scene", "{}", seed, "slipbench sweep a.yaml"}, limit);
@@ -54,7 +54,7 @@ TEST_F(TargetTest, FolderOfTheUserIsKept) {
   EXPECT_THAT(refusal("out.h5"), HasSubstr("exists and was not made by a run"));
   EXPECT_EQ(bytes_of(path("out.h5.partial/notes.partial")), "precious");
   std::filesystem::remove(path("out.h5.partial/notes.partial"));
-  write("out.h5", 1);  // an empty one is as good as a new one
+  write("out.h5", 1);  // an empty one is equivalent to a new one
   EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
@@ -71,14 +71,14 @@ TEST_F(TargetTest, LaterFileOfADatasetIsNotReplacedAlone) {
   EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 8U);
 }
 
-// How many files are needed shows only while they are written. What stands in the way, and a word of the message.
+// The number of files is known only while they are written. For each obstacle, a word of the error.
 TEST_F(TargetTest, FileInTheWayOfALaterOneIsKept) {
   write_text("out-0001.h5", "my notes");
   const std::string message = refusal_of([&] { write("out.h5", 8); });
   EXPECT_THAT(message, mentions({path("out.h5"), path("out-0001.h5"), "file 1"}));
   EXPECT_EQ(bytes_of(path("out-0001.h5")), "my notes");
   EXPECT_THAT(names(), ElementsAre("out-0001.h5"));
-  // A run that needs no second file does not mind.
+  // A run that needs no second file ignores it.
   write("out.h5", 1);
   EXPECT_THAT(names(), ElementsAre("out-0001.h5", "out.h5"));
 }

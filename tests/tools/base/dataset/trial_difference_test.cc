@@ -14,7 +14,7 @@ namespace {
 
 using Change = std::function<void(TrialRecord&)>;
 
-// The difference that a change of the second of two equal trials makes.
+// Returns the difference that a change of the second of two equal trials causes.
 std::string found(const std::string& libraries, const Change& change) {
   TrialRecord one = testing::make_record(3, 20);
   one.libraries = libraries;

@@ -26,7 +26,7 @@ TEST(ScratchFolders, GoWithAllThatLiesInThem) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-// Nobody, not even root, makes a folder in /proc.
+// Not even root can make a folder in /proc.
 TEST(ScratchFolders, SayWhereTheyCannotBeMade) {
   const char* const was = std::getenv("TMPDIR");
   const std::string before = was == nullptr ? "" : was;

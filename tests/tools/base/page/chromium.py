@@ -1,4 +1,6 @@
-"""Headless Chromium, told what to do through a pipe (Chrome DevTools Protocol): one browser for many pages, sizes and themes."""
+"""Headless Chromium, controlled through a pipe (Chrome DevTools Protocol): one browser for many
+pages, sizes and themes.
+"""
 
 import base64
 import json
@@ -16,7 +18,7 @@ DRAWN = """!document.querySelector('#page > .wait') && (!document.querySelector(
 
 
 def program():
-    """The browser's path."""
+    """Returns the browser's path."""
     found = [path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))]
     if not found:
         raise FileNotFoundError("no Chromium here; get it with: tools/setup/setup.sh test")
@@ -24,13 +26,13 @@ def program():
 
 
 class Chromium:
-    """`with Chromium() as browser:` one tab, in a profile of its own."""
+    """One browser tab with its own profile: `with Chromium() as browser:`"""
 
     def __enter__(self):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_browser, self.commands = os.pipe()
         self.answers, from_browser = os.pipe()
-        # The browser reads commands from its descriptor 3 and writes answers to 4.
+        # The browser reads commands from descriptor 3 and writes answers to 4.
         self.process = subprocess.Popen(
             ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", program(), "--headless", "--no-sandbox", "--disable-gpu",
              "--disable-dev-shm-usage", "--hide-scrollbars", "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}"],
@@ -63,7 +65,7 @@ class Chromium:
         return json.loads(text)
 
     def call(self, method, **parameters):
-        """The result of a command. Events that arrive meanwhile are kept."""
+        """Returns the result of a command. Events that arrive meanwhile are kept."""
         self.number += 1
         command = {"id": self.number, "method": method, "params": parameters}
         if self.session:
@@ -79,25 +81,27 @@ class Chromium:
             self.events.append(message)
 
     def wait_for(self, event):
-        """Waits until the browser has told of `event`."""
+        """Waits for `event`."""
         end = time.monotonic() + LIMIT_S
         while not any(seen.get("method") == event for seen in self.events):
             self.events.append(self._message(end))
 
     def look(self, width, height=1000, dark=False):
-        """The size of the window [px] and the reader's theme, of the pages that are opened from here on and of the one that is open."""
+        """Sets the window size [px] and the reader's theme for the open page and later ones."""
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
 
     def open(self, page, fragment=""):
-        """Opens a file, from nothing, and waits until it has been loaded."""
+        """Opens a file from a blank page and waits until it is loaded."""
         for url in ("about:blank", Path(page).resolve().as_uri() + fragment):
             self.events.clear()
             self.call("Page.navigate", url=url)
             self.wait_for("Page.loadEventFired")
 
     def open_drawn(self, page, fragment=""):
-        """The same, and waits until all of a report has been drawn: the last charts of a trial are those of its units."""
+        """Opens a report and waits until it is drawn: the last charts of a trial are those of its
+        units.
+        """
         self.open(page, fragment)
         end = time.monotonic() + LIMIT_S
         while not self.evaluate(DRAWN):
@@ -106,11 +110,11 @@ class Chromium:
             time.sleep(0.02)
 
     def dom(self):
-        """The page as it stands, as HTML."""
+        """Returns the current page as HTML."""
         return self.evaluate("document.documentElement.outerHTML")
 
     def evaluate(self, expression):
-        """The value of an expression of JavaScript in the page, which may be a promise."""
+        """Returns the value of a JavaScript expression in the page; it may be a promise."""
         found = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
         if "exceptionDetails" in found:
             details = found["exceptionDetails"]
@@ -118,8 +122,10 @@ class Chromium:
         return found["result"].get("value")
 
     def complaints(self):
-        """What the console has of errors since the page was opened: exceptions, refusals of its policy, files that are missing."""
-        self.evaluate("0")  # what was told before is here by now
+        """Returns the console's errors since the page was opened: exceptions, policy refusals,
+        missing files.
+        """
+        self.evaluate("0")  # earlier events have arrived by now
         found = []
         for event in self.events:
             parameters = event.get("params", {})
@@ -133,7 +139,7 @@ class Chromium:
         return found
 
     def screenshot(self, whole=True):
-        """The page as the bytes of a PNG; `whole`: also what lies below the window."""
+        """Returns the page as PNG bytes; `whole` includes the part below the window."""
         return base64.b64decode(self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole,
                                           **({"clip": self._whole_page()} if whole else {}))["data"])
 

@@ -27,12 +27,13 @@ TEST(DrawnPage, DataCannotEndItsElement) {
                           HasSubstr("{{title}}")));
   const std::string begin = "id=\"slipbench-data\">";
   const std::size_t from = page.find(begin) + begin.size();
-  // What a browser reads is what was put in; the byte that is no UTF-8 becomes the replacement character.
+  // The browser reads the data that was put in; the byte that is not UTF-8 becomes the replacement
+  // character.
   EXPECT_EQ(Json::parse(page.substr(from, page.find("</script>", from) - from)).at("description"),
             "</script><script>alert('x')</script><!-- {{title}} é 漢 \xef\xbf\xbd");
 }
 
-// What may be read later stands after the scripts, and cannot end its element either.
+// Data that may be read later follows the scripts and also cannot end its element.
 TEST(DrawnPage, FurtherDataFollowsTheScripts) {
   const std::string page =
       compose_drawn_page({"slipbench", "title"}, files, Json::object(), {{"later-1", {{"text", hostile}}}, {"later-2", 7}});
@@ -43,7 +44,7 @@ TEST(DrawnPage, FurtherDataFollowsTheScripts) {
   EXPECT_THAT(page.substr(first), HasSubstr("<script type=\"application/json\" id=\"later-2\">7</script>"));
 }
 
-// A page allows its own style and script by what stands in them, and nothing else.
+// A page allows exactly its own style and script, by their content.
 TEST(DrawnPage, CarriesAPolicy) {
   const std::string page = compose_drawn_page({"slipbench", "title"}, files, Json::object());
   const std::string mark = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
@@ -62,7 +63,7 @@ TEST(DrawnPage, CarriesAPolicy) {
 
 TEST(DrawnPage, LoadsNothing) {
   const std::string page = compose_drawn_page({"slipbench", "title"}, files, Json::object());
-  // Elements and styles that would fetch.
+  // Elements and styles that would fetch something.
   EXPECT_FALSE(std::regex_search(page, std::regex(R"((src|href)\s*=\s*["']?(https?:)?//)")));
   EXPECT_FALSE(std::regex_search(page, std::regex(R"(url\(\s*["']?(https?:)?//)")));
   EXPECT_THAT(page, AllOf(Not(HasSubstr("@import")), Not(HasSubstr("<link rel=\"stylesheet\"")), Not(HasSubstr("<script src")),
@@ -85,7 +86,7 @@ TEST(DrawnPage, HoldsItsFilesAfterTheKits) {
 }
 
 TEST(Page, IsKnownByItsGenerator) {
-  // By its first 4 kB, whatever its title.
+  // Recognised by its first 4 kB, for any title.
   const std::string page = compose_page({"slipbench cost", std::string(8000, 'x')}, "").substr(0, 4096);
   EXPECT_TRUE(begins_as_page(page, "slipbench cost"));
   EXPECT_FALSE(begins_as_page(page, "slipbench"));
@@ -106,7 +107,7 @@ TEST(Page, TablesAndListsAreText) {
   EXPECT_EQ(list_html({"<c>", "d"}), "<ul class=\"plain\">\n<li>&lt;c&gt;</li>\n<li>d</li>\n</ul>\n");
 }
 
-// Every file of the folder is embedded: none was left out of CMakeLists.txt.
+// Every file of the folder is embedded: CMakeLists.txt lists all.
 TEST(Kit, LeavesNoFileOut) {
   for (const char* extension : {".js", ".css", ".html", ".txt"}) {
     for (const auto& [name, text] : web_files("tools/base/page/web", extension)) EXPECT_EQ(embedded(assets(), name), text);

@@ -21,7 +21,7 @@ TEST(DecadeAxis, BeginsBelowItsValues) {
   EXPECT_THAT(axis.ticks, ElementsAre(10.0, 100.0, 1000.0));
   EXPECT_NEAR(axis.at(100.0), 100.0, 1e-9);
   EXPECT_NEAR(axis.at(20.0), 100.0 * std::log10(2.0), 1e-9);
-  // A power of ten ends an axis, and does not begin it: its bar would have no length.
+  // A power of ten ends an axis but does not begin it: its bar would have no length.
   EXPECT_THAT(decade_axis(Values{10.0}, 0.0, 1.0).ticks, ElementsAre(1.0, 10.0));
 }
 

@@ -7,7 +7,8 @@
 namespace slipbench::page {
 namespace {
 
-// Two channels, 1 s apart from 0 s to 10 s: the first has nine values, of which number k rises by k N; the second is one value.
+// Two channels, 1 s apart from 0 s to 10 s: the first has nine values, of which value k rises by k
+// N; the second has one value.
 SensorRecord sensor_from(double start) {
   SensorRecord sensor;
   sensor.name = "pad";
@@ -37,7 +38,7 @@ TEST(Timeline, NamesAxesWithUnitsAndValuesInAKey) {
   EXPECT_THAT(timeline_html(sensor_from(0.0), {}, 1), HasSubstr("Further channels: level"));
 }
 
-// 16 letters of two bytes each: 14 are kept, none is cut in two.
+// 16 letters of two bytes each: 14 are kept, and none is split.
 TEST(Timeline, CutsNamesBetweenLetters) {
   SensorRecord sensor = sensor_from(0.0);
   sensor.channel_names[8] = "ääääääääääääääää";
@@ -46,7 +47,7 @@ TEST(Timeline, CutsNamesBetweenLetters) {
   EXPECT_THAT(html, AllOf(HasSubstr(">ääääääääääääää…</text>"), HasSubstr(">ööööööööö</text>")));
 }
 
-// Value number k is that of component k mod 3 of unit k/3. Over 10 s value k changes by k N.
+// Value k is component k mod 3 of unit k/3. Over 10 s value k changes by k N.
 TEST(Timeline, DrawsVectorsByTheirComponents) {
   SensorRecord sensor = sensor_from(0.0);
   sensor.channels[0].shape = {3, 3};
@@ -73,7 +74,8 @@ TEST(Timeline, DrawsStatesAlarmsAndProbability) {
     EXPECT_THAT(html, HasSubstr(text));
 }
 
-// 0 s to 5 s, then 15 s to 20 s: 10 median steps are missing between 279 px and 693 px, as the axis is 828 px long for 20 s.
+// 0 s to 5 s, then 15 s to 20 s: 10 median steps are missing between 279 px and 693 px, because the
+// axis is 828 px long for 20 s.
 TEST(Timeline, BreaksLinesAndStatesAtAGap) {
   SensorRecord sensor = sensor_from(0.0);
   for (std::size_t row = 6; row < sensor.time.size(); ++row) sensor.time[row] += 9.0;

@@ -1,4 +1,4 @@
-// The decoding that web/data.js of the report does, written a second time.
+// An independent copy of the decoding in the report's web/data.js.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What can be checked of a page's scripts and styles without a browser.
+// Checks of a page's scripts and styles without a browser.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace slipbench::testing {
 
-// The files of a folder of the project by name: web_files("tools/program/report/web", ".js").
+// Returns the files of a project folder by name: web_files("tools/program/report/web", ".js").
 inline std::map<std::string, std::string> web_files(const std::string& folder, const std::string& extension) {
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(SLIPBENCH_SOURCE_DIR "/") + folder)) {
@@ -21,7 +21,7 @@ inline std::map<std::string, std::string> web_files(const std::string& folder, c
   return files;
 }
 
-// First groups of all matches.
+// Returns the first groups of all matches.
 inline std::set<std::string> matches(const std::string& text, const std::string& pattern) {
   const std::regex regex(pattern);
   std::set<std::string> found;
@@ -30,7 +30,8 @@ inline std::set<std::string> matches(const std::string& text, const std::string&
   return found;
 }
 
-// What is wrong with the brackets outside of strings, comments and regular expressions; "" where they pair up.
+// Returns what is wrong with the brackets outside strings, comments and regular expressions; "" if
+// they pair up.
 inline std::string unpaired_brackets(const std::string& script) {
   const std::string code =
       std::regex_replace(script, std::regex(R"(//[^\n]*|'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\\n])*"|`[^`]*`|/\^[^\n]*?/\.exec)"), "");
@@ -48,7 +49,7 @@ inline std::string unpaired_brackets(const std::string& script) {
   return open.empty() ? "" : "left open: " + open;
 }
 
-// The colours and other variables that a style sheet sets in one of its rules: ":root".
+// Returns the colours and other variables set by a rule of a style sheet: ":root".
 inline std::set<std::string> variables(const std::string& css, const std::string& selector) {
   const std::size_t begin = css.find(selector + " {");
   return begin == std::string::npos ? std::set<std::string>()

@@ -29,7 +29,7 @@ std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& chunk, std::
   return values;
 }
 
-// The same, then undoes HDF5's shuffle of 4-byte elements.
+// Undoes deflate, then HDF5's shuffle of 4-byte elements.
 std::vector<float> decoded(const std::vector<std::uint8_t>& chunk, std::size_t count) {
   const std::vector<std::uint8_t> shuffled = inflated(chunk, 4 * count);
   std::vector<float> values(count);
@@ -50,8 +50,9 @@ TEST(TrialEncoder, PutsASmallArrayInOneChunk) {
   EXPECT_EQ(decoded(force.chunks[0], 100), record.sensors[0].channels[0].values);
 }
 
-// A zlib stream is larger than such values: 2 bytes of header, 5 of a stored block and 4 of checksum more. libdeflate 1.23 (Debian 13) gives a
-// bound of the stored block alone, without the room that 1.14 (Debian 12) adds.
+// A zlib stream is larger than such values: 2 bytes of header, 5 of a stored block and 4 of
+// checksum. libdeflate 1.23 (Debian 13) gives a bound for the stored block alone, without the
+// margin that 1.14 (Debian 12) adds.
 TEST(TrialEncoder, KeepsArraysOfAFewBytesOfNoise) {
   RandomStream stream(1, 0, "noise");
   for (std::size_t rows = 1; rows <= 40; ++rows) {
@@ -67,7 +68,7 @@ TEST(TrialEncoder, KeepsArraysOfAFewBytesOfNoise) {
 }
 
 TEST(TrialEncoder, StoresBytesOfNoiseAsTheyAre) {
-  // From 1 to 2 the lower two bytes of a float are noise and the third has seven random bits.
+  // From 1 to 2 the lower two bytes of a float are noise, and the third has seven random bits.
   constexpr std::size_t rows = 20'000, count = 2 * rows;
   TrialRecord record = make_record(0, rows);
   std::vector<float>& force = record.sensors[0].channels[0].values;
@@ -75,7 +76,7 @@ TEST(TrialEncoder, StoresBytesOfNoiseAsTheyAre) {
   for (float& value : force) value = static_cast<float>(stream.uniform(1.0, 1.999));
   const std::vector<std::uint8_t> chunk = array_of(TrialEncoder().encode(record), "sensors/pad/force").chunks.at(0);
   EXPECT_EQ(decoded(chunk, count), force);
-  // RFC 1951: a block that is not the last and is stored, its length, and that length inverted.
+  // RFC 1951: a stored block that is not the last one, its length, and its inverted length.
   EXPECT_EQ(std::vector(chunk.begin() + 2, chunk.begin() + 7), (std::vector<std::uint8_t>{0, 0xFF, 0xFF, 0, 0}));
   EXPECT_LT(chunk.size(), count * (8 + 8 + 7 + 1) / 8);
 }
@@ -98,8 +99,8 @@ TEST(TrialEncoder, EndsAtAnInterrupt) {
 }
 
 TEST(TrialEncoder, CutsALargeArrayAndPadsTheLastChunk) {
-  // labels/pad/force: 2 units, 3 axes, 4 bytes: 24 bytes a row. 100,001 rows are 2.29 MiB: 3 chunks of 33,334 rows, one row
-  // padded.
+  // labels/pad/force: 2 units, 3 axes, 4 bytes: 24 bytes per row. 100,001 rows are 2.29 MiB: 3
+  // chunks of 33,334 rows, with one row padded.
   const TrialRecord record = make_record(0, 100'001);
   const EncodedTrial trial = TrialEncoder().encode(record);
   const EncodedArray& force = array_of(trial, "labels/pad/force");

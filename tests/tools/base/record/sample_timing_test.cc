@@ -1,4 +1,5 @@
-// Rates from time stamps, and when samples are evenly spaced. Expected values are those of the clocks from which the stamps are made.
+// Rates from time stamps, and even spacing. Expected values are those of the clocks that make the
+// stamps.
 #include "tools/base/record/sample_timing.h"
 
 #include <cmath>
@@ -18,7 +19,7 @@ std::vector<double> stamps(std::size_t count, const std::function<double(double)
   return times;
 }
 
-// As a source writes them: whole multiples of its resolution.
+// As a source writes them: multiples of its resolution.
 std::vector<double> rounded(std::vector<double> times, double resolution) {
   for (double& time : times) time = std::round(time / resolution) * resolution;
   return times;
@@ -30,7 +31,8 @@ struct Clock {
   double resolution;  // s
 };
 
-// (n - 1)/T is uncertain by the share q/T. For 444 Hz in ms over 6.75 s this is 1.5e-4, 0.07 Hz: the only value of three digits within is 444.
+// (n - 1)/T has the relative uncertainty q/T. For 444 Hz in ms over 6.75 s this is 1.5e-4, 0.07 Hz:
+// the only three-digit value within is 444.
 TEST(RateOf, IsTheClocksOwnWhereTheStampsAllowIt) {
   for (const Clock& clock :
        {Clock{44'100, 4410, 1e-9}, Clock{48'000, 4800, 1e-9}, Clock{30, 90, 1e-9}, Clock{700e3, 3000, 1e-9},
@@ -43,13 +45,14 @@ TEST(RateOf, IsTheClocksOwnWhereTheStampsAllowIt) {
   }
 }
 
-// A clock that is 0.01 % slow: 500 stamps in us give its rate within 2e-7, stamps in ms within 2e-4, where 100 Hz lies.
+// A clock 0.01 % slow: 500 stamps in us give its rate within 2e-7, stamps in ms within 2e-4, which
+// includes 100 Hz.
 TEST(RateOf, OfASlowClockIsNotRounded) {
   EXPECT_EQ(rate_of(rounded(stamps(500, [](double k) { return 0.010001 * k; }), 1e-6), 1e-6), 99.99);
   EXPECT_EQ(rate_of(rounded(stamps(500, [](double k) { return 0.010001 * k; }), 1e-3), 1e-3), 100.0);
 }
 
-// Since 1970 in ns: doubles are 0.24 us apart there.
+// Times since 1970 in ns: doubles are 0.24 us apart there.
 TEST(RateOf, OfAnEpochIsThatOfItsSteps) {
   const auto times = stamps(600, [](double k) { return (1581073084690542592.0 + 10e6 * k) * 1e-9; });
   EXPECT_EQ(rate_of(times, 1e-9), 100.0);
@@ -60,11 +63,12 @@ struct Uneven {
   const char* name;
   std::size_t count;
   std::function<double(double)> at;
-  double mean, median, gap, gap_at;  // Hz, Hz, s, s; gap_at is NaN where several steps are as long
+  double mean, median, gap, gap_at;  // Hz, Hz, s, s; gap_at is NaN if several steps are equally long
 };
 
-// Ten samples 1 ms apart every 0.1 s: 599 steps in 59 * 0.1 s + 9 ms. 300 at 100 Hz and 300 at 50 Hz: 3 s and 299/50 s. A pause of 0.5 s: 5.99 s + 0.5 s. One
-// of 1,000 samples missing: 998 steps in 0.999 s.
+// Ten samples 1 ms apart every 0.1 s: 599 steps in 59 * 0.1 s + 9 ms. 300 at 100 Hz and 300 at 50
+// Hz: 3 s and 299/50 s. A pause of 0.5 s: 5.99 s + 0.5 s. One of 1,000 samples missing: 998 steps
+// in 0.999 s.
 const std::vector<Uneven> uneven{
     {"bursts", 600, [](double k) { return 0.1 * std::floor(k / 10.0) + 0.001 * std::fmod(k, 10.0); }, 599.0 / 5.909, 1000.0,
      0.091, NAN},
@@ -88,7 +92,8 @@ TEST(SampleTiming, HasMeanMedianAndLongestStep) {
   }
 }
 
-// Mean and median agree, and a third of the recording has another rate: 90, 100 and 110 Hz. So does a clock that slows down all the time.
+// Mean and median agree although a third of the recording has another rate: 90, 100 and 110 Hz. The
+// same holds for a clock that slows down continuously.
 TEST(EvenlySpaced, LooksAtEveryStretch) {
   const auto three = [](double k) {
     if (k < 200.0) return k / 90.0;
@@ -99,7 +104,8 @@ TEST(EvenlySpaced, LooksAtEveryStretch) {
   EXPECT_FALSE(evenly_spaced(stamps(600, [](double k) { return k / 100.0 * (1.0 + 1e-4 * k); }), 1e-6));
 }
 
-// Each stamp is up to 20 % of a step off, so two differ by 40 % of a step at most, which is less than half of one. The steps vary by more than 1 %.
+// Each stamp is off by up to 20 % of a step, so two differ by at most 40 % of a step, less than
+// half. The steps vary by more than 1 %.
 TEST(EvenlySpaced, ToleratesJitterOfLessThanHalfAStep) {
   RandomStream random(1, 0, "jitter");
   const auto times = stamps(600, [&](double k) { return (k + 0.2 * (2.0 * random.uniform() - 1.0)) / 111.0; });

@@ -1,4 +1,4 @@
-// Small trials whose every value follows from its place, and a folder to write them to.
+// Small trials in which the index determines every value, and a folder to write them to.
 #pragma once
 
 #include <sys/wait.h>
@@ -79,7 +79,7 @@ inline TrialRecord make_record(std::size_t trial, std::size_t rows, const std::s
   return record;
 }
 
-// The same with a detector, whose class goes round all states while the truth is incipient.
+// The same with a detector whose class cycles through all states while the truth is incipient.
 inline TrialRecord make_controlled_record(std::size_t trial, std::size_t rows) {
   TrialRecord record = make_record(trial, rows);
   ControlRecord control;
@@ -99,7 +99,7 @@ inline TrialRecord make_controlled_record(std::size_t trial, std::size_t rows) {
   return record;
 }
 
-// The same of a grasp: registers, positions and forces that tell their row.
+// The same for a grasp: registers, positions and forces identify their row.
 inline TrialRecord make_grasp_record(std::size_t trial, std::size_t rows) {
   TrialRecord record = make_controlled_record(trial, rows);
   record.control->controller = "step_on_slip";
@@ -118,7 +118,7 @@ inline EncodedTrial make_trial(std::size_t trial, std::size_t rows, const std::s
   return TrialEncoder().encode(make_record(trial, rows, material));
 }
 
-// Writes whole what is in `records` and gives the path.
+// Writes all of `records` and returns the path.
 inline std::string write_dataset(const std::string& path, const DatasetHeader& header, const std::vector<TrialRecord>& records) {
   DatasetWriter writer(path, header);
   for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
@@ -126,7 +126,7 @@ inline std::string write_dataset(const std::string& path, const DatasetHeader& h
   return path;
 }
 
-// Runs `action` in a child process and hands back its wait status: of exit 3 where it throws.
+// Runs `action` in a child process and returns its wait status: exit 3 if it throws.
 inline int in_child(const std::function<void()>& action) {
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("no process");

@@ -20,17 +20,17 @@ TEST(Confusion, SharesAreOfTheSamplesInContact) {
   EXPECT_DOUBLE_EQ(constant_balanced_accuracy(mixed), 1.0 / 3.0);
 }
 
-// Incipient seen as gross is slip that was seen: 1 + 1 of 5, and 2 + 4 of 7.
+// Incipient slip detected as gross counts as detected: 1 + 1 of 5, and 2 + 4 of 7.
 TEST(Confusion, RecallOfSlipIsOfBothKindsTogether) { EXPECT_DOUBLE_EQ(recall_of_slip(mixed), 8.0 / 12.0); }
 
-// `counts` samples of each true state, all of which get the same answer.
+// `counts` samples of each true state, all with the same answer.
 Confusion always(PadState answer, const StateCounts& counts) {
   Confusion confusion{};
   for (std::size_t truth = 0; truth < 4; ++truth) confusion[truth][static_cast<std::size_t>(answer)] = counts[truth];
   return confusion;
 }
 
-// Of k states that occur the answer's own has the recall 1 and the others 0, however many samples each has.
+// Of k occurring states the answer's own has recall 1 and the others 0, for any sample counts.
 TEST(Confusion, AConstantAnswerHasABalancedAccuracyOfOneInK) {
   for (const PadState answer : {PadState::non_slip, PadState::incipient, PadState::gross}) {
     EXPECT_DOUBLE_EQ(balanced_accuracy(always(answer, {3, 970, 2, 28})), 1.0 / 3.0);
@@ -39,11 +39,11 @@ TEST(Confusion, AConstantAnswerHasABalancedAccuracyOfOneInK) {
   EXPECT_DOUBLE_EQ(balanced_accuracy(always(PadState::non_slip, {3, 970, 0, 30})), 1.0 / 2.0);
   EXPECT_DOUBLE_EQ(balanced_accuracy(always(PadState::gross, {3, 970, 0, 30})), 1.0 / 2.0);
   EXPECT_DOUBLE_EQ(balanced_accuracy(always(PadState::non_slip, {3, 970, 0, 0})), 1.0);
-  // What "no contact" answers in contact is no state there.
+  // "no contact" is not a state in contact.
   EXPECT_EQ(balanced_accuracy(always(PadState::no_contact, {3, 970, 2, 28})), 0.0);
 }
 
-// The headline that misleads: nothing is seen, and accuracy is 97 %.
+// A misleading number: no slip is detected, and accuracy is 97 %.
 TEST(Confusion, AccuracyOfAConstantAnswerIsTheShareOfTheCommonestState) {
   const Confusion blind = always(PadState::non_slip, {50, 970, 10, 20});
   EXPECT_DOUBLE_EQ(accuracy(blind), 0.97);
@@ -72,8 +72,9 @@ TEST(Confusion, AddsUp) {
   EXPECT_EQ(samples_in_contact(sum), 40U);
 }
 
-// Of `mixed` 12 samples slip, 8 of them are seen so (6 of gross, 2 of incipient). 18 do not slip: 10 without contact, of which 2 are called
-// slip, and 8 non-slip, of which 2 are: 14 of 18 are right, and 12 are called slip in all.
+// In `mixed` 12 samples slip, and 8 of them are detected (6 of gross, 2 of incipient). 18 do not
+// slip: 10 without contact, 2 of which are called slip, and 8 non-slip, 2 of which are called slip:
+// 14 of 18 are right, and 12 are called slip in total.
 TEST(Confusion, SlipOrNotIsAskedOfEverySample) {
   EXPECT_DOUBLE_EQ(balanced_slip_accuracy(mixed), 0.5 * (8.0 / 12.0 + 14.0 / 18.0));
   EXPECT_DOUBLE_EQ(f1_of_slip(mixed), 2.0 * 8.0 / (12.0 + 12.0));

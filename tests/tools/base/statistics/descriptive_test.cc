@@ -36,7 +36,7 @@ TEST(Quantile, IsInterpolated) {
   EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
 }
 
-// Of values at equal distances, 0 to n - 1, the p-quantile is p (n - 1).
+// For evenly spaced values 0 to n - 1 the p-quantile is p (n - 1).
 TEST(Quantile, OfALadderIsItsShare) {
   std::vector<double> ladder;
   for (int n = 1; n <= 40; ++n) {
@@ -52,7 +52,7 @@ TEST(Median, IsTheMiddleOrTheMeanOfTwo) {
   EXPECT_TRUE(std::isnan(median({})));
 }
 
-// All or none of n: the one bound solves p^n = 0.025.
+// All or none of n: the single bound solves p^n = 0.025.
 TEST(ClopperPearson, AllOrNone) {
   const Interval all = clopper_pearson(10, 10);
   EXPECT_NEAR(all.low, std::pow(0.025, 0.1), 1e-14);
@@ -69,7 +69,7 @@ TEST(ClopperPearson, OneOfTwo) {
   EXPECT_NEAR(share.high, std::sqrt(0.95), 1e-14);
 }
 
-// At the bounds the tails, summed from the other side, have the probability that the definition says.
+// At the bounds the tails, summed from the other side, have the probability of the definition.
 TEST(ClopperPearson, TailsAreAsDefined) {
   const int k = 37;
   const int n = 100;
@@ -102,8 +102,8 @@ TEST(ClopperPearson, OfAMillionNearsTheNormalOne) {
 }
 
 TEST(LeastSuccesses, BeginNoLowerThanAsked) {
-  // All of n show tail^(1/n): 0.85 by 0.025^(1/n) >= 0.85, n >= ln 0.025/ln 0.85 = 22.7
-  EXPECT_EQ(least_successes(22, 0.85, 0.95), 23U);  // no number of 22 does
+  // All of n prove tail^(1/n): 0.85 by 0.025^(1/n) >= 0.85, n >= ln 0.025/ln 0.85 = 22.7
+  EXPECT_EQ(least_successes(22, 0.85, 0.95), 23U);  // no number of 22 suffices
   EXPECT_EQ(least_successes(23, 0.85, 0.95), 23U);
   EXPECT_EQ(least_successes(5, 0.0, 0.95), 0U);
   for (const std::size_t n : {10U, 57U}) {
@@ -125,9 +125,10 @@ TEST(ClopperPearson, RefusesWhatIsNoShare) {
 
 using Drawn = std::span<const std::size_t>;
 
-// Half of 400 groups are 1, the others 0: a draw's mean has the standard deviation 1/2/sqrt(400) = 0.025, so that 95 % of the draws lie within
-// 0.5 +- 1.96 x 0.025 = 0.451 to 0.549. Of 2000 draws some 50 lie beyond each end, and that end scatters by about 0.0015
-// (sqrt(0.025 x 0.975/2000)/density, the density there being 2.34), beside steps of 1/400: 0.005 are allowed.
+// Half of 400 groups are 1, the others 0: a draw's mean has the standard deviation 1/2/sqrt(400) =
+// 0.025, so 95 % of the draws lie within 0.5 +- 1.96 x 0.025 = 0.451 to 0.549. Of 2000 draws some
+// 50 lie beyond each end, whose standard error is about 0.0015 (sqrt(0.025 x 0.975/2000)/density,
+// with a density of 2.34 there), in steps of 1/400: 0.005 are allowed.
 TEST(Bootstrap, IntervalOfAShare) {
   const auto mean = [](Drawn drawn) {
     double sum = 0.0;
@@ -147,7 +148,7 @@ TEST(Bootstrap, SameSeedSameIntervals) {
   EXPECT_NE(one.low, bootstrap_intervals(1000, 20, 2, first)[0].low);
 }
 
-// The first figure has no value in a draw without group 0, the second in none.
+// The first figure is undefined in a draw without group 0, the second never.
 TEST(Bootstrap, LeavesOutWhatHasNoValue) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const auto figures = [](Drawn drawn) { return std::vector<double>{std::ranges::count(drawn, 0U) > 0 ? 7.0 : nan, nan}; };
@@ -166,7 +167,8 @@ TEST(Bootstrap, OneGroupTellsNothing) {
 
 const std::vector<double> positives{0.9, 0.6, 0.6, 0.2}, negatives{0.6, 0.1};
 
-// From the top: 0.9 is one of four positives; 0.6 two more and one of two negatives; 0.2 the last positive; 0.1 the last negative.
+// From the top: 0.9 is one of four positives; 0.6 is two more and one of two negatives; 0.2 is the
+// last positive; 0.1 the last negative.
 TEST(RocCurve, APointAtEachValue) {
   const std::vector<RocPoint> points = roc_curve(positives, negatives, 100);
   ASSERT_EQ(points.size(), 5U);
@@ -194,7 +196,7 @@ TEST(RocCurve, NeedsBothClasses) {
   EXPECT_THROW(roc_curve(positives, std::vector<double>{std::nan("")}, 9), std::invalid_argument);
 }
 
-// Two parts: below 0.5 lie 0.2 (positive) and 0.1, from it on 0.9, 0.6, 0.6 (positive) and 0.6.
+// Two bins: below 0.5 are 0.2 (positive) and 0.1; from 0.5 on 0.9, 0.6, 0.6 (positive) and 0.6.
 TEST(Calibration, ComparesWhatWasSaidWithWhatWasTrue) {
   const std::vector<CalibrationBin> bins = calibration(positives, negatives, 2);
   ASSERT_EQ(bins.size(), 2U);
@@ -207,7 +209,7 @@ TEST(Calibration, ComparesWhatWasSaidWithWhatWasTrue) {
 
 TEST(Calibration, BothEndsBelongToIt) {
   const std::vector<CalibrationBin> bins = calibration(std::vector<double>{1.0}, std::vector<double>{0.0}, 10);
-  ASSERT_EQ(bins.size(), 2U);  // the eight between them hold nothing
+  ASSERT_EQ(bins.size(), 2U);  // the eight between them are empty
   EXPECT_EQ(bins[0].low, 0.0);
   EXPECT_EQ(bins[1].high, 1.0);
   EXPECT_EQ(bins[1].share, 1.0);
@@ -218,7 +220,8 @@ TEST(Calibration, BothEndsBelongToIt) {
 using Values = std::vector<double>;
 using Groups = std::vector<std::size_t>;
 
-// Of 3 x 2 pairs (3,1) (3,2) (2,1) are in order and (2,2) is a tie; (1,1) is a tie and (1,2) is not: 3 + 2/2 = 4 of 6.
+// Of 3 x 2 pairs (3,1) (3,2) (2,1) are in order and (2,2) is a tie; (1,1) is a tie and (1,2) is
+// reversed: 3 + 2/2 = 4 of 6.
 TEST(Auc, CountsPairsAndHalvesTies) {
   const Auc found = auc(Values{1.0, 2.0, 3.0}, Values{2.0, 1.0});
   EXPECT_DOUBLE_EQ(found.value, 4.0 / 6.0);
@@ -227,16 +230,18 @@ TEST(Auc, CountsPairsAndHalvesTies) {
   EXPECT_DOUBLE_EQ(auc(Values{2.0, 1.0}, Values{1.0, 2.0, 3.0}).value, 2.0 / 6.0);
 }
 
-// Shares of negatives below the positives 1, 2, 3: 1/4, 3/4, 1: mean 2/3, variance of the mean (25 + 1 + 16)/144/2/3 = 7/144. Of positives
-// below the negatives 2, 1: 1/2, 1/6, which DeLong takes as 1 - 1/2, 1 - 1/6 with the same variance (1/18)/2 = 1/36.
+// Shares of negatives below the positives 1, 2, 3: 1/4, 3/4, 1: mean 2/3, variance of the mean (25
+// + 1 + 16)/144/2/3 = 7/144. Shares of positives below the negatives 2, 1: 1/2, 1/6, which DeLong
+// takes as 1 - 1/2, 1 - 1/6 with the same variance (1/18)/2 = 1/36.
 TEST(Auc, HasDeLongsInterval) {
   const Auc found = auc(Values{1.0, 2.0, 3.0}, Values{2.0, 1.0});
   const double reach = 1.959963984540054 * std::sqrt(7.0 / 144.0 + 1.0 / 36.0);
   EXPECT_NEAR(found.interval.low, 4.0 / 6.0 - reach, 1e-12);
-  EXPECT_EQ(found.interval.high, 1.0);  // 1.21 would be more than there is
+  EXPECT_EQ(found.interval.high, 1.0);  // 1.21 would exceed the range
 }
 
-// Four pairs, none the wrong way round: the rate at which four of four have the probability 0.025 is its fourth root.
+// Four pairs, all in order: the rate at which four of four have the probability 0.025 is its fourth
+// root.
 TEST(Auc, OfWhatIsApartEndsAtOne) {
   const Auc found = auc(Values{5.0, 6.0, 7.0, 8.0}, Values{1.0, 2.0, 3.0, 4.0, 4.5});
   EXPECT_EQ(found.value, 1.0);
@@ -245,7 +250,8 @@ TEST(Auc, OfWhatIsApartEndsAtOne) {
   EXPECT_EQ(auc(Values{1.0}, Values{2.0}).value, 0.0);
 }
 
-// Frames that repeat each other say no more than one of them: five copies of each value of the example above have its interval.
+// Repeated frames add no information: five copies of each value of the example above give the same
+// interval.
 TEST(Auc, CountsGroupsAndNotTheirCopies) {
   Values positives, negatives;
   Groups positive_group, negative_group;
@@ -265,17 +271,20 @@ TEST(Auc, CountsGroupsAndNotTheirCopies) {
   EXPECT_GT(auc(positives, negatives).interval.low, alone.interval.low) << "as if all were apart";
 }
 
-// Two recordings, each with a positive and a negative: (4, 3) and (2, 1). Three of four pairs are in order. Above the negatives are 1 and 1/2 of
-// them, of the positives above the negatives 1/2 and 1: less 3/4 that is +1/4, -1/4 and -1/4, +1/4. Obuchowski: (2/1 (2/16)/4)
-// twice, and 2 * 2/1 * (-2/16)/4: 1/16 + 1/16 - 1/8 = 0. What one recording has more of its positive it lacks of its negative.
+// Two recordings, each with a positive and a negative: (4, 3) and (2, 1). Three of four pairs are
+// in order. The shares of negatives below the positives are 1 and 1/2, those of positives above the
+// negatives 1/2 and 1; minus 3/4 these are +1/4, -1/4 and -1/4, +1/4. Obuchowski: (2/1 (2/16)/4)
+// twice, and 2 * 2/1 * (-2/16)/4: 1/16 + 1/16 - 1/8 = 0. In each recording the gain of its positive
+// equals the loss of its negative.
 TEST(Auc, TakesBothClassesOfAGroupTogether) {
   const Auc found = auc(Values{4.0, 2.0}, Groups{0, 1}, Values{3.0, 1.0}, Groups{0, 1});
   EXPECT_DOUBLE_EQ(found.value, 0.75);
   EXPECT_NEAR(found.interval.low, 0.75, 1e-9);
   EXPECT_NEAR(found.interval.high, 0.75, 1e-9);
-  // Apart, DeLong: 1/16 + 1/16.
+  // Ungrouped, DeLong: 1/16 + 1/16.
   EXPECT_NEAR(auc(Values{4.0, 2.0}, Values{3.0, 1.0}).interval.low, 0.75 - 1.959963984540054 * std::sqrt(0.125), 1e-12);
-  // All in order: two groups, and the rate at which two of two have the probability 0.025 is its root.
+  // All in order: two groups, and the rate at which two of two have the probability 0.025 is its
+  // square root.
   EXPECT_NEAR(auc(Values{4.0, 5.0, 6.0}, Groups{0, 0, 1}, Values{3.0, 1.0}, Groups{0, 1}).interval.low, std::sqrt(0.025), 1e-9);
 }
 

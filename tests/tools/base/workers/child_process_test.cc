@@ -29,7 +29,7 @@ ChildEnd ended(const std::function<std::string()>& action, double limit = plenty
 }
 
 TEST(ChildProcesses, SayHowTheyEnded) {
-  // More than a pipe holds, 64 kB.
+  // More than a pipe's 64 kB.
   const std::string large(300000, 'x');
   EXPECT_EQ(ended([&] { return large; }).text, large);
   EXPECT_EQ(ended([] { return std::string(); }).kind, Kind::result);
@@ -40,12 +40,12 @@ TEST(ChildProcesses, SayHowTheyEnded) {
   EXPECT_EQ(ended([]() -> std::string { throw std::bad_alloc(); }).text, "out of memory");
 }
 
-// A host that ignores the ends of its children leaves no status of them.
+// A host that ignores its children's ends leaves no exit status.
 TEST(ChildProcesses, NeedNoStatus) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
   EXPECT_EQ(ended([] { return std::string("done"); }).text, "done");
   EXPECT_EQ(ended([]() -> std::string { std::_Exit(0); }).loss(plenty), "ended before its work was done");
-  // One that is gone before start() looks at it.
+  // A child that has ended before start() checks it.
   ChildProcesses children(plenty, [] {
     const pid_t process = ::fork();
     if (process > 0) ::waitpid(process, nullptr, 0);
@@ -64,7 +64,7 @@ TEST(ChildProcesses, SayHowTheyWereLost) {
   EXPECT_EQ(killed.kind, Kind::lost);
   EXPECT_EQ(killed.loss(plenty), "was ended by SIGKILL (Killed)");
   EXPECT_EQ(ended([]() -> std::string { std::_Exit(0); }).loss(plenty), "ended with status 0 before its work was done");
-  // One that has closed the pipe and goes on is waited for.
+  // A child that has closed the pipe and continues is waited for.
   const ChildEnd closed = ended([]() -> std::string {
     ::close_range(3, ~0U, 0);
     ::usleep(20'000);
@@ -73,7 +73,7 @@ TEST(ChildProcesses, SayHowTheyWereLost) {
   EXPECT_EQ(closed.loss(plenty), "ended with status 1 before its work was done");
 }
 
-// Either would sleep for a minute: the test's own time shows that it is not waited for.
+// Either would sleep for a minute: the test's duration shows that they are not waited for.
 TEST(ChildProcesses, EndWithTheirLimitAndWithTheirOwner) {
   const auto sleep = [] {
     ::sleep(60);
@@ -93,7 +93,7 @@ TEST(ChildProcesses, EndWithTheirLimitAndWithTheirOwner) {
   ::close(ends[0]);
 }
 
-// A copy that the action has made holds the pipe open. It ends with the child, and what it would return is not heard.
+// A copy made by the action holds the pipe open. It ends with the child, and its result is ignored.
 TEST(ChildProcesses, EndWhatTheyHaveStarted) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);

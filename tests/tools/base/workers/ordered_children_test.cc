@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Even work takes longer, so that odd work finishes out of turn. Work 4 is lost.
+// Even tasks take longer, so that odd tasks finish out of order. Task 4 crashes.
 TEST(OrderedChildren, HandOverInOrderAndLoseOneAlone) {
   for (const std::size_t jobs : {0U, 1U, 3U}) {
     OrderedChildren children(
@@ -47,7 +47,7 @@ TEST(OrderedChildren, SayWhetherOneIsReady) {
   EXPECT_TRUE(children.next());
 }
 
-// The work would take a minute: the test's own time shows that it is not waited for.
+// The task would take a minute: the test's duration shows that it is not waited for.
 TEST(OrderedChildren, AnInterruptEndsAll) {
   std::atomic<bool> interrupt{false};
   OrderedChildren children(

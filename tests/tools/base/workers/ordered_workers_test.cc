@@ -17,7 +17,7 @@ namespace {
 
 using Workers = OrderedWorkers<std::size_t>;
 
-// Odd work takes longer, so that even work finishes out of turn.
+// Odd tasks take longer, so that even tasks finish out of order.
 Workers::Work uneven_work() {
   return [](std::size_t index) {
     std::this_thread::sleep_for(std::chrono::microseconds(index % 2 == 0 ? 10 : 500));
@@ -33,7 +33,7 @@ TEST(OrderedWorkers, HandOverInOrder) {
   }
 }
 
-// Notes the thread that destroys it.
+// Records the thread that destroys it.
 struct Spent {
   std::vector<std::thread::id>* threads;
   explicit Spent(std::vector<std::thread::id>* noted) : threads(noted) {}
@@ -50,7 +50,7 @@ struct Spent {
 TEST(OrderedWorkers, WhatIsGivenBackIsDestroyedByAWorker) {
   std::vector<std::thread::id> threads;
   {
-    // One worker has made four results when it waits for the first to be taken, and begins no fifth before.
+    // A worker with four results waits until the first is taken, and begins no fifth before.
     OrderedWorkers<Spent> workers(
         6, 1, [&] { return [&](std::size_t) { return Spent(&threads); }; }, nullptr);
     for (int i = 0; i < 6; ++i) workers.give_back(*workers.next());
@@ -77,7 +77,7 @@ TEST(OrderedWorkers, FirstFailureInOrderIsTheOneThrown) {
   EXPECT_EQ(refusal_of<std::runtime_error>([&] { workers.next(); }), "3");
 }
 
-// One thread that fails at once: it would else run on until its places are full of failures.
+// A thread that fails at once would otherwise continue until its buffer is full of failures.
 TEST(OrderedWorkers, NothingIsBegunAfterAFailure) {
   std::atomic<std::size_t> begun{0};
   const auto make_work = [&] {
@@ -101,7 +101,8 @@ TEST(OrderedWorkers, FailureToMakeTheWorkIsThrown) {
   }
 }
 
-// While alive, new threads have stacks of 256 MiB, and the process has addresses left for three of them, but not for four.
+// While alive, new threads have stacks of 256 MiB, and the process has address space for three of
+// them, but not for four.
 class RoomForThreeThreads {
  public:
   RoomForThreeThreads() {
@@ -129,7 +130,7 @@ class RoomForThreeThreads {
   rlimit limit_{};
 };
 
-// Work that hands its index on and counts how often it was begun.
+// Tasks that return their index and count how often they were begun.
 auto counting(std::atomic<std::size_t>& begun) {
   return [&begun] {
     return [&begun](std::size_t index) {
