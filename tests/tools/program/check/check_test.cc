@@ -1,4 +1,5 @@
-// Verdicts on a pad that is moved sideways: from the start on it slips with speed, without speed never.
+// Verdicts on a pad that is moved sideways: with speed it slips from the start, without speed
+// never.
 
 #include <filesystem>
 #include <fstream>
@@ -40,7 +41,7 @@ TEST_F(CheckScene, WithoutExpectationsIsNotChecked) {
   EXPECT_EQ(check("expect: {confidence: 0.9}\n").verdict, Verdict::not_checked);
 }
 
-// The one trial is done, and fails; the run that is to leave it behind is not done.
+// The one trial is done and fails; the run that should save its evidence is interrupted.
 TEST_F(CheckScene, InterruptedIsNoVerdict) {
   std::ofstream(folder_ / "s.yaml") << head << "expect: {gross_slip_by: 0.3 s}\n";
   std::atomic<bool> interrupt{false};
@@ -49,14 +50,14 @@ TEST_F(CheckScene, InterruptedIsNoVerdict) {
 }
 
 TEST_F(CheckScene, PassesAndFailsByItsLimit) {
-  // The pillar tips stay for mu f_n/(k_t v), far less than 0.3 s, from 0.3 s on.
+  // From 0.3 s on the pillar tips stick for mu f_n/(k_t v), far less than 0.3 s.
   EXPECT_EQ(check("expect: {gross_slip_by: 0.6 s, no_slip_before: 0.3 s, max_unit_slip: 6 mm}\n").verdict, Verdict::passed);
   const SceneCheck late = check("expect: {gross_slip_by: 0.3 s, no_slip_before: 0.3 s}\n");
   EXPECT_EQ(late.verdict, Verdict::failed);
   EXPECT_FALSE(late.expectations[0].passed());
   EXPECT_TRUE(late.expectations[1].passed());
   EXPECT_EQ(late.expectations[0].limit, "at most 0.3 s");
-  EXPECT_THAT(late.files, IsEmpty());  // no folder was named
+  EXPECT_THAT(late.files, IsEmpty());  // no folder was given
 }
 
 TEST_F(CheckScene, WhatNeverHappensFailsByItsRule) {
@@ -67,8 +68,9 @@ TEST_F(CheckScene, WhatNeverHappensFailsByItsRule) {
   EXPECT_TRUE(still.expectations[1].passed());
 }
 
-// The ratio of tangential to normal force grows from 0 to mu while the pad sticks, so a tenth of mu is passed long before slip, and the alarm stands
-// when it begins. The oracle sees slip at the next sample, within 1 ms.
+// The ratio of tangential to normal force grows from 0 to mu while the pad sticks, so it exceeds a
+// tenth of mu long before slip, and the alarm is on when slip begins. The oracle detects slip at
+// the next sample, within 1 ms.
 TEST_F(CheckScene, AnEarlyAlarmHasNoDelayToKeep) {
   const std::string delay = "friction: {static: 0.5, kinetic: 0.5}\nexpect: {max_detection_delay: 1.5 ms}\n";
   const SceneCheck early = check("detector: {type: force_ratio, ratio: 0.05}\n" + delay);
@@ -97,12 +99,12 @@ TEST_F(CheckScene, KOfN) {
   const SceneCheck beyond = verdict("pass: 0.751");
   EXPECT_EQ(beyond.verdict, Verdict::failed);
   EXPECT_EQ(beyond.expectations[0].needed, 10U);
-  // 3 of 4 the same with one draw: the share stays, the count does not.
+  // 3 of 4 also with one draw: the share is the same, the count is not.
   EXPECT_EQ(check(speeds + "expect: {gross_slip_by: {limit: 0.6 s, pass: 0.75}}\n", {.trials = 1}).expectations[0].needed, 3U);
 }
 
 TEST_F(CheckScene, Reliability) {
-  // All of 6 kept: the 80 % interval begins at 0.1^(1/6) = 0.6813.
+  // All of 6 pass: the 80 % interval begins at 0.1^(1/6) = 0.6813.
   const std::string six = "sweep: {trials: 6}\nexpect:\n  confidence: 0.8\n";
   EXPECT_EQ(check(six + "  gross_slip_by: {limit: 0.6 s, reliability: 0.681}\n").verdict, Verdict::passed);
   EXPECT_THAT(refusal(six + "  gross_slip_by: {limit: 0.6 s, reliability: 0.682}\n"),
@@ -119,7 +121,8 @@ TEST_F(CheckScene, OutcomeDependsOnNeitherJobsNorOrder) {
   EXPECT_EQ(one.expectations[0].median, three.expectations[0].median);
 }
 
-// A start that comes before the pad is down is refused when the trial is made: the bench's refusals count, they do not pass.
+// A start before the pad is down is refused when the trial is made: refusals by the bench count as
+// failures.
 TEST_F(CheckScene, TrialsThatCannotRunAreNotKept) {
   const std::string starts = "sweep: {motion.start: {draw: choice, values: [1 ms, 0.3 s]}, trials: 16}\nseed: 1\n";
   const SceneCheck check_of = check(starts + "expect: {no_slip_before: {limit: 0.3 s, pass: 0.01}, max_unit_slip: 1 m}\n");
@@ -137,8 +140,9 @@ TEST_F(CheckScene, TrialsThatCannotRunAreNotKept) {
 }
 
 TEST_F(CheckScene, LeavesTheTrialThatFailsMost) {
-  // None is all loose 5 ms after the start: a pillar pressed 1 mm deep holds for far more than 5 ms of 40 mm/s. Only trial 2 is dragged
-  // for more than 8 mm: 12 mm, and less than 6 mm the others.
+  // No pad slips fully within 5 ms of the start: a pillar pressed 1 mm deep sticks for far more
+  // than 5 ms at 40 mm/s. Only trial 2 is dragged by more than 8 mm: 12 mm; the others by less than
+  // 6 mm.
   const SceneCheck failed =
       check("sweep: {motion.speed: [20 mm/s, 0 mm/s, 40 mm/s]}\nexpect: {gross_slip_by: 0.305 s, max_unit_slip: 8 mm}\n",
             {.folder = folder_ / "left"});
@@ -161,7 +165,8 @@ TEST_F(CheckScene, Refusals) {
   EXPECT_THAT(refusal("sweep: {expect.gross_slip_by: [1 s, 2 s]}\n"), refused_at("s.yaml:5", {"expect.gross_slip_by", "swept"}));
 }
 
-// A scene called as no scene should be, one expectation failed, one kept, and a second one that tests nothing.
+// A scene with an unusual name, a failed expectation and a passed one; and a second scene that
+// tests nothing.
 std::vector<SceneCheck> checks() {
   ExpectationResult failed;
   failed.name = "max_slip";

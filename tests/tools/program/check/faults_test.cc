@@ -1,5 +1,6 @@
-// The shipped scenes as regression tests: faults planted in a copy of a controller are found, each by what it breaks, and the copy without one
-// passes. The fault libraries: faults/step_on_slip.cc.
+// The shipped scenes as regression tests: each planted fault of a controller is found by the
+// expectation that it breaks, and the copy without a fault passes. The fault libraries:
+// faults/step_on_slip.cc.
 #include <set>
 #include <vector>
 
@@ -53,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, PlantedFault,
                                          FaultCase{"overshoots", "max_grip_force"}, FaultCase{"latches", "max_grip_force"}),
                          [](const testing::TestParamInfo<FaultCase>& info) { return std::string(info.param.fault); });
 
-// All of the folder, as it is shipped: what expects nothing is left out.
+// The whole folder as shipped; scenes without expectations are skipped.
 TEST(ShippedScenes, Pass) {
   std::vector<std::string> words{"check", scenes + "lift.yaml"};
   for (const std::string& name : names) words.push_back(scenes + name + ".yaml");
@@ -62,7 +63,7 @@ TEST(ShippedScenes, Pass) {
   EXPECT_THAT(result.out, HasSubstr("3 of 4 scenes passed, 1 not checked")) << result.out;
 }
 
-// The copy is one: it has the figures of step_on_slip, which the scenes name.
+// The copy has the results of step_on_slip, which the scenes name.
 TEST(HealthyCopy, PassesWithTheFiguresOfTheOriginal) {
   std::vector<std::string> original{"check"};
   for (const std::string& name : names) original.push_back(scenes + name + ".yaml");
@@ -81,7 +82,7 @@ TEST(HealthyCopy, PassesWithTheFiguresOfTheOriginal) {
   EXPECT_EQ(figures[0], figures[1]);
 }
 
-// The command that is printed writes the very bytes that the failed check left.
+// The printed command writes the same bytes as the failed check.
 TEST(FailedCheck, IsReplayedByItsCommand) {
   const TemporaryFolder folder;
   const ChildResult check = run_shell(
@@ -112,7 +113,8 @@ TEST(NegativeControl, ThatPassesIsReported) {
   EXPECT_EQ(result.status, 1) << result.err;
   EXPECT_THAT(result.out, HasSubstr("tests nothing"));
   EXPECT_THAT(bytes_of(folder / "j.xml"), HasSubstr("<failure message=\"tests nothing\""));
-  // A reaction time or a force ratio that a controller which never tightens cannot keep does not make the box a test.
+  // Failing a reaction time or a force ratio with a controller that never tightens does not make
+  // the box a valid test.
   std::vector<std::string> light = words;
   light[3] = "box.mass=200 g";
   light.erase(light.begin() + 4);

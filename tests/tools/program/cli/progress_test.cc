@@ -9,7 +9,7 @@
 namespace slipbench {
 namespace {
 
-// What was written to a stream, and a clock that the test turns.
+// A stream's output, and a clock that the test controls.
 struct ProgressTest : ::testing::Test {
   ~ProgressTest() override { std::fclose(stream_); }
 
@@ -50,7 +50,7 @@ TEST(ClockText, NamesSecondsMinutesHours) {
   EXPECT_EQ(clock_text(3725.0), "1:02:05");
 }
 
-// 100 of 200 trials of 4 s in 5 s: 400/5 = 80 x real time, 100/5 = 20 trials/s, as long again to go.
+// 100 of 200 trials of 4 s in 5 s: 400/5 = 80 x real time, 100/5 = 20 trials/s, another 5 s to go.
 constexpr ProgressState half{100, 200, 400.0, 5.0};
 
 TEST(ProgressBarText, ShowsShareRatesAndTimeLeft) {
@@ -62,7 +62,7 @@ TEST(ProgressBarText, ShowsShareRatesAndTimeLeft) {
 
 TEST(ProgressBarText, FitsEveryWidth) {
   for (std::size_t width = 1; width < 150; ++width) EXPECT_LE(progress_bar_text(half, width).size(), width);
-  EXPECT_THAT(progress_bar_text(half, 40), StartsWith(" 50 %"));  // no room for a bar: the figures stay
+  EXPECT_THAT(progress_bar_text(half, 40), StartsWith(" 50 %"));  // no space for a bar; the figures stay
 }
 
 TEST(ProgressBarText, FullBarShowsTimeTaken) {
@@ -111,7 +111,7 @@ TEST_F(ProgressTest, FinishedBarEndsItsLine) {
   Progress progress = make(Progress::Mode::bar);
   now_ += 1.0;
   progress.update(2, 2, 8.0);
-  progress.clear();  // nothing is left to remove
+  progress.clear();  // nothing left to remove
   EXPECT_THAT(written(), EndsWith("1 s\n"));
 }
 
@@ -123,7 +123,7 @@ TEST_F(ProgressTest, ClearRemovesAnUnfinishedBar) {
   EXPECT_THAT(written(), EndsWith("\r\033[K"));
 }
 
-// A sweep goes on where its progress cannot be told.
+// A sweep continues if its progress cannot be written.
 TEST_F(ProgressTest, AStreamThatCannotBeWrittenEndsNothing) {
   std::FILE* full = std::fopen("/dev/full", "w");
   ASSERT_NE(full, nullptr);
@@ -151,7 +151,7 @@ TEST_F(ProgressTest, AFifthOfATrialInFiveSecondsLeavesTwenty) {
   EXPECT_EQ(written(), "20 % of the trial, 5 s, ETA 20 s\n");
 }
 
-// The alarm rings after 10 s; here at once.
+// The alarm normally comes after 10 s, here at once.
 TEST(PreparationNotice, SaysThatTrialsAreStillBeingPrepared) {
   for (const bool quiet : {false, true}) {
     const PreparationNotice notice(quiet);

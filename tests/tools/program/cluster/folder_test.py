@@ -1,4 +1,7 @@
-"""The folder that `slipbench cluster` writes: what it says, what is refused, and its scripts by hand. Arguments: the project's root, the program."""
+"""The folder written by `slipbench cluster`: content, refusals, and its scripts run by hand.
+
+Arguments: the project's root, the program.
+"""
 
 import os
 import re
@@ -66,7 +69,8 @@ class FolderTest(unittest.TestCase):
         cluster = self.cluster("cluster", 2)
         own = cluster / "attempts/1.same"
         own.mkdir(parents=True)
-        # Without a fork: a sleep that goes on would hold the test's output open, for which CTest waits.
+        # Without a fork: a sleep that continues would hold the test's output open, for which CTest
+        # waits.
         with subprocess.Popen(["flock", "--no-fork", own, "sleep", "60"]) as earlier:
             while subprocess.run(["flock", "--nonblock", own, "true"], check=False).returncode == 0:
                 pass
@@ -97,7 +101,8 @@ class FolderTest(unittest.TestCase):
         self.assertIn("#SBATCH --array=1-6%2\n", text)
         self.assertIn("#SBATCH --cpus-per-task=4\n", text)
         self.assertIn("#SBATCH --requeue\n", text)
-        # Slurm's MaxArraySize is 1001 where nobody sets it, and an index must be less: 1,000 tasks run 2,500 shards, three or two each.
+        # Slurm's default MaxArraySize is 1001, and an index must be less: 1,000 tasks run 2,500
+        # shards, three or two each.
         text = array(self.cluster("many", 2500, trials=2500))
         self.assertIn("#SBATCH --array=1-1000%1000\n", text)
         loop = re.search(r"for \(\(.*?\)\); do", text)[0]
@@ -127,7 +132,7 @@ class FolderTest(unittest.TestCase):
         (folder / "README.md").write_text("half")
         self.run_program(*out)
         self.assertNotEqual((folder / "README.md").read_text(), "half")
-        self.assertIn("holds something", self.run_program(*out, status=2).stderr)  # whole
+        self.assertIn("holds something", self.run_program(*out, status=2).stderr)  # the whole output
 
     def test_scripts_pass_shellcheck(self):
         cluster = self.cluster("cluster", 2)

@@ -1,9 +1,10 @@
-"""A sweep as an array of Slurm, on this machine: what was killed, stopped or run twice merges to the bytes of the undivided sweep.
+"""A sweep as a Slurm array merges to the bytes of the undivided sweep, despite kills and reruns.
 
 usage: slurm_test.py SLIPBENCH ROUNDS
 
-Each round: an array of 8 shards; one task is killed in the middle with SIGKILL and queued again, slurmd is stopped and started, one shard runs
-twice at once. Slurm and munge are Debian's, with their own folder, ports and socket. Ends with 77 where it is not root.
+Each round runs an array of 8 shards on this machine: one task is killed in the middle with SIGKILL
+and queued again, slurmd is stopped and started, one shard runs twice at once. Slurm and munge are
+Debian's, with their own folder, ports and socket. Exits with 77 if it is not root.
 """
 
 import os
@@ -107,7 +108,7 @@ class Slurm:
 
 
 def run_a_second_copy(sweep, cluster, k):
-    """Once shard k runs; the exit status."""
+    """Waits until shard k runs; returns the exit status."""
     wait_for(f"shard {k} runs", lambda: sweep.sweep_process(cluster, k))
     return subprocess.run(["bash", cluster / "shard.sh", str(k), "second"], stdout=subprocess.DEVNULL, check=False).returncode
 

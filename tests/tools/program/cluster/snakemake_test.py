@@ -1,4 +1,4 @@
-"""A sweep by Snakemake, a worker of which is killed, merges to the content of the undivided sweep.
+"""A sweep by Snakemake with a killed worker merges to the content of the undivided sweep.
 
 usage: snakemake_test.py SLIPBENCH ROUNDS
 """

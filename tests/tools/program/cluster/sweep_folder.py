@@ -1,4 +1,4 @@
-"""A sweep that takes some seconds, its undivided dataset, and what the tests of real schedulers do to its processes."""
+"""A sweep of some seconds, its undivided dataset, and helpers for tests with real schedulers."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from short_sweep import scene_text  # noqa: E402
 
 SHARDS = 8
 OUTCOMES = ("--record", "outcome")  # arrays would take longer to verify than to simulate
-PATIENCE = 300  # s, after which a scheduler is taken to hang
+PATIENCE = 300  # s, after which a scheduler counts as hung
 
 
 def wait_for(what, condition):
@@ -33,7 +33,7 @@ def content(path):
 
 
 class SweepFolder:
-    """The scene and its whole sweep in `folder`, which the rounds share."""
+    """The scene and its whole sweep in `folder`, shared by all rounds."""
 
     def __init__(self, program, folder):
         self.program, self.folder = program, Path(folder)
@@ -46,12 +46,12 @@ class SweepFolder:
         subprocess.run([self.program, *map(str, words)], check=True, cwd=self.folder, stdout=subprocess.DEVNULL, timeout=PATIENCE)
 
     def cluster(self, name):
-        """The folder that `slipbench cluster` writes."""
+        """Makes the folder of `slipbench cluster`."""
         self.run("cluster", "scene.yaml", "-o", name, "--shards", SHARDS, *OUTCOMES)
         return self.folder / name
 
     def sweep_process(self, cluster, k):
-        """The process that simulates shard k below the folder `cluster`; none: it is not there."""
+        """Returns the process that simulates shard k below the folder `cluster`, or None."""
         for entry in os.listdir("/proc"):
             try:
                 words = Path("/proc", entry, "cmdline").read_bytes().decode().split("\0") if entry.isdigit() else []

@@ -42,8 +42,9 @@ Json stability() {
           {"remarks", Json::array({"none"})}};
 }
 
-// As the program makes it, so that what the page reads is what there is: an effect that changes something, one without which another
-// thing happens, one without which nothing runs, a setting that there was no time for.
+// Made like the program's, so that the page reads real data: an effect that changes results, one
+// whose absence changes the outcome, one that is required, and a setting that was not reached in
+// time.
 Json exploration(const std::string& scene = "a.yaml") {
   Exploration made = example();
   made.scene_path = scene;
@@ -59,7 +60,7 @@ Json exploration(const std::string& scene = "a.yaml") {
   return cost_json(made, {{"cpu", "a processor"}});
 }
 
-// What a browser reads as the page's data.
+// Returns the page's data as a browser reads them.
 Json data_of(const std::string& page) {
   const std::string begin = "id=\"slipbench-data\">";
   const std::size_t from = page.find(begin) + begin.size();
@@ -95,11 +96,11 @@ TEST(CostPage, HoldsItsFilesAndTheSharedOnes) {
   for (const char* name : {"page.css", "common.js", "chart.js", "d3.min.js", "d3_licence.txt"}) {
     EXPECT_NE(page.find(page::embedded(page::assets(), name)), std::string::npos) << name;
   }
-  // What draws recordings is not needed here.
+  // The code that draws recordings is not needed here.
   EXPECT_THAT(page, AllOf(Not(HasSubstr("sb.Timeline")), Not(HasSubstr("{{"))));
 }
 
-// Every script of the folder is part of the page: none was left out of CMakeLists.txt.
+// Every script of the folder is part of the page: CMakeLists.txt lists all.
 TEST(CostPage, LeavesNoScriptOut) {
   std::set<std::string> embedded;
   for (const page::Asset& file : assets()) embedded.insert(std::string(file.name));
@@ -110,7 +111,8 @@ TEST(CostPage, LeavesNoScriptOut) {
 
 TEST(CostPage, IsToldFromOtherPages) {
   const std::string page = cost_page(exploration());
-  // Known by its first 4 kB, whatever its title; a report is not one, and it is no report.
+  // Recognised by its first 4 kB, for any title; neither this page nor a report passes for the
+  // other.
   EXPECT_TRUE(page::begins_as_page(cost_page(exploration(std::string(8000, 'x'))).substr(0, 4096), page_kind.generator));
   EXPECT_FALSE(report::begins_as_report(page));
   EXPECT_FALSE(page::begins_as_page(report::report_page("title", Json::object()), page_kind.generator));
@@ -135,7 +137,7 @@ TEST_F(CostFileTest, StandsBesideItsFigures) {
   EXPECT_THAT(write(exploration()), ElementsAre(path("c.html"), path("c.json")));
   EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), exploration());
   EXPECT_EQ(bytes_of(path("c.html")), cost_page(exploration()));
-  // Its own files are replaced, whichever of the two kinds they are, and no temporary one stays.
+  // It replaces its own files of either kind, and leaves no temporary one.
   write(stability());
   EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), stability());
   EXPECT_THAT(names(), ElementsAre("c.html", "c.json"));
@@ -153,7 +155,7 @@ TEST_F(CostFileTest, OtherFilesAreKept) {
   EXPECT_THAT(refusal_of([&] { page::check_page_files(path("no/c.html"), page_kind); }), HasSubstr("no"));
 }
 
-// Scripts may use what they define and what all pages share.
+// Scripts may use their own definitions and those shared by all pages.
 TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
   std::set<std::string> defined;
   for (const auto& [name, text] : web_files("tools/base/page/web", ".js")) defined.merge(matches(text, R"(\bsb\.(\w+) = )"));
@@ -172,8 +174,8 @@ TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
   }
 }
 
-// A member that a script reads under another name or in another shape than it has would silently be empty, and one that no script reads
-// would not be shown.
+// A member that a script reads under another name or in another shape would silently be empty, and
+// a member that no script reads would not be shown.
 TEST(CostScripts, ReadTheMembersThatThereAre) {
   std::string all;
   for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) all += text;
@@ -189,8 +191,9 @@ TEST(CostScripts, ReadTheMembersThatThereAre) {
                                                {"change", data.at("effects").at(0).at("changes").at("onset")},
                                                {"combination", combination()},
                                                {"stability", stability()}};
-  // Not shown: the scale is in the stiffness, the frequency in the prediction; a map is told by not being an exploration; the trial is in
-  // the command, the reference's own error in every measure as its floor.
+  // Not shown: the scale is in the stiffness, the frequency in the prediction; a map differs from
+  // an exploration by its members; the trial is in the command, the reference's own error in every
+  // measure as its floor.
   const std::set<std::string> unread = {"stiffness_scale", "omega", "slipbench_stability", "trial", "own_error"};
   for (const auto& [name, object] : objects) {
     const std::set<std::string> read = matches(all, "\\b" + name + R"(\.(\w+))");
@@ -204,7 +207,7 @@ TEST(CostScripts, ReadTheMembersThatThereAre) {
   }
 }
 
-// What the page tells failures from by name.
+// The names by which the page recognises failures.
 TEST(CostScripts, KnowWhatWasNotRun) {
   EXPECT_THAT(web_files("tools/program/cost/web", ".js").at("marks.js"),
               HasSubstr("row.status === '" + std::string(status_name(Status::over_budget)) + "'"));
@@ -217,7 +220,7 @@ TEST(CostStyles, UseOnlyTheKitsColours) {
   for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(colours.contains(variable)) << variable;
 }
 
-// Two series differ in both colour and shape: as many colours as there are shapes.
+// Two series differ in both colour and shape: there are as many colours as shapes.
 TEST(CostStyles, HaveAColourForEachShape) {
   const std::string marks = web_files("tools/base/page/web", ".js").at("chart.js");
   const std::size_t begin = marks.find("const shapes = [");

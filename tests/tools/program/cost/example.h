@@ -1,4 +1,4 @@
-// An exploration made by hand.
+// An exploration with made-up values.
 #pragma once
 
 #include <string>

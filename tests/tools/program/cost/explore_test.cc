@@ -1,4 +1,5 @@
-// The explorer on small scenes: that it runs what it says, compares it, and stays within its budget's plan. No figure of time is tested.
+// The explorer on small scenes: it runs and compares what it reports, within its budget's plan.
+// Times are not tested.
 #include "tools/program/cost/explore.h"
 
 #include "tests/expect.h"
@@ -10,7 +11,8 @@ namespace {
 
 const std::string stage = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/papillarray/stage.yaml";
 
-// The stage's slide, shortened to what slips: pressed at 0.3 s, nine onsets within half a second of sliding.
+// The stage's slide, shortened to the slip: pressed at 0.3 s, nine onsets within half a second of
+// sliding.
 ExploreOptions quick(double budget) {
   ExploreOptions options;
   options.scene_path = stage;
@@ -63,7 +65,7 @@ TEST(CostExplore, EveryEffectAndPartOfTheElectronicsHasItsPrice) {
   EXPECT_EQ(exploration.prices[0].name, "ageing");
   EXPECT_EQ(exploration.prices[2].name, "pad: noise");
   EXPECT_TRUE(exploration.prices[2].electronics);
-  // Noise is heard in the signal and nowhere in the truth.
+  // Noise affects the signal and nothing in the truth.
   EXPECT_GT(at(exploration.prices[2].changes, Measure::signal)->worst, 0.0);
   EXPECT_EQ(at(exploration.prices[2].changes, Measure::force)->worst, 0.0);
 }
@@ -89,7 +91,7 @@ TEST(CostExplore, AnInterruptBeforeTheReferenceLeavesNothing) {
   EXPECT_THROW(explore(options, program_catalogues()), Interrupted);
 }
 
-// Were the run to end first, its time would be more than such a budget allows.
+// If the run ended first, its time would exceed such a budget.
 TEST(CostExplore, AnInterruptEndsTheRunAtHand) {
   std::atomic<bool> interrupt{false};
   ExploreOptions options = quick(1e-6);

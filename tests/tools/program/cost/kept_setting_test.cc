@@ -23,7 +23,7 @@ struct KeptSettingTest : FolderTest {
 
   void write(const std::string& name, const std::string& bytes) const { std::ofstream(path(name), std::ios::binary) << bytes; }
   [[nodiscard]] std::string read(const std::string& name) const { return bytes_of(path(name)); }
-  // Counts in `searches_` whether it was looked for.
+  // Counts in `searches_` how often it searched.
   std::optional<KeptSetting> settle_for(SweepOptions sweep) {
     if (sweep.scene_path.empty()) sweep.scene_path = path("s.yaml");
     return setting_for(sweep, program_catalogues(), [this] { ++searches_; });
@@ -83,7 +83,7 @@ TEST_F(KeptSettingTest, IsOfThisSceneAlone) {
   write("s.yaml", dragged + "accuracy: {onset: 2 %}\n");
   settle();
   EXPECT_EQ(searches_, 4);
-  // What was for the old text is gone.
+  // Settings for the old text are gone.
   EXPECT_EQ(nlohmann::json::parse(read("s.yaml.accuracy.json")).at("settings").size(), 1U);
 }
 
@@ -98,9 +98,9 @@ TEST_F(KeptSettingTest, IsOfTheseTrialsAlone) {
   EXPECT_EQ(searches_, 2);
   settle_for(run);
   settle_for(sweep);
-  SweepOptions first;  // the sweep as the scene has it: its one trial
+  SweepOptions first;  // the scene's own sweep: its one trial
   settle_for(first);
-  SweepOptions one = sweep;  // has the bytes that it has among them
+  SweepOptions one = sweep;  // its bytes include those of the one trial
   one.only = 4;
   settle_for(one);
   EXPECT_EQ(searches_, 2);
@@ -114,7 +114,7 @@ TEST_F(KeptSettingTest, IsOfTheseTrialsAlone) {
   EXPECT_EQ(entries.at(1).at("subject").at("trials").at("asked"), 6);
 }
 
-// What is wrong with a scene that wishes for nothing is found once, where it runs.
+// Errors of a scene without a wish are reported once, where it runs.
 TEST_F(KeptSettingTest, ReadsNoMoreThanTheKeyOfASceneWithoutAWish) {
   write("s.yaml", dragged + "surface: {material: no such material}\n");
   EXPECT_FALSE(settle().has_value());
@@ -133,7 +133,7 @@ TEST_F(KeptSettingTest, RefusesADamagedFile) {
   EXPECT_THAT(refusal(), mentions({"remove"}));
   std::filesystem::remove(path("s.yaml.accuracy.json"));
   settle();
-  // A setting that someone has touched no longer goes with its evidence.
+  // A setting that someone has edited no longer matches its evidence.
   std::string bytes = read("s.yaml.accuracy.json");
   bytes.replace(bytes.find("10 ms"), 5, "20 ms");
   write("s.yaml.accuracy.json", bytes);
@@ -147,7 +147,7 @@ TEST_F(KeptSettingTest, NamesTheFileThatCannotBeWrittenBeforeItLooks) {
   std::filesystem::remove(path("s.yaml.accuracy.json"));
   std::filesystem::create_directory(path("s.yaml.accuracy.json.partial"));
   EXPECT_THAT(refusal(), mentions({path("s.yaml.accuracy.json.partial"), "a folder", without_wish}));
-  // A folder that takes no file of this name, whoever asks: with .accuracy.json it is longer than the 255 bytes of a name.
+  // No user can write a file of this name: with .accuracy.json it exceeds the 255 bytes of a name.
   const std::string name = std::string(245, 's') + ".yaml";
   std::filesystem::rename(path("s.yaml"), path(name));
   EXPECT_THAT(refusal(name), mentions({path(name) + ".accuracy.json", "File name too long", without_wish}));
@@ -180,7 +180,7 @@ constexpr std::uint64_t seed = 7;
 
 SceneFile file_of(const std::string& text) { return SceneFile::from_text("slipbench: 1\n" + text, "wish.yaml"); }
 
-// What is found for the trials of the scene's own sweep, or for those that `sweep` asks for.
+// The setting found for the trials of the scene's own sweep, or of `sweep`.
 std::optional<FoundSetting> look_for(const SceneFile& file, const SweepOptions& sweep = {}) {
   const Catalogues catalogues = program_catalogues();
   return find_setting(plan_trials(file, catalogues, sweep, seed));
@@ -192,7 +192,7 @@ std::string refusal(const std::string& text) {
   return refusal_of([&] { look_for(file_of(text)); });
 }
 
-// One trial of the scene with other overrides.
+// Runs one trial of the scene with other overrides.
 TrialResult run_with(SceneFile file, const std::vector<Override>& overrides, std::size_t trial, Scene* scene = nullptr) {
   for (const Override& change : overrides) file.apply(change);
   const Scene as_set = TrialPlan(file, program_catalogues(), 0, seed).trial(trial).scene;
@@ -211,7 +211,7 @@ const std::string moves = "motion: {kind: stage, start: 0.7 s, ";
 TEST(FindSetting, LooksForNothingWithoutAWish) { EXPECT_FALSE(look_for(file_of(stage)).has_value()); }
 
 TEST(FindSetting, TakesTheLongestStepWhereTheFieldIsExact) {
-  // At constant speed each onset is exact at any step, and the closed form says so.
+  // At constant speed each onset is exact at any step, and the closed form reports that.
   const FoundSetting found = found_for(file_of(stage + moves + "speed: 8 mm/s, acceleration: inf}\naccuracy: {onset: 0.01 %}\n"));
   EXPECT_EQ(found.reference, "closed form");
   ASSERT_EQ(found.overrides.size(), 2U);
@@ -221,8 +221,8 @@ TEST(FindSetting, TakesTheLongestStepWhereTheFieldIsExact) {
 }
 
 TEST(FindSetting, HalvesTheStepUntilTheWishIsMet) {
-  // Speeding up at 50 mm/s2 the straight line of a step is off by a h^2/8 at most, 0.6 um at 10 ms, which is 0.1 % of the
-  // corners' 0.5 mm.
+  // In acceleration at 50 mm/s2 the straight line of a step is off by at most a h^2/8, 0.6 um at 10
+  // ms, which is 0.1 % of the corners' 0.5 mm.
   const std::string text = stage + moves + "speed: 16 mm/s, acceleration: 50 mm/s2}\naccuracy: {onset: 0.001 %}\n";
   const FoundSetting found = found_for(file_of(text));
   ASSERT_GE(found.looks.size(), 3U);
@@ -232,14 +232,14 @@ TEST(FindSetting, HalvesTheStepUntilTheWishIsMet) {
     EXPECT_EQ(error.worst <= margin * 1e-5, found.looks[k].met) << k;
     EXPECT_EQ(found.looks[k].met, k + 1 == found.looks.size()) << k;
   }
-  // A looser wish, a longer step; the same wish, the same setting.
+  // A looser wish gives a longer step; the same wish gives the same setting.
   const FoundSetting looser =
       found_for(file_of(stage + moves + "speed: 16 mm/s, acceleration: 50 mm/s2}\naccuracy: {onset: 1 %}\n"));
   EXPECT_GT(step_of(looser.overrides), step_of(found.overrides));
   EXPECT_EQ(setting_text(found_for(file_of(text)).overrides), setting_text(found.overrides));
 }
 
-// What a skin's solver leaves undone is told from the step's error only where the wish is as tight.
+// The error of a skin's solver is separated from the step's error only if the wish is tight enough.
 TEST(FindSetting, TightensTheSolverOfASoftSkinWhereTheWishNeedsIt) {
   const std::string skin =
       "duration: 0.5 s\nsurface: {shape: sphere, radius: 40 mm}\neffects: [elastic_skin]\n"
@@ -249,7 +249,7 @@ TEST(FindSetting, TightensTheSolverOfASoftSkinWhereTheWishNeedsIt) {
   const std::string tight = setting_text(found_for(file_of(skin + "accuracy: {force: 0.1 %}\n")).overrides);
   EXPECT_EQ(loose.find("tolerance"), std::string::npos) << loose;
   EXPECT_NE(tight.find("effects.0.elastic_skin.tolerance"), std::string::npos) << tight;
-  // Not where the sweep says it or the effects around it, nor looser than the scene has it.
+  // Not if the sweep sets it or the effects around it, and never looser than in the scene.
   for (const char* const sweep : {"{effects: [[elastic_skin], []]}", "{effects.0: [elastic_skin, stribeck]}",
                                   "{effects.0.elastic_skin.tolerance: [1e-3, 1e-6]}"}) {
     const FoundSetting swept = found_for(file_of(skin + "accuracy: {force: 5 %}\nsweep: " + sweep + "\n"));
@@ -281,12 +281,12 @@ TEST(FindSetting, LooksAtTheTrialsThatRun) {
   sweep.only = 4;  // one of these, with their setting
   EXPECT_THAT(found_for(file, sweep).trials, ElementsAre(0, 1, 2, 3, 5));
   SweepOptions run;
-  run.limit = 3;  // the first three, of more than the scene's sweep has
+  run.limit = 3;  // the first three, of more than in the scene's sweep
   EXPECT_THAT(found_for(file, run).trials, ElementsAre(0, 1, 2));
 }
 
 TEST(FindSetting, SaysStepsToFourDigits) {
-  // 10 ms / 44 has no short decimal; the override is exact, and what a person reads is not.
+  // 10 ms / 44 has no short decimal; the override is exact, the displayed value is not.
   const double step = 0.01 / 44;
   const std::string exact = format_quantity(step, Quantity::time);
   EXPECT_EQ(parse_quantity(exact, Quantity::time), step);
@@ -301,7 +301,7 @@ TEST(FindSetting, RefusesAWishForWhatNeverHappens) {
 }
 
 TEST(FindSetting, RefusesAWishThatCannotBeShown) {
-  // Distances are kept as float32 to 1e-7 of themselves, and texture makes them depend on the step.
+  // Distances are float32, exact to 1e-7, and texture makes them depend on the step.
   const std::string message =
       refusal(stage + moves + "speed: 8 mm/s}\neffects: [texture]\naccuracy: {slip_distance: 0.000001 %}\n");
   EXPECT_THAT(message, mentions({"wish.yaml:6", "accuracy.slip_distance", "1e-06 %", "time_step"}));
@@ -314,8 +314,8 @@ TEST(FindSetting, RefusesSensorsWithoutACommonStep) {
       refused_at("wish.yaml:3", {"accuracy", "sampling times"}));
 }
 
-// Ten scenes made for this test; what is found for each is held against a run of its own that is finer than any that the search
-// made.
+// Ten scenes made for this test; each found setting is compared with a separate run that is finer
+// than any run of the search.
 struct Wished {
   const char* name;
   std::string text;

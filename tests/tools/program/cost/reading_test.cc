@@ -1,4 +1,4 @@
-// Fronts, the cheapest settings and sentences, of an exploration made by hand.
+// Fronts, the cheapest settings and sentences of an exploration with made-up values.
 #include <vector>
 
 #include "tests/expect.h"
@@ -7,8 +7,9 @@
 namespace slipbench::cost {
 namespace {
 
-// By cost: 10 ms (0.05), 5 ms (0.005), 2 ms is dearer than 5 ms and not better, the scene (0.0005) is; the rest is dearer and worse, and what is
-// compared with something else is on no front.
+// By cost: 10 ms (0.05), 5 ms (0.005); 2 ms costs more than 5 ms and is not better; the scene
+// (0.0005) is better. The rest costs more and is worse. Settings compared with another reference
+// are on no front.
 TEST(CostReading, TheFrontIsWhatNothingCheaperMatches) {
   std::vector<std::string> front;
   for (const Row& row : example().rows) {
@@ -25,8 +26,9 @@ TEST(CostReading, ARunInWhichOtherThingsHappenMeetsNoWish) {
   EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2, "contact")->setting.label, "noslip 3");
 }
 
-// 5 ms: 0.004 s for 2 s, 1/500 of real time. noslip 3: 1.6 s for 2 s, 1/1.25, 400 times as much. 0.1 %: the scene itself, 0.02 s, 1/100.
-// Of the three settings of MuJoCo's contact one has ended in a warning.
+// 5 ms: 0.004 s for 2 s, 1/500 of real time. noslip 3: 1.6 s for 2 s, 1/1.25, 400 times as much.
+// 0.1 %: the scene itself, 0.02 s, 1/100. One of the three settings of MuJoCo's contact ended in a
+// warning.
 TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
   EXPECT_THAT(
       sentences(example()),
@@ -44,7 +46,7 @@ TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
   EXPECT_THAT(sentences(exploration), Contains(HasSubstr("1 % slip onset error: cannot be shown")));
 }
 
-// A row that puts out less is cheaper for giving less.
+// A row with fewer outputs is cheaper because it computes less.
 TEST(CostReading, OnlyWhatPutsOutAsOftenIsCompared) {
   Exploration exploration = example();
   for (Row& row : exploration.rows) row.rate = 1000.0;
@@ -53,7 +55,7 @@ TEST(CostReading, OnlyWhatPutsOutAsOftenIsCompared) {
   EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2)->setting.label, "2 ms");
 }
 
-// What was not tried has not failed.
+// An untried setting has not failed.
 TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
   Exploration exploration = example();
   for (Row& row : exploration.rows) {
@@ -68,7 +70,8 @@ TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("the budget left no time to try MuJoCo's own contact"));
 }
 
-// Of three one has gone wrong; then noslip 3 puts out less often; then the last, impratio 100, is out of time.
+// One of three has failed; then noslip 3 has fewer outputs; then the last, impratio 100, is out of
+// time.
 TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
   Exploration exploration = example();
   for (Row& row : exploration.rows) row.rate = 1000.0;
@@ -85,7 +88,7 @@ TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
           "Of 3 settings of MuJoCo's own contact 3 could not count: 1 went wrong, 1 put out less often than the scene, 1 not run for want of time."));
 }
 
-// In both that are left the other thing happens.
+// In both remaining rows the outcome differs.
 TEST(CostReading, OtherThingsHappenOnlyWhereSomethingWasCompared) {
   Exploration exploration = example();
   for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(0.0, true);
@@ -94,7 +97,7 @@ TEST(CostReading, OtherThingsHappenOnlyWhereSomethingWasCompared) {
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("no run can be compared"));
 }
 
-// Three digits and no exponent: 1 420 % are read faster than 1.42e+03 %.
+// Three digits without exponent: 1 420 % is easier to read than 1.42e+03 %.
 TEST(CostReading, LargeErrorsAreWrittenOut) {
   Exploration exploration = example();
   for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(14.2);

@@ -58,14 +58,14 @@ TEST(CostSettings, ASoftSkinHasASolverAndCells) {
   }
 }
 
-// 1 kHz: ten sampling times down to a twentieth of one; the scene's own millisecond is the scene itself.
+// 1 kHz: ten sampling times down to a twentieth; the scene's own millisecond is the scene itself.
 TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
   const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), 1e-3);
   EXPECT_THAT(labels_of(settings, "field"), ElementsAre("10 ms, output at 100 Hz", "4 ms, output at 250 Hz",
                                                         "2 ms, output at 500 Hz", "0.5 ms", "0.2 ms", "0.1 ms", "50 us"));
 }
 
-// Whoever reads a row can run it.
+// Every row can be run by its reader.
 TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
   for (const char* const name :
        {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml", "soft_skin/sphere.yaml"}) {
@@ -76,7 +76,7 @@ TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
   }
 }
 
-// The springs of its fingers bear no step of the other scenes' ladder above half a millisecond.
+// The springs of its fingers are unstable above half a millisecond in the other scenes' steps.
 TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
   std::set<double> steps;
   for (const Setting& setting : settings_to_try(parsed(shipped("grasp/lift.yaml")), 5e-4)) {
@@ -88,8 +88,8 @@ TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
   EXPECT_THAT(steps, ElementsAre(5e-5, 1e-4, 2e-4, 5e-4));
 }
 
-// 2,400 readings a second: 4 ms are 10 sampling times of 0.41667 ms to the next whole number, 2 ms 5, 1 ms 2 (2.4), 0.5 ms 1 (1.2), and 0.2 ms
-// a third of one (0.48, of which at least three parts are short enough).
+// 2,400 readings a second: 4 ms are 10 sampling times of 0.41667 ms, rounded; 2 ms are 5, 1 ms 2
+// (2.4), 0.5 ms 1 (1.2), and 0.2 ms a third of one (0.48; at least three parts are short enough).
 TEST(CostSettings, StepsOfMujocosContactFitAnyRate) {
   std::set<double> parts;
   for (const Setting& setting : settings_to_try(parsed(shipped("nib_pad/calibrate_lying.yaml")), 1.0 / 2400.0)) {

@@ -14,8 +14,9 @@ const StabilityMap& map() {
   return measured;
 }
 
-// The bar: within 20 % of the measured limit, and never above it. What is known of the two is more: 1 % is taken off the prediction, the
-// measurement is 0.5 % too large at most (step_probe.h), and loads that turn make 0.3 %.
+// The limit: within 20 % of the measured value, and never above it. Both are known better: 1 % is
+// subtracted from the prediction, the measurement is at most 0.5 % too large (step_probe.h), and
+// turning loads contribute 0.3 %.
 TEST(StabilityMap, PredictsTheMeasuredLimitAndNeverExceedsIt) {
   ASSERT_GE(map().combinations.size(), 50U);
   for (const StabilityCombination& c : map().combinations) {
@@ -29,7 +30,8 @@ TEST(StabilityMap, PredictsTheMeasuredLimitAndNeverExceedsIt) {
   EXPECT_GT(map().worst_ratio(), 0.98);
 }
 
-// As stated in the header: every set-up, integrator and range of the whole map is in the part that the tests measure.
+// As documented in the header: the tested part has every set-up, integrator and range of the whole
+// map.
 TEST(StabilityMap, SpansMassStiffnessDampingAndIntegrator) {
   std::set<std::string> set_ups, integrators;
   std::set<double> masses, scales, dampings;
@@ -48,8 +50,8 @@ TEST(StabilityMap, SpansMassStiffnessDampingAndIntegrator) {
   EXPECT_THAT(dampings, ElementsAre(0.0, 1e-4, 1e-3));
 }
 
-// One undamped box between two pads: the fastest mode is along the normals, where all that gives way is 18 k_n on the box's mass, and the
-// limit is 2/omega, RK4's sqrt(8)/omega.
+// One undamped box between two pads: the fastest mode is along the normals, with only 18 k_n
+// against the box's mass, and the limit is 2/omega, RK4's sqrt(8)/omega.
 TEST(StabilityMap, MeasuredLimitIsTheClosedForm) {
   int found = 0;
   for (const StabilityCombination& c : map().combinations) {

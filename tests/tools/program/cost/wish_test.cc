@@ -1,4 +1,4 @@
-// A scene's wish for accuracy as a user gives it to the program.
+// A scene's wish for accuracy as users give it to the program.
 #include <filesystem>
 #include <fstream>
 
@@ -28,8 +28,8 @@ TEST(Wish, IsSettledOnceForRunSweepAndCheck) {
   const ChildResult check = run_program_file({"check", folder / "wish.yaml", "--json"});
   EXPECT_EQ(check.status, 0) << check.err;
   EXPECT_THAT(check.err, IsEmpty());
-  EXPECT_THAT(check.out, HasSubstr("--set accuracy=none"));  // in what replays a trial
-  // What was found, given by hand, makes the same bytes and needs no record.
+  EXPECT_THAT(check.out, HasSubstr("--set accuracy=none"));  // in the command that replays a trial
+  // The found setting, given by hand, gives the same bytes without a record.
   const std::string record = bytes_of(folder / "wish.yaml.accuracy.json");
   const ChildResult again = run_program_file(
       {"sweep", folder / "wish.yaml", "-o", folder / "second.h5", "--set", "accuracy=none", "--set", "time_step=10 ms"});

@@ -1,4 +1,4 @@
-// A temporary folder of stand-in programs that is all of PATH while it lives.
+// A temporary folder of stand-in programs that is the whole PATH while it exists.
 #pragma once
 
 #include <cstdlib>
@@ -15,7 +15,8 @@ class PathFolder {
   PathFolder() { setenv("PATH", folder_.path().c_str(), 1); }
   ~PathFolder() { setenv("PATH", old_path_.c_str(), 1); }
 
-  // Adds a program that prints `output`, and returns its path. The script needs the shell alone: PATH holds nothing else.
+  // Adds a program that prints `output`, and returns its path. The script uses only the shell,
+  // because PATH holds nothing else.
   std::string add_program(const std::string& name, const std::string& output) {
     std::string path = folder_ / name;
     std::ofstream(path) << "#!/bin/sh\necho '" << output << "'\n";

@@ -52,11 +52,11 @@ struct Evaluated : SmallDatasetTest {
     result.dataset = dataset;
     return result;
   }
-  // The page of a result of options().
+  // Returns the page of a result with options().
   [[nodiscard]] std::string page_of(const Json& result) const {
     return eval_page(result, path("page.html"), options("").detector);
   }
-  // What a detector says that has learnt from these trials.
+  // Returns the description of a detector trained on these trials.
   static std::string seen(const std::string& dataset, const std::vector<std::size_t>& trials) {
     const DatasetReader reader(dataset);
     Json digests = Json::array();
@@ -65,7 +65,7 @@ struct Evaluated : SmallDatasetTest {
   }
 };
 
-// 24 trials, half of them at 4 mm/s, half at 16; masks of 70, 15 and 15 %.
+// 24 trials, half at 4 mm/s, half at 16; masks of 70, 15 and 15 %.
 TEST_F(Evaluated, EveryTrialAndItsGroups) {
   const std::string file = dataset();
   const Json result = evaluate(options(file));
@@ -84,12 +84,12 @@ TEST_F(Evaluated, EveryTrialAndItsGroups) {
   EXPECT_EQ(result.at("by")[1].at("groups")[2].at("name"), "test");
   EXPECT_FALSE(result.contains("loop")) << "the dataset has no detector";
   EXPECT_FALSE(result.contains("roc")) << "it has no probability";
-  // The true first slip of a trial is that of its labels.
+  // A trial's true first slip comes from its labels.
   const SensorRecord pad = DatasetReader(file).read_sensor(5, "pad");
   EXPECT_EQ(result.at("trials")[5].at("slip_time_s"), std::ranges::min(pad.labels.onset_time));
 }
 
-// An octave holds the speeds that its name says: 15.9 and 31.99 mm/s are below 16 and 32.
+// An octave holds the speeds in its name: 15.9 and 31.99 mm/s are below 16 and 32.
 TEST_F(Evaluated, SpeedsAreInTheOctaveOfTheirName) {
   const Json result = evaluate(options(dataset({{"sweep.motion.speed", "[15.9 mm/s, 16 mm/s, 31.99 mm/s]"}})));
   const Json& groups = result.at("by")[0].at("groups");
@@ -117,7 +117,7 @@ TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   EXPECT_EQ(result.at("all").at("trials"), 20);
   for (const Json& by : result.at("by"))
     EXPECT_NE(by.at("by"), "mask") << "a part of the masks that it has learnt from is not new to it";
-  // The same trials in another file, whose content has another digest.
+  // The same trials in another file have another content digest.
   Options copy = trained;
   copy.dataset = dataset({{"description", "another one"}}, "other.h5");
   EXPECT_NE(DatasetReader(copy.dataset).content_sha256(), DatasetReader(trained.dataset).content_sha256());
@@ -132,8 +132,8 @@ TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   EXPECT_THAT(refusal_of([&] { evaluate(trained); }), mentions({"trained.sha256_seen"}));
 }
 
-// Memories record their trials in seen.txt. Those without it, as the published ones are, cannot be
-// told apart from what they learnt from.
+// Memories record their trials in seen.txt. Without it, as for the published ones, training trials
+// cannot be identified.
 TEST_F(Evaluated, LeavesOutWhatMemoriesWereTrainedOn) {
   const std::string file = dataset();
   const DatasetReader reader(file);
@@ -175,7 +175,7 @@ TEST_F(Evaluated, RefusesWhatItCannotJudge) {
   EXPECT_THAT(refusal(options(file)), HasSubstr("data.h5"));
 }
 
-// Of imported recordings there is no truth, whatever the names of the figures say.
+// Imported recordings have no truth, whatever the names of the figures suggest.
 TEST_F(Evaluated, SaysThatThereIsNoTruth) {
   Json result = evaluate(options(dataset()));
   result["command"] = "slipbench eval";
@@ -197,7 +197,7 @@ TEST_F(Evaluated, PageDrawsTheWorstTrialsOverTime) {
     for (std::size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++found;
     return found;
   };
-  // Each with its states, by the detector and by the truth, and the PapillArray's forces in N.
+  // Each with its states, of the detector and the truth, and the PapillArray's forces in N.
   for (const char* text : {"aria-label=\"States over time [s]\"", ">detector</text>", ">truth</text>",
                            "aria-label=\"force [N], component 3 of 3 over time [s]\""})
     EXPECT_EQ(count(text), drawn) << text;
@@ -227,7 +227,7 @@ TEST_F(Evaluated, PageShowsTextAsText) {
   result["roc"] = {{nullptr, 0.0, 0.0}, {0.5, 0.25, 0.75}, {0.0, 1.0, 1.0}};
   result["calibration"] = {{{"low", 0.0}, {"high", 0.5}, {"count", 3}, {"mean", 0.25}, {"share", 0.5}}};
   const std::string page = page_of(result);
-  // A quarter of 342 px to the right of 62, three quarters of 218 px above 248.
+  // A quarter of 342 px right of 62, three quarters of 218 px above 248.
   EXPECT_THAT(page, HasSubstr("points=\"62,248 147.5,84.5 404,30\""));
   EXPECT_THAT(page, HasSubstr("cx=\"147.5\" cy=\"139\"")) << "a quarter was said, half is true";
   EXPECT_TRUE(page::begins_as_page(page, page_kind.generator));

@@ -1,4 +1,4 @@
-// The loop of a grasp, from its recording alone.
+// Replays the loop of a grasp from its recording alone.
 #include <cmath>
 #include <fstream>
 
@@ -17,7 +17,7 @@ namespace {
 using ::slipbench::testing::FolderTest;
 
 struct GraspReplay : FolderTest {
-  // Three boxes, one of which is too heavy for the grip.
+  // Three boxes, one of them too heavy for the grip.
   std::string dataset(const std::string& detector) {
     std::ofstream(path("scene.yaml")) << "slipbench: 1\nseed: 2\nsurface: {material: ptfe}\nduration: 5 s\n"
                                          "sensors: {pad: {type: papillarray, rate: 100 Hz}}\ncontroller: {type: step_on_slip}\n"
@@ -53,7 +53,7 @@ TEST_F(GraspReplay, GivesTheLoopsClassesAndOutcomesAgain) {
       ++judged_by;
       EXPECT_EQ(judgement.slip_time, outcome.judged_slip_time);
       EXPECT_EQ(judgement.frames, record.control->confusion);
-      // The loop looks at every tick, the recording at every sample.
+      // The loop runs at every tick, the recording has every sample.
       if (outcome.detection == Detection::seen) {
         EXPECT_NEAR(judgement.delay, outcome.detection_delay, 0.01);
       }

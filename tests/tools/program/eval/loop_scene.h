@@ -17,7 +17,8 @@ inline std::vector<std::uint8_t> codes(const std::vector<PadState>& states) {
   return codes;
 }
 
-// What the loop saw in a trial of the scene, and what the replay of its record sees. Returns the replay.
+// Expects the replay of the record to equal the loop's estimates in a trial of the scene. Returns
+// the replay.
 inline Replayed expect_same_as_loop(const Scene& scene, const TrialRecord& record) {
   Replayed replayed = replay(*scene.detector, record.sensors, scene.detector->sensor, scene.seed, record.trial);
   EXPECT_EQ(codes(replayed.seen), record.control.value().detector_class);

@@ -12,7 +12,8 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr PadState none = PadState::no_contact, stick = PadState::non_slip, some = PadState::incipient, all = PadState::gross;
 
-// Ten samples at 10 Hz, from 0 s on: one in the air, sticking from 0.1 s, slipping from 0.55 s to 0.75 s, seen at 0.6 and 0.7 s.
+// Ten samples at 10 Hz, from 0 s on: one without contact, sticking from 0.1 s, slipping from 0.55 s
+// to 0.75 s, detected at 0.6 and 0.7 s.
 Truth truth() {
   Truth result;
   for (int row = 0; row < 10; ++row) result.time.push_back(0.1 * row);
@@ -32,7 +33,8 @@ Replayed seen(std::vector<PadState> states) {
   return result;
 }
 
-// Seen first at 0.7 s, 0.15 s after the slip began; it is still seen at 0.8 s, when the pad sticks again: no new alarm.
+// First detected at 0.7 s, 0.15 s after the slip began; still on at 0.8 s, when the pad sticks
+// again, which is not a new alarm.
 TEST(Judged, TheFirstAlarmDecides) {
   const Judgement result = judged(3, truth(), seen({none, stick, stick, stick, stick, stick, stick, all, all, stick}));
   EXPECT_EQ(result.trial, 3U);
@@ -45,8 +47,9 @@ TEST(Judged, TheFirstAlarmDecides) {
   EXPECT_EQ(result.frames[1][3], 1U);
 }
 
-// The path is 0 until 0.55 s, 0.2 mm at 0.6 s and 1 mm at 0.7 s, from when on nothing sticks: an alarm at 0.65 s comes after 0.6 mm, before gross slip,
-// one at 0.7 s after 1 mm and not before it.
+// The path is 0 until 0.55 s, 0.2 mm at 0.6 s and 1 mm at 0.7 s, from when on nothing sticks. An
+// alarm at 0.65 s comes after 0.6 mm, before gross slip; one at 0.7 s comes after 1 mm and not
+// before gross slip.
 TEST(Judged, SlippedDistanceIsThatAtTheAlarm) {
   Truth slides = truth();
   slides.slip_distance = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2e-3, 1.0e-3, 1.4e-3, 1.4e-3};
@@ -71,7 +74,8 @@ TEST(Judged, SlippedDistanceIsThatAtTheAlarm) {
   EXPECT_EQ(graced.slip_distance, 0.0) << "the alarm at 0.5 s is before the path that the slip has made by 0.55 s";
 }
 
-// Alarms at 0 s in the air, at 0.2 s and, after a pause of one sample, at 0.4 s: early, by the first of them.
+// Alarms at 0 s without contact, at 0.2 s and, after a pause of one sample, at 0.4 s: early, by the
+// first of them.
 TEST(Judged, AnAlarmBeforeTheSlipIsEarlyAndCountedWhereItBegins) {
   const Judgement result = judged(0, truth(), seen({all, stick, some, stick, some, some, all, all, stick, stick}));
   EXPECT_EQ(result.detection, Detection::early);
@@ -81,7 +85,8 @@ TEST(Judged, AnAlarmBeforeTheSlipIsEarlyAndCountedWhereItBegins) {
   EXPECT_EQ(result.stick_alarms, 2U) << "that at 0.4 s goes on into the slip";
 }
 
-// An alarm at 0.5 s is 0.05 s before the slip: by a grace of more than that it is neither early nor false. One at 0.2 s is, whatever comes after it.
+// An alarm at 0.5 s is 0.05 s before the slip: with a larger grace it is neither early nor false.
+// An alarm at 0.2 s is, whatever follows.
 TEST(Judged, GraceForgivesAnAlarmJustBeforeTheSlip) {
   const Replayed soon = seen({none, stick, stick, stick, stick, all, all, all, stick, stick});
   for (const double grace : {0.0, 0.04}) {
@@ -98,7 +103,8 @@ TEST(Judged, GraceForgivesAnAlarmJustBeforeTheSlip) {
   EXPECT_EQ(twice.stick_alarms, 1U);
 }
 
-// Samples 8 and 9, in which the pad sticks again, are masked: neither a frame nor a false alarm, but the alarm at 0.8 s sees the slip.
+// Samples 8 and 9, where the pad sticks again, are masked: neither frames nor false alarms, but the
+// alarm at 0.8 s detects the slip.
 TEST(Judged, MaskedFramesJudgeNothingButTheDelay) {
   Truth masked = truth();
   masked.masked = {false, false, false, false, false, false, false, false, true, true};
@@ -127,14 +133,16 @@ TEST(Judged, MissedQuietAndFalseAlarm) {
   EXPECT_EQ(wrong.alarm_time, 0.4);
 }
 
-// An estimate of 0.5 s with a latency of 0.08 s is there at 0.58 s, between two samples, and after the slip began.
+// An estimate of 0.5 s with a latency of 0.08 s is available at 0.58 s, between two samples, and
+// after the slip began.
 TEST(Judged, AnAlarmIsThereWhenItsLatencyIsOver) {
   Replayed late = seen({none, stick, stick, stick, stick, stick, all, all, stick, stick});
   late.seen_since[6] = 0.58;
   EXPECT_DOUBLE_EQ(judged(0, truth(), late).delay, 0.58 - 0.55);
 }
 
-// Of closing fingers: alarms do not count from the slip at 0.1 s until the lift at 0.3 s, where one that lasts becomes an alarm.
+// Closing fingers: alarms do not count from the slip at 0.1 s until the lift at 0.3 s, where a
+// lasting one becomes an alarm.
 TEST(Judged, AnAlarmThatLastsIntoTheLiftIsOneFromThereOn) {
   Truth grasp = truth();
   grasp.any_slip = 0.1;
@@ -146,7 +154,8 @@ TEST(Judged, AnAlarmThatLastsIntoTheLiftIsOneFromThereOn) {
   EXPECT_NEAR(result.stick_time, 0.5, 1e-12) << "samples 3, 4, 5, 8 and 9";
 }
 
-// A recording of one sample, as BTS3v2's, lasts no time: alarms a minute and a delay would be those of its nominal rate.
+// A recording of one sample, like BTS3v2's, has no duration: alarms per minute and a delay would
+// follow from its nominal rate.
 TEST(Judged, OneSampleHasNeitherADelayNorTime) {
   Truth one;
   one.time = {0.0};
@@ -172,7 +181,7 @@ TEST(Judged, ProbabilitiesAndStuckFractions) {
   const Judgement result = judged(0, truth(), replayed);
   EXPECT_EQ(result.negatives, std::vector<double>{0.1});
   EXPECT_EQ(result.positives, std::vector<double>{0.7});
-  // Of nine samples in contact: seven whose all stick, one half, one nothing.
+  // Of nine samples in contact: seven in which all stick, one half, one none.
   EXPECT_EQ(result.stuck_frames, 9U);
   EXPECT_NEAR(result.stuck_error, 7.0 * 0.25 + 0.25 + 0.75, 1e-12);
   EXPECT_THROW(judged(0, truth(), seen({stick})), std::logic_error);
@@ -185,7 +194,7 @@ double figure(const Summary& summary, std::string_view key) {
   throw std::logic_error("no such figure");
 }
 
-// Four trials: seen after 10 ms and 30 ms, early, missed; and one without slip that is quiet.
+// Four trials: detected after 10 ms and 30 ms, early, missed; and a quiet one without slip.
 std::vector<Judgement> five() {
   std::vector<Judgement> trials(5);
   const Detection how[] = {Detection::seen, Detection::seen, Detection::early, Detection::missed, Detection::quiet};
@@ -220,7 +229,7 @@ TEST(Summary, FiguresOfFiveTrials) {
   EXPECT_TRUE(std::isnan(figure(summary, "auc")));
 }
 
-// Clopper and Pearson of 1 in 4: p(k >= 1) = 1 - (1 - low)^4 = 0.025.
+// Clopper and Pearson for 1 of 4: p(k >= 1) = 1 - (1 - low)^4 = 0.025.
 TEST(Summary, SharesOfTrialsHaveTheExactInterval) {
   const Summary summary = summarised(five());
   for (std::size_t k = 0; k < figures.size(); ++k) {
@@ -229,7 +238,7 @@ TEST(Summary, SharesOfTrialsHaveTheExactInterval) {
   }
 }
 
-// Two trials of two values each; of the four pairs of a positive and a negative three are in order.
+// Two trials of two values each; three of the four pairs of a positive and a negative are in order.
 TEST(Summary, AreaUnderTheCurve) {
   std::vector<Judgement> trials(2);
   trials[0].positives = {0.9};
@@ -239,8 +248,9 @@ TEST(Summary, AreaUnderTheCurve) {
   EXPECT_DOUBLE_EQ(figure(summarised(trials), "auc"), 0.75);
 }
 
-// Twenty trials, half of them called wrongly: each tells the other ten nothing, or they are ten made twice, of which the interval of a share is the
-// wider one, or five made four times, which are too few for any.
+// Twenty trials, half of them called wrongly. They are independent, or ten trials copied twice,
+// which widens the interval of a share, or five copied four times, which are too few for an
+// interval.
 TEST(Summary, TwinsCountOnce) {
   std::vector<Judgement> trials(20);
   for (std::size_t k = 0; k < 20; ++k) trials[k].frames[1] = k % 2 == 0 ? StateCounts{0, 10, 0, 0} : StateCounts{0, 0, 0, 10};
@@ -255,7 +265,8 @@ TEST(Summary, TwinsCountOnce) {
     }
     throw std::logic_error("no such figure");
   };
-  // Of a mean of n draws of 0 or 1 the standard deviation is 1/(2 sqrt(n)): 95 % are 1.96/sqrt(n) wide, to the coarseness of n steps.
+  // A mean of n draws of 0 or 1 has the standard deviation 1/(2 sqrt(n)): 95 % are 1.96/sqrt(n)
+  // wide, up to the coarseness of n steps.
   EXPECT_NEAR(width(20), 1.96 / std::sqrt(20.0), 0.06);
   EXPECT_NEAR(width(10), 1.96 / std::sqrt(10.0), 0.11);
   EXPECT_TRUE(std::isnan(width(5)));
@@ -270,7 +281,8 @@ TEST(Summary, AsJson) {
   EXPECT_EQ(json.at("constant").at("accuracy"), 10.0 / 14.0);
 }
 
-// Eight samples at 10 Hz of a pad with two units, which slips in part, comes to rest, and is touched once more.
+// Eight samples at 10 Hz of a pad with two units, which slips in part, comes to rest, and is
+// touched again.
 SensorRecord sensor() {
   SensorRecord record;
   record.name = "pad";
@@ -294,12 +306,14 @@ TEST(Labels, RulesOfTheDatasetStandAsTheyAre) {
   EXPECT_EQ(label_states(sensor(), TruthRule::paper, false), (std::vector{none, stick, stick, some, stick, stick, none, stick}));
 }
 
-// Gross at 0.3 s, it stays so when less and then nothing slips; at 0.6 s contact is lost, and at 0.7 s it sticks anew.
+// Gross at 0.3 s, it stays gross when less and then nothing slips; contact is lost at 0.6 s, and at
+// 0.7 s it sticks in a new contact.
 TEST(Labels, LatchedHoldsUntilContactIsLost) {
   EXPECT_EQ(label_states(sensor(), TruthRule::latched, false), (std::vector{none, stick, some, all, all, all, none, stick}));
 }
 
-// Slips from 0.2 s to 0.4 s: at 0.5 s it sticks under the shear of that slip, at 0.7 s in a new contact.
+// Slips from 0.2 s to 0.4 s: at 0.5 s it sticks under the shear of that slip, at 0.7 s in a new
+// contact.
 TEST(Labels, MaskedIsMicroWithoutWhatSticksAgain) {
   EXPECT_EQ(label_states(sensor(), TruthRule::masked, false), label_states(sensor(), TruthRule::micro, false));
   const auto masked = [](TruthRule rule) { return truth_of(nullptr, {}, sensor(), rule).masked; };
@@ -326,7 +340,7 @@ TEST(Labels, RulesAreNamed) {
   EXPECT_THAT(refusal_of([&] { parse_label_rule("stricd"); }), mentions({"strict"}));
 }
 
-// A unit slips as a whole at 0.24 s, a part of it from 0.16 s on.
+// Full slip of a unit at 0.24 s, micro-slip from 0.16 s on.
 TEST(FirstSlip, IsResolvedInsideTheStep) {
   const SensorRecord record = sensor();
   const auto first = [&](TruthRule rule, double from) {
@@ -345,15 +359,16 @@ TEST(FirstSlip, OfASingleUnitIsThatOfAPart) {
   EXPECT_EQ(first_slip(record, TruthRule::strict, label_states(record, TruthRule::strict, false), 0.0), 0.16);
 }
 
-// As in a real recording, whose labels a person wrote.
+// As in a real recording with labels by a person.
 TEST(FirstSlip, WithoutEventsIsThatOfTheSamples) {
   SensorRecord record = sensor();
   record.labels.event_time.clear();
   EXPECT_EQ(first_slip(record, TruthRule::strict, label_states(record, TruthRule::strict, false), 0.0), record.time[3]);
 }
 
-// Two units. Both slip by 1 mm, which is 1 mm of path. One of them lets go, the other slips 2 mm more; a fresh one that has slipped nothing touches; then
-// nothing touches: the path stays at 3 mm, though the mean of what touches would fall to 1.5 mm and end.
+// Two units. Both slip by 1 mm, which is 1 mm of path. One detaches, the other slips 2 mm more; a
+// new unit without slip touches; then nothing touches. The path stays at 3 mm, although the mean
+// over touching units would fall to 1.5 mm and end.
 TEST(Truth, PathNeverFallsWhenUnitsLetGo) {
   constexpr std::uint8_t gone = 0, slides = 2, sticks = 1;
   SensorRecord record = sensor();
@@ -371,7 +386,8 @@ TEST(Truth, PathNeverFallsWhenUnitsLetGo) {
   for (std::size_t row = 0; row < path.size(); ++row) EXPECT_NEAR(truth.slip_distance[row], path[row], 1e-9) << row;
 }
 
-// Slips at 0.16 s, as it is touched, and at 0.24 s. Judged from 0.2 s on, the first alarm that counts is one from 0.2 s on: the slip at 0.16 s has been.
+// Slips at 0.16 s, when touched, and at 0.24 s. Judged from 0.2 s on, only alarms from 0.2 s on
+// count: the slip at 0.16 s is past.
 TEST(Truth, IsJudgedByTheFirstSlipFromAnInstantOn) {
   const Truth truth = truth_of(nullptr, {}, sensor(), TruthRule::micro, 0.2);
   EXPECT_EQ(truth.first_slip, 0.24);
@@ -381,7 +397,7 @@ TEST(Truth, IsJudgedByTheFirstSlipFromAnInstantOn) {
   EXPECT_TRUE(truth.counts(0.2));
 }
 
-// A recorded grasp does not say when it was lifted: its first sample counts as the others do.
+// A recorded grasp does not store its lift: its first sample counts like the others.
 TEST(Truth, AGraspWithoutASceneCountsFromItsBeginning) {
   TrialRecord record;
   record.outcome.grasp.emplace().dropped = true;

@@ -1,6 +1,7 @@
-"""The page of `slipbench eval` in a browser: it draws without a script, keeps to its policy, and loads nothing.
+"""The page of `slipbench eval` in a browser: no script, its policy holds, nothing is loaded.
 
-    page_test.py PROGRAM"""
+    page_test.py PROGRAM
+"""
 
 import re
 import subprocess

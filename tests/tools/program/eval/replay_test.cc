@@ -21,7 +21,7 @@ std::string stage(const std::string& detector,
       sensors, detector);
 }
 
-// How many classes the loop says, so that equality means something.
+// Number of classes that the loop reports, so that equality is meaningful.
 std::size_t classes(const TrialRecord& record) {
   const auto& said = record.control.value().detector_class;
   return std::set<std::uint8_t>(said.begin(), said.end()).size();
@@ -38,7 +38,8 @@ TEST(Replay, IsWhatTheLoopSaw) {
   }
 }
 
-// The plugin says what it hears of a skin of 10 kHz, and its latency is a millisecond; it is asked at every sample of the pad, 1 kHz.
+// The plugin reports samples of a skin of 10 kHz with a latency of one millisecond; it is updated
+// at every sample of the pad, 1 kHz.
 TEST(Replay, HearsAllSensorsAndWaitsForTheLatency) {
   const std::string sensors = "skin: {type: piezo_skin}, pad: {type: papillarray, rate: 1 kHz}";
   const TrialRecord bare = run_trial(parsed(stage("{type: force_ratio, sensor: pad}", sensors)), 0, Recording::full).record;
@@ -53,7 +54,7 @@ TEST(Replay, HearsAllSensorsAndWaitsForTheLatency) {
   EXPECT_EQ(replayed.seen.size(), record.sensors[1].time.size());
 }
 
-// Keeps what it is fed.
+// Stores its input.
 class Keeper final : public Detector {
  public:
   explicit Keeper(std::vector<std::vector<float>>& frames) : frames_(&frames) {}
@@ -67,7 +68,8 @@ class Keeper final : public Detector {
   SlipEstimate estimate_;
 };
 
-// The slow channel is new in samples 2 and 5 (every third), its values read 0.01 s before; the first row stands before its own.
+// The slow channel is new in samples 2 and 5 (every third), with values read 0.01 s earlier; before
+// its first row it has the first row's values.
 TEST(Replay, ASlowChannelStandsStillBetweenItsRows) {
   SensorRecord sensor;
   sensor.name = "pad";
@@ -95,7 +97,7 @@ TEST(Replay, SaysSinceWhenAnEstimateIsSeen) {
   EXPECT_TRUE(std::isnan(replayed.probability[230])) << "it has none";
 }
 
-// Asked at 10 Hz of samples at 20 Hz, it says a probability that grows by `step`.
+// Updated at 10 Hz with samples at 20 Hz, it returns a probability that grows by `step`.
 class Probable final : public Detector {
  public:
   explicit Probable(double step) : step_(step) {}

@@ -1,6 +1,6 @@
-"""Datasets of every sensor and of a grasp, and how the program exports them. What the tests of formats begin with.
+"""Datasets of every sensor and of a grasp, exported by the program, for the tests of formats.
 
-Their arguments, the project's root and the program, are taken from sys.argv here.
+The arguments, the project's root and the program, are taken from sys.argv here.
 """
 
 import json
@@ -17,7 +17,7 @@ import numpy as np
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:]
-# Scene, and what shortens it. The first has three trials, each other two.
+# Scenes and overrides that shorten them. The first has three trials, the others two each.
 SCENES = {
     "papillarray/stage.yaml": {"duration": "1.5 s", "motion.start": "1 s", "sweep": {"motion.speed": ["8 mm/s", "4 mm/s", "2 mm/s"]}},
     "nib_pad/linear.yaml": {"duration": "300 ms"},
@@ -29,7 +29,7 @@ SCENES = {
 
 
 class ExportTest(unittest.TestCase):
-    """Has a folder of its own, `self.folder`, for each test."""
+    """Each test has a folder of its own, `self.folder`."""
 
     def setUp(self):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
@@ -37,14 +37,14 @@ class ExportTest(unittest.TestCase):
 
 @cache
 def datasets():
-    """A folder that is kept until the last test."""
+    """Returns a folder kept until the last test."""
     folder = tempfile.TemporaryDirectory()
     unittest.addModuleCleanup(folder.cleanup)
     return folder.name
 
 
 def make(scene):
-    """Runs two or three trials of a scene, of SCENES or another, the first time that it is asked for, and returns the dataset's path."""
+    """Returns the dataset of a scene with two or three trials, simulated at the first call."""
     path = os.path.join(datasets(), scene.replace("/", "_").removesuffix(".yaml") + ".h5")
     if os.path.exists(path):
         return path
@@ -56,7 +56,9 @@ def make(scene):
 
 
 def import_table(folder, text, about):
-    """Imports a table by a map, both in `folder` under names with a blank, with the command of a user of another machine; returns the dataset's path."""
+    """Imports a table by a map, with blanks in both names, and a command as by a user of another
+    machine; returns the dataset's path.
+    """
     logs = folder / "my logs"
     logs.mkdir()
     (logs / "a.csv").write_text(text)
@@ -67,14 +69,14 @@ def import_table(folder, text, about):
 
 
 def export(dataset, out, *words, status=0):
-    """Exports a dataset; returns what stdout and stderr had."""
+    """Exports a dataset; returns stdout and stderr."""
     done = subprocess.run([PROGRAM, "export", dataset, "-o", str(out), *words], capture_output=True, text=True, check=False)
     assert done.returncode == status, f"{words}: ended with {done.returncode}, expected {status}: {done.stderr}"
     return done.stdout, done.stderr
 
 
 def for_each_scene(format, *words):
-    """The test takes a dataset and the folder with what `format` made of it, of each scene."""
+    """Decorates a test that takes a dataset and its export in `format`, for each scene."""
     def decorator(test):
         def run(self):
             for scene in SCENES:
@@ -87,11 +89,11 @@ def for_each_scene(format, *words):
 
 
 def contents(folder):
-    """{name: bytes} of all files below a folder."""
+    """Returns {name: bytes} of all files below a folder."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def held(times, values, instants):
-    """The latest at or before each instant. Times closer than 1 ns are the same."""
+    """Returns the latest index at or before each instant. Times closer than 1 ns count as equal."""
     times = list(times)
     return np.stack([values[bisect_right(times, instant + 1e-9) - 1].reshape(-1) for instant in instants])

@@ -1,4 +1,4 @@
-// The formats that hold any sensor: columns, archives, what they refuse and leave behind.
+// Formats for any sensor: columns, archives, refusals and leftovers.
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -23,7 +23,8 @@ using slipbench::testing::make_record;
 using ::testing::Ge;
 using ::testing::Le;
 
-// A multiplexed pad at 300 Hz: FL and FR every sample, one value of SI every third, read 2/300 s before.
+// A multiplexed pad at 300 Hz: FL and FR in every sample, one value of SI in every third, read
+// 2/300 s earlier.
 SensorRecord nib_pad(std::size_t rows) {
   SensorRecord sensor = make_record(0, rows).sensors[0];
   sensor.name = "nib";
@@ -68,7 +69,8 @@ TEST(TableCsv, FormsThePapersDifferences) {
   EXPECT_EQ(lines[3], "0.01,4,7006,7002,-2,6000,6002,2,3,1");
 }
 
-// A channel with a time of its own has a table of its own. Its row was read at 1/300 s, when the state was that of sample 0.
+// A channel with its own times gets its own table. Its row was read at 1/300 s, when the state was
+// that of sample 0.
 TEST(TableCsv, SlowChannelsKeepTheirTime) {
   const std::vector<CsvTable> tables = table_csv(nib_pad(4));
   EXPECT_EQ(tables[1].channel, "si");
@@ -121,14 +123,15 @@ TEST_F(AnySensor, TablesAreNamedByTrialAndSensor) {
   dataset({record});
   EXPECT_THAT(run(ExportFormat::csv),
               ElementsAre(path("out/demo_2-nib.csv"), path("out/demo_2-nib-si.csv"), path("out/demo_2-pad.csv")));
-  // 2 + 0.001 i of the channel's ramp, 102 + 0.001 i of the other.
+  // 2 + 0.001 i in one channel's ramp, 102 + 0.001 i in the other.
   EXPECT_EQ(lines_of(bytes_of(path("out/demo_2-pad.csv")))[2], "0.001,2.002,2.003,102.001,2,3,1");
-  EXPECT_THAT(run(ExportFormat::csv, "nib"), SizeIs(2));  // replaces its own
+  EXPECT_THAT(run(ExportFormat::csv, "nib"), SizeIs(2));  // replaces its own files
   EXPECT_THAT(refusal_of([&] { run(ExportFormat::csv, "nip", {}, "other"); }), refused_at("trial 2", {"nip", "nib"}));
   EXPECT_FALSE(std::filesystem::exists(path("other")));
 }
 
-// The header of version 1.0: magic, version, length, a Python literal, padded with spaces to a multiple of 64 bytes.
+// The header of version 1.0: magic, version, length, a Python literal, padded with spaces to a
+// multiple of 64 bytes.
 TEST(Npz, HeaderIsNumpys) {
   const std::string header = npy_header("<f4", {5, 9, 3});
   EXPECT_EQ(header.size() % 64, 0U);
@@ -153,12 +156,13 @@ TEST_F(AnySensor, ArchivesRepeatToTheByte) {
 TEST(LatestRow, IsTheOneAtOrBefore) {
   const std::vector<double> times{1.0 / 300.0, 2.0 / 300.0, 3.0 / 300.0};
   EXPECT_EQ(latest_row(times, 0.0033), std::nullopt);
-  EXPECT_EQ(latest_row(times, 0.01), 2U);  // 3/300, whatever the rounding
+  EXPECT_EQ(latest_row(times, 0.01), 2U);  // 3/300, despite rounding
   EXPECT_EQ(latest_row(times, 0.0099), 1U);
   EXPECT_EQ(latest_row(times, 1.0), 2U);
 }
 
-// A pad at 1 kHz that reads 0 ... 10 in 11 samples, and moves at (row, 0, -2 row) mm/s while it turns at -row rad/s.
+// A pad at 1 kHz that reads 0 ... 10 in 11 samples, and moves at (row, 0, -2 row) mm/s while it
+// turns at -row rad/s.
 TrialRecord moving_pad(std::size_t trial) {
   constexpr std::size_t rows = 11;
   TrialRecord record = make_record(trial, rows);
@@ -172,7 +176,8 @@ TrialRecord moving_pad(std::size_t trial) {
   return record;
 }
 
-// At 250 Hz every fourth sample: 0, 4, 8 ms, two steps. The greatest components in the recordings are 20 mm/s and 10 rad/s.
+// At 250 Hz every fourth sample: 0, 4, 8 ms, two steps. The largest components in the recordings
+// are 20 mm/s and 10 rad/s.
 TEST_F(AnySensor, EpisodesTakeTheLatestSample) {
   dataset({moving_pad(0)});
   const DatasetReader reader(path("a.h5"));
@@ -186,7 +191,7 @@ TEST_F(AnySensor, EpisodesTakeTheLatestSample) {
   ASSERT_THAT(episode.observations, SizeIs(2));
   EXPECT_EQ(episode.observations[0].name, "pad_force");
   EXPECT_EQ(episode.observations[0].width, 2U);
-  EXPECT_THAT(episode.observations[1].values, ElementsAre(0.0F, 4.0F, 8.0F));  // with that after the last step
+  EXPECT_THAT(episode.observations[1].values, ElementsAre(0.0F, 4.0F, 8.0F));  // including the one after the last step
   EXPECT_THAT(episode.states[0].values, ElementsAre(1.0F, 1.0F));              // at 0 and 4 ms
   EXPECT_FLOAT_EQ(episode.actions.values[6 + 0], 0.2F);                        // 4 of 20 mm/s
   EXPECT_FLOAT_EQ(episode.actions.values[6 + 2], -0.4F);
@@ -197,7 +202,7 @@ TEST_F(AnySensor, EpisodesTakeTheLatestSample) {
   EXPECT_EQ(slowest_rate(reader, 0, {}), 1000.0);
 }
 
-// The registers 0 to 255 become -1 to 1, and a box that is held to the end is worth 1.
+// Registers 0 to 255 become -1 to 1; a box held to the end gives the reward 1.
 TEST_F(AnySensor, GraspsActByTheirCommands) {
   TrialRecord held = make_grasp_record(0, 5);
   held.outcome.grasp->dropped = false;
@@ -213,7 +218,8 @@ TEST_F(AnySensor, GraspsActByTheirCommands) {
   EXPECT_EQ(make_episode(reader, 1, {}, 1000.0, space).rewards.back(), 0.0F);  // dropped
 }
 
-// A slow channel stands still, and the demonstration begins when everything has been read once: SI at 1/300 s, the body at 0.
+// A slow channel holds its value, and the demonstration begins when everything has been read once:
+// SI at 1/300 s, the body at 0.
 TEST_F(AnySensor, EpisodesHoldSlowChannels) {
   TrialRecord record = make_record(0, 40);
   record.sensors = {nib_pad(9)};
@@ -224,8 +230,9 @@ TEST_F(AnySensor, EpisodesHoldSlowChannels) {
   EXPECT_EQ(episode.steps, 8U);
 }
 
-// Two sensors on one contact, 1 kHz and 300 Hz: an archive keeps each at its own times, a demonstration holds the latest of both at the slower
-// one's rate from 1/300 s on. Row r of the pad is its sample at or before (r + 1)/300 s: 3, 6, 10, 13 ms.
+// Two sensors on one contact, 1 kHz and 300 Hz: an archive keeps each at its own times, a
+// demonstration holds the latest values at the slower rate from 1/300 s on. Row r of the pad is its
+// sample at or before (r + 1)/300 s: 3, 6, 10, 13 ms.
 TEST_F(AnySensor, SensorsOfDifferentRatesShareADemonstration) {
   TrialRecord record = make_record(0, 16);
   record.sensors[0].rate = 1000.0;
@@ -258,14 +265,14 @@ TEST_F(AnySensor, DemonstrationsRepeatToTheByteAndReplaceTheirOwn) {
 
   for (const std::string& target : {path("out/robomimic.hdf5"), path("out/robomimic.hdf5.partial")}) {
     std::filesystem::copy_file(path("a.h5"), target,
-                               std::filesystem::copy_options::overwrite_existing);  // a dataset is no export
+                               std::filesystem::copy_options::overwrite_existing);  // a dataset is not an export
     EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), mentions({target, "robomimic"}));
     EXPECT_EQ(bytes_of(target), bytes_of(path("a.h5")));
     std::filesystem::remove(target);
   }
 }
 
-// Killed while it wrote, an export leaves HDF5 that ends too early under the name that it has until then.
+// A killed export leaves truncated HDF5 under its temporary name.
 TEST_F(AnySensor, DemonstrationsReplaceWhatAKilledRunLeft) {
   dataset({moving_pad(0), moving_pad(1)});
   run(ExportFormat::robomimic);
@@ -277,7 +284,8 @@ TEST_F(AnySensor, DemonstrationsReplaceWhatAKilledRunLeft) {
     EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), whole) << beginning.size();
     EXPECT_FALSE(std::filesystem::exists(left)) << beginning.size();
   }
-  // Under its own name nothing is ever left half written, so what cannot be read there is not its own; nor is a text under the other.
+  // Under its own name a file is never half-written, so an unreadable one is foreign; so is a text
+  // under the temporary name.
   std::ofstream(path("out/robomimic.hdf5"), std::ios::binary) << whole.substr(0, whole.size() / 2);
   EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), mentions({"robomimic"}));
   std::filesystem::remove(path("out/robomimic.hdf5"));
@@ -285,7 +293,7 @@ TEST_F(AnySensor, DemonstrationsReplaceWhatAKilledRunLeft) {
   EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), mentions({left, "robomimic"}));
 }
 
-// Whatever of it has reached the disk by now: it is the other run's to finish.
+// Files that another run has written so far are left for it to finish.
 TEST_F(AnySensor, DemonstrationsThatAnotherRunIsWritingAreLeftToIt) {
   dataset({moving_pad(0)});
   run(ExportFormat::robomimic);
@@ -301,7 +309,7 @@ TEST_F(AnySensor, DemonstrationsThatAnotherRunIsWritingAreLeftToIt) {
     EXPECT_EQ(bytes_of(other), beginning) << beginning.size();
     EXPECT_EQ(bytes_of(path("out/robomimic.hdf5")), whole) << beginning.size();
   }
-  run(ExportFormat::robomimic);  // the other run is gone
+  run(ExportFormat::robomimic);  // the other run has ended
   EXPECT_FALSE(std::filesystem::exists(other));
 }
 
@@ -315,7 +323,8 @@ TEST_F(AnySensor, RatesMustFit) {
   EXPECT_FALSE(std::filesystem::exists(path("out")));  // nothing is left behind
 }
 
-// SI is first read at 1/300 s and FL at 1/300 s, the last sample is at 12/300 s: with 100 Hz rows at 1, 4, 7 and 10 of 300 s.
+// SI and FL are first read at 1/300 s, the last sample is at 12/300 s: with 100 Hz there are rows
+// at 1, 4, 7 and 10 of 300 s.
 TEST(AtRate, TakesTheLatestOfEveryColumn) {
   const SensorRecord all = nib_pad(12);
   const SensorRecord taken = at_rate(all, 100.0, 0);
@@ -339,7 +348,7 @@ TEST_F(AnySensor, TablesAndArchivesTakeARate) {
   TrialRecord record = make_record(0, 6);
   record.sensors.push_back(nib_pad(6));
   dataset({record});
-  EXPECT_THAT(run(ExportFormat::csv, "nib", 150.0), ElementsAre(path("out/demo_0-nib.csv")));  // with the SI, which is held
+  EXPECT_THAT(run(ExportFormat::csv, "nib", 150.0), ElementsAre(path("out/demo_0-nib.csv")));  // including SI, which is held
   // Rows at 1, 3 and 5 of 300 s; SI is 2 from 1 and 5 from 4 of 300 s.
   const std::vector<std::string> lines = lines_of(bytes_of(path("out/demo_0-nib.csv")));
   ASSERT_THAT(lines, SizeIs(4));
@@ -358,8 +367,7 @@ TEST(Gzip, BringsTheTextBackAndRepeatsToTheByte) {
   for (int i = 0; i < 100000; ++i) much += fmt::format("{}\n", i);
   const std::string packed = gzip(much);
   EXPECT_LT(packed.size(), much.size() / 2);
-  EXPECT_EQ(beginning_of_gzip(packed.substr(0, 4096)).substr(0, 20),
-            much.substr(0, 20));  // as the file's beginning alone tells it
+  EXPECT_EQ(beginning_of_gzip(packed.substr(0, 4096)).substr(0, 20), much.substr(0, 20));  // as far as the file's beginning shows
   EXPECT_EQ(beginning_of_gzip("my notes"), "");
 }
 
@@ -380,13 +388,13 @@ TEST_F(AnySensor, CompressedTablesReplaceTheirOwn) {
               mentions({"npz", "--compress", "robomimic"}));
 }
 
-// Before the first of several trials is followed by the next, their bytes are known, whatever the format.
+// Before the second of several trials their total bytes are known, in every format.
 TEST_F(AnySensor, EveryFormatTellsItsBytes) {
   dataset({moving_pad(0), moving_pad(1)});
   for (const ExportFormat format : {ExportFormat::csv, ExportFormat::npz, ExportFormat::robomimic}) {
     ExportOptions options;
     options.format = format;
-    const std::string told = path("told");  // the child process tells
+    const std::string told = path("told");  // written by the child process
     export_dataset(path("a.h5"), path("out"), options, [&](std::size_t done, std::size_t total, std::uintmax_t bytes) {
       std::ofstream(told, done == 1 ? std::ios::trunc : std::ios::app) << fmt::format("{}/{} {}\n", done, total, bytes > 0);
     });
@@ -394,7 +402,7 @@ TEST_F(AnySensor, EveryFormatTellsItsBytes) {
   }
 }
 
-// Only the outcome of trial 1 was recorded: nothing is written, not even trial 0, whatever the format.
+// Only the outcome of trial 1 was recorded: nothing is written in any format, not even trial 0.
 TEST_F(AnySensor, TrialsWithoutARecordingAreRefused) {
   TrialRecord outcome;
   outcome.trial = 1;

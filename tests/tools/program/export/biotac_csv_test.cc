@@ -1,5 +1,6 @@
-// The layouts of the public recordings of BioTac SP. Slip: folder and name from what the scene commands, rows from where the motion has come up. Grasps:
-// which row of the log is taken, what counts as slipped. What both refuse.
+// Layouts of the public BioTac SP recordings. Slip: folder and name from the scene's commands, rows
+// from where the motion has reached its speed. Grasps: the row of the log, and what counts as
+// slipped. Refusals of both.
 #include <algorithm>
 #include <vector>
 
@@ -55,7 +56,7 @@ TEST_F(SlipCsv, FolderIsTheClassThatTheSceneCommands) {
             "aw/felt_cylinder3.csv");
 }
 
-// A dataset's texts may be anybody's, and are part of the name.
+// A dataset's texts may be foreign, and are part of the name.
 TEST_F(SlipCsv, NameStaysInTheFolder) {
   const auto refusal = [&](const std::string& params) { return refusal_of([&] { name(params); }); };
   EXPECT_THAT(refusal(R"({"surface.material": "x/../../../evil"})"), mentions({"t/x/../../../evil3.csv"}));
@@ -63,7 +64,7 @@ TEST_F(SlipCsv, NameStaysInTheFolder) {
   EXPECT_EQ(names(), std::vector<std::string>{"a.h5"});
 }
 
-// The motion is up at start + 2 approach = 0.05 + 0.2 s, which is row 24: rows 24 to 39 are written.
+// The motion has its speed at start + 2 approach = 0.05 + 0.2 s, row 24: rows 24 to 39 are written.
 TEST_F(SlipCsv, BeginsWhereTheMotionHasComeUp) {
   const std::string file = exported(finger("{}"), "slipbench: 1\nmotion: {kind: rub, start: 50 ms, approach: 0.1 s}\n").front();
   const std::vector<std::string> lines = lines_of(bytes_of(file));
@@ -73,7 +74,7 @@ TEST_F(SlipCsv, BeginsWhereTheMotionHasComeUp) {
   EXPECT_THAT(lines[1], StartsWith("124,224,"));
   EXPECT_THAT(lines[16], EndsWith(",2439"));
   const std::string whole = exported(finger("{}"), "slipbench: 1\nmotion: {kind: stage, speed: 0 mm/s}\n").front();
-  EXPECT_THAT(bytes_of(whole), HasSubstr("ff_e24\n100,200,"));  // of a stage all rows
+  EXPECT_THAT(bytes_of(whole), HasSubstr("ff_e24\n100,200,"));  // all rows of a stage
 }
 
 TEST_F(SlipCsv, RefusesWhatIsNoClass) {
@@ -109,7 +110,7 @@ SensorRecord finger(const std::string& name, int number) {
   return sensor;
 }
 
-// Held or not, as its outcome says from row 2 on.
+// Held or not, as the outcome states, from row 2 on.
 TrialRecord grasp(std::size_t trial, bool held) {
   TrialRecord record = make_record(trial, rows);
   record.sensors = {finger("ff", 1), finger("mf", 2), finger("th", 3)};

@@ -1,4 +1,4 @@
-"""Exports a dataset and reads the files with numpy, h5py and csv, as those do for whom the formats are, and nothing of this project.
+"""Exports a dataset and reads the files with numpy, h5py and csv, independently of this project.
 
 usage: check_exports.py SLIPBENCH SCENE
 """
@@ -43,8 +43,8 @@ def check_csv(path, demo):
         assert np.array_equal(table[:, column], demo[f"labels/pad/{name}"]), name
 
 
-# What robomimic's SequenceDataset and its file utilities ask for: how it opens the file, which members it names, and that each array has
-# num_samples rows.
+# Requirements of robomimic's SequenceDataset and its file utilities: how they open the file, the
+# members they read, and that each array has num_samples rows.
 def check_robomimic(path, source):
     with h5py.File(path, "r", swmr=True, libver="latest") as file:
         data = file["data"]
@@ -66,7 +66,7 @@ def check_robomimic(path, source):
             for key in ("rewards", "dones", "pad_state", "pad_state_micro", "pad_state_paper"):
                 assert demo[key].shape == (steps,), key
             assert demo["dones"][-1] == 1 and demo["dones"][()].sum() == 1
-            # The scene samples at a multiple of the rate, so that each row is a sample.
+            # The scene samples at a multiple of the rate, so each row is a sample.
             stride = round(recorded["sensors/pad"].attrs["rate_hz"] / RATE)
             whole = recorded["sensors/pad/force"][::stride].reshape(-1, 27)
             assert steps == len(whole) - 1

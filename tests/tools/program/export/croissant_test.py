@@ -1,6 +1,8 @@
-"""README.md and croissant.json beside every export: structure by the rules of Croissant 1.0. Arguments: the project's root, the program.
+"""README.md and croissant.json of every export follow the rules of Croissant 1.0.
 
-https://docs.mlcommons.org/croissant/docs/croissant-spec.html; mlcroissant itself has no wheel of all that it needs.
+Arguments: the project's root, the program. Rules:
+https://docs.mlcommons.org/croissant/docs/croissant-spec.html; mlcroissant itself lacks wheels for
+some of its dependencies.
 """
 
 import gzip
@@ -16,7 +18,7 @@ import yaml
 from _made import ExportTest, contents, export, import_table, make
 
 STAGE = "papillarray/stage.yaml"
-# Scene, and the folder below the output that has the card.
+# Scene, and the folder of the card below the output.
 FORMATS = {"csv": (STAGE, ""), "npz": (STAGE, ""), "robomimic": (STAGE, ""), "vendor-csv": (STAGE, ""), "training-csv": (STAGE, ""),
            "grasp-csv": ("biotac_sp/grasp.yaml", ""), "slip-csv": ("biotac_sp/slip.yaml", ""), "myrmex-csv": ("myrmex/slip.yaml", ""),
            "myrmex-rotated": ("myrmex/slip.yaml", ""), "parquet": (STAGE, ""), "mcap": (STAGE, ""), "rosbag2": (STAGE, ""), "lerobot": (STAGE, "1000hz")}
@@ -31,7 +33,7 @@ def distribution(about, kind="cr:FileObject"):
 
 class Croissant(ExportTest):
     def exported(self, format, scene, *words):
-        """The folder with the card, and croissant.json."""
+        """Returns the folder with the card, and croissant.json."""
         out = self.folder / f"{format}{len(words)}"
         export(make(scene), out, "--format", format, *words)
         folder = out / FORMATS[format][1]
@@ -68,7 +70,8 @@ class Croissant(ExportTest):
                 self.assertIn("| command | `slipbench ", text)
                 self.assertRegex(text, r"\| SHA-256 of trial 0 \| `[0-9a-f]{64}` \|")
                 self.assertRegex(text, r"\| `\w+` \| \w+ \| \d+ Hz \|")
-                # Formats with labels have the key of their codes: the states of the pad, or of a pillar, or of a grasp.
+                # Formats with labels document their codes: states of the pad, of a pillar, or of a
+                # grasp.
                 key = {"vendor-csv": "-2 not yet touched", "training-csv": "0 no, 1 slips; rule strict: a pillar slips when all of it slips",
                        "grasp-csv": "0 held, 1 lost", "slip-csv": "cw and aw turn", "myrmex-csv": "0 to 4095"}.get(format, PAD_CODES)
                 self.assertIn(key, text)
@@ -125,7 +128,7 @@ class Croissant(ExportTest):
             card = (self.folder / format / below / "README.md").read_text()
             self.assertIn("\n# Recordings of own\n", card)
             self.assertNotIn("labels", json.loads((self.folder / format / below / "croissant.json").read_text())["description"])
-            # Nobody learns the folders of the machine, and no argument is lost.
+            # Folders of the machine are not revealed, and no argument is lost.
             self.assertIn("| command | `slipbench import 'my logs' --map 'my map.yaml' --seed 1` |", card)
         folder, about = self.exported("myrmex-csv", "myrmex/slip.yaml")  # counts alone
         self.assertIn("\n# Recordings of myrmex\n", (folder / "README.md").read_text())
@@ -162,7 +165,7 @@ class Croissant(ExportTest):
             (out / name).write_text("mine")
             _, said = export(make(STAGE), out, "--format", format, status=2)
             self.assertRegex(said, f"{out / name}( exists and is no|: would be replaced and is not a) (dataset card|description)")
-            self.assertNotIn("trials", said)  # it is found before the data is written
+            self.assertNotIn("trials", said)  # the conflict is found before the data is written
             self.assertEqual(contents(out), {name: b"mine"})
 
     def test_a_second_export_describes_the_second(self):
@@ -174,7 +177,7 @@ class Croissant(ExportTest):
         self.assertIn("\n1 trial, written by", (out / "README.md").read_text())
 
     def test_an_export_that_ends_early_leaves_no_card_of_the_one_before(self):
-        """Its digests would be those of files that have been replaced."""
+        """Its digests would belong to replaced files."""
         out = self.folder / "out"
         export(make(STAGE), out, "--format", "csv")
         (out / "demo_1-pad.csv").write_text("mine")

@@ -18,8 +18,9 @@ namespace {
 constexpr std::size_t pillars = 9;
 constexpr std::size_t rows = 5;
 
-// A PapillArray whose pillar p reads, in row r, displacement (p, r, 1) um and force (0.1 p, -0.1 r, 1) N. Its tips stand 7 mm
-// apart at heights of 0, so that the deformed tips differ by the displacements alone.
+// A PapillArray whose pillar p reads in row r displacement (p, r, 1) um and force (0.1 p, -0.1 r,
+// 1) N. Its tips are 7 mm apart at height 0, so that the deformed tips differ by the displacements
+// alone.
 SensorRecord make_sensor(const std::string& name, double rate, std::size_t samples = rows) {
   SensorRecord sensor;
   sensor.name = name;
@@ -96,7 +97,7 @@ TEST_F(ExportTest, VendorLogHasTheVendorsColumns) {
   EXPECT_THAT(run(dataset({make_trial_record(3)}), vendor), ElementsAre(path("out/LOG_demo_3.csv")));
   const auto table = table_of(path("out/LOG_demo_3.csv"));
   ASSERT_THAT(table, SizeIs(1 + rows));
-  // Numbers of the vendor's manual, which count from 1.
+  // Numbers in the vendor's manual start at 1.
   const std::vector<std::string>& header = table[0];
   ASSERT_THAT(header, SizeIs(82));
   const std::map<std::size_t, std::string> names{
@@ -108,7 +109,8 @@ TEST_F(ExportTest, VendorLogHasTheVendorsColumns) {
   for (const auto& line : table) EXPECT_THAT(line, SizeIs(82));
 }
 
-// A float32 in m and the nearest one in mm are not one to one: so many digits are written that the first comes back.
+// A float32 in m and the nearest one in mm are not in one-to-one correspondence: enough digits are
+// written to restore the first.
 TEST(Millimetres, BringTheSameFloatBack) {
   std::size_t longer = 0;
   for (int k = 1; k <= 20'000; ++k) {
@@ -117,7 +119,7 @@ TEST(Millimetres, BringTheSameFloatBack) {
     EXPECT_EQ(static_cast<float>(std::stod(text) / 1e3), metres) << text;
     longer += text != fmt::format("{}", static_cast<float>(1e3 * static_cast<double>(metres))) ? 1 : 0;
   }
-  EXPECT_GT(longer, 0u);  // where those of a float32 in mm would not do
+  EXPECT_GT(longer, 0u);  // where a float32 in mm would not suffice
   EXPECT_EQ(millimetres(0.00025F), "0.25");
   EXPECT_EQ(millimetres(-0.001F), "-1");
 }
@@ -142,8 +144,9 @@ TEST_F(ExportTest, VendorLogSumsForceAndTorque) {
   EXPECT_NEAR(std::stod(line[55]), 3.6, 1e-6);
   EXPECT_NEAR(std::stod(line[56]), -1.8, 1e-6);
   EXPECT_NEAR(std::stod(line[57]), 9.0, 1e-6);
-  // Arms from P4 to pillar p: x = 7 (1 - p%3) + 1e-3 (p - 4), y = 7 (1 - p/3), z = 0 mm; the sums of p - 4, of y and of the
-  // grid's x over all pillars are zero. TX = sum(y F_z - z F_y) = 0. TY = sum(z F_x - x F_z) = -sum(x) = 0.
+  // Arms from P4 to pillar p: x = 7 (1 - p%3) + 1e-3 (p - 4), y = 7 (1 - p/3), z = 0 mm; the sums
+  // of p - 4, of y and of the grid's x over all pillars are zero. TX = sum(y F_z - z F_y) = 0. TY =
+  // sum(z F_x - x F_z) = -sum(x) = 0.
   EXPECT_NEAR(std::stod(line[58]), 0.0, 1e-6);
   EXPECT_NEAR(std::stod(line[59]), 0.0, 1e-6);
   // TZ = sum(x F_y - y F_x) = 0 - 0.7 sum((1 - p/3) p) = -0.7 ((0+1+2) - (6+7+8)) = 12.6 N mm.
@@ -155,7 +158,7 @@ TEST_F(ExportTest, VendorLogGivesTheVendorsSlipStates) {
   LabelRecord& labels = record.sensors[0].labels;
   for (const std::size_t row : {0U, 4U}) set_state(record, row, 0, UnitState::detached);  // touches in between
   set_state(record, 3, 0, UnitState::slip);
-  // True force of pillar 0: row 1 sideways 0.1 N, which is above 0.05 N; row 2 nothing.
+  // True force of pillar 0: row 1 sideways 0.1 N, above 0.05 N; row 2 none.
   labels.force[(2 * pillars) * 3 + 1] = 0.0F;
   run(dataset({record}), vendor);
   const auto table = table_of(path("out/LOG_demo_0.csv"));
@@ -211,7 +214,7 @@ TEST_F(ExportTest, SlipRuleChoosesTheFlag) {
   TrialRecord record = make_trial_record(0);
   set_state(record, 1, 0, UnitState::slip);
   set_state(record, 1, 1, UnitState::partial);
-  // 0.3 and 0.4 mm/s make 0.5 mm/s, over the default threshold of 0.1 mm/s.
+  // 0.3 and 0.4 mm/s give 0.5 mm/s, above the default threshold of 0.1 mm/s.
   record.sensors[0].labels.slip_velocity[(1 * pillars + 2) * 2] = 3e-4F;
   record.sensors[0].labels.slip_velocity[(1 * pillars + 2) * 2 + 1] = 4e-4F;
   const std::string from = dataset({record});
@@ -238,7 +241,7 @@ TEST_F(ExportTest, SlipRuleChoosesTheFlag) {
 //   row   0          1          2        3         4        5          6        7
 //   P0    stick      fast       stick    detached  stick    stick      fast     detached
 //   P4    stick      stick      stick    stick     stick    fast       stick    detached
-// P0 counts in rows 1 and 2, and from 6 on; its contact of row 4 is another one. P4 counts from 5 on.
+// P0 counts in rows 1 and 2, and from 6 on; its contact of row 4 is a new one. P4 counts from 5 on.
 TEST(HasSlipped, CountsUntilContactIsLost) {
   SensorRecord record = make_sensor("pad", 1000.0, 8);
   LabelRecord& labels = record.labels;
@@ -252,12 +255,12 @@ TEST(HasSlipped, CountsUntilContactIsLost) {
 
   using enum PadState;
   const std::vector<PadState> has_slipped{non_slip, incipient, incipient, non_slip, non_slip, incipient, gross, no_contact};
-  // Without the centre pillar; in row 3 it is the only one that touches, and none is judged.
+  // Without the centre pillar, the only one in contact in row 3, so none is judged there.
   const std::vector<PadState> turning{non_slip, gross, gross, non_slip, non_slip, non_slip, gross, no_contact};
   const std::vector<PadState> now{non_slip, incipient, non_slip, non_slip, non_slip, incipient, incipient, no_contact};
   const PapillarraySamples samples(record, SlipRule::has_slipped, default_label_speed);
   const PapillarraySamples paper(record, SlipRule::paper, default_label_speed);
-  const PapillarraySamples slower(record, SlipRule::has_slipped, 3e-4);  // a threshold that nothing reaches
+  const PapillarraySamples slower(record, SlipRule::has_slipped, 3e-4);  // a threshold that is never reached
   for (std::size_t row = 0; row < 8; ++row) {
     EXPECT_EQ(samples.pad_state(row, false), has_slipped[row]) << row;
     EXPECT_EQ(samples.pad_state(row, true), turning[row]) << row;
@@ -266,8 +269,8 @@ TEST(HasSlipped, CountsUntilContactIsLost) {
   }
 }
 
-// `record` with `samples` at 1 kHz, in which the pad goes sideways at `speed` and turns at `rotation` from row `start` on, for
-// `moving` rows; at every one of them all pillars are in `state`.
+// A record with `samples` at 1 kHz, where the pad moves sideways at `speed` and turns at `rotation`
+// from row `start` on for `moving` rows, with all pillars in `state` in these rows.
 TrialRecord moving_record(std::size_t trial, const std::string& params, float speed, float rotation, std::size_t start,
                           std::size_t moving, UnitState state) {
   constexpr std::size_t samples = 400;
@@ -286,7 +289,8 @@ TrialRecord moving_record(std::size_t trial, const std::string& params, float sp
   return record;
 }
 
-// A name says how fast the pad was told to move, and "stop" where it halted soon after its start, whatever slipped.
+// The name has the commanded speed, and "stop" if the pad halted soon after its start, for any
+// slip.
 TEST_F(ExportTest, TrainingFilesAreNamedByTheirMove) {
   const auto params = [](double speed, double rotation) {
     return "{\"motion.speed\": " + std::to_string(speed) + ", \"motion.rotation\": " + std::to_string(rotation) + "}";
@@ -298,11 +302,13 @@ TEST_F(ExportTest, TrainingFilesAreNamedByTheirMove) {
                                          moving_record(2, params(5e-4, 0.0), 5e-4F, 0.0F, 100, 300, UnitState::stick),
                                          // 0.4 rad/s at 9.9 mm: 3.96 mm/s.
                                          moving_record(3, params(0.0, -0.4), 0.0F, -0.4F, 100, 300, UnitState::stick),
-                                         // Half a second would be a halt, but no "stop" of the protocol: here 200 ms.
+                                         // A halt after half a second would not be a "stop" of the
+                                         // protocol; here it is 200 ms.
                                          moving_record(4, params(8e-3, 0.4), 8e-3F, 0.4F, 100, 200, UnitState::stick),
-                                         // The recording ends 50 ms after the start, and nothing has braked.
+                                         // The recording ends 50 ms after the start, and nothing
+                                         // has braked.
                                          moving_record(5, params(4e-3, 0.0), 4e-3F, 0.0F, 350, 50, UnitState::slip),
-                                         // Told to move after the recording's end: a press.
+                                         // Commanded to move after the recording's end: a press.
                                          moving_record(6, params(4e-3, 0.0), 0.0F, 0.0F, 0, 0, UnitState::stick)};
   EXPECT_THAT(run(dataset(records), training),
               ElementsAre(path("out/translation/demo_0-v_4.0-stop.csv"), path("out/translation/demo_1-v_1.0-stop.csv"),
@@ -311,7 +317,8 @@ TEST_F(ExportTest, TrainingFilesAreNamedByTheirMove) {
                           path("out/press/demo_6-v_0.0-stop.csv")));
 }
 
-// A pad that brakes before it reaches its speed: 50 mm/s2 for 50 ms up and 50 ms down, told 16 mm/s and 50 ms.
+// A pad that brakes before it reaches its speed: 50 mm/s2 for 50 ms up and 50 ms down, commanded 16
+// mm/s and 50 ms.
 TEST_F(ExportTest, SpeedIsTheCommandedOne) {
   TrialRecord record = moving_record(0, R"({"motion.speed": 0.016})", 0.0F, 0.0F, 0, 0, UnitState::stick);
   for (std::size_t row = 0; row <= 100; ++row) {
@@ -358,7 +365,7 @@ TEST_F(ExportTest, InputIsNeverReplaced) {
   }
 }
 
-// What was exported before is replaced; the user's own files are not.
+// Earlier exports are replaced; the user's own files are not.
 TEST_F(ExportTest, ReplacesItsOwnFilesAndNothingElse) {
   const std::string from = dataset({make_trial_record(0)});
   const std::vector<std::pair<ExportOptions, std::string>> cases{{vendor, "out/LOG_demo_0.csv"},
@@ -379,7 +386,8 @@ TEST_F(ExportTest, ReplacesItsOwnFilesAndNothingElse) {
   }
 }
 
-// What is exported is what was written, or nothing, also where only another trial of the file is changed.
+// The export contains what was written, or nothing, even if only another trial of the file is
+// changed.
 TEST_F(ExportTest, ChangedArraysAreRefused) {
   EncodedTrial changed = TrialEncoder().encode(make_trial_record(1));
   changed.digest[0] ^= 1U;
@@ -395,7 +403,7 @@ TEST_F(ExportTest, ChangedArraysAreRefused) {
   }
 }
 
-// However a file is damaged, it is exported or refused, never ended by a signal.
+// A damaged file is exported or refused, never ended by a signal.
 TEST_F(ExportTest, DamagedDatasetsAreExportedOrRefused) {
   const std::string whole = bytes_of(dataset({make_trial_record(0)}));
   std::size_t refused = 0;

@@ -1,4 +1,7 @@
-"""npz and robomimic bring back every bit of every sensor and of a grasp; --rate means the same in all formats. Arguments: the project's root, the program."""
+"""npz and robomimic restore all bits of every sensor and grasp; --rate is equal in all formats.
+
+Arguments: the project's root, the program.
+"""
 
 import csv
 import gzip
@@ -49,7 +52,7 @@ class Formats(ExportTest):
             clocks.append(demo["control/t"][:])
             if "measured_position" in demo["control"]:
                 channels["gripper_position"] = (demo["control/t"][:], demo["control/measured_position"][:])
-        # From the first instant at which all has been read until the first of them ends.
+        # From the first instant with all values read until the first of them ends.
         start = max(times[0] for times in (*clocks, *(times for times, _ in channels.values())))
         rate = about["rate_hz"]
         rows = int(np.floor((min(times[-1] for times in clocks) - start + 1e-9) * rate)) + 1
@@ -73,7 +76,9 @@ class Formats(ExportTest):
         self.same(found["actions"][:], ((acted - offset) / scale).astype("f4"), "actions")
 
     def test_a_rate_takes_the_same_rows_in_every_format(self):
-        """SI of a nib_pad is read at a ninth of its rate, and begins later: it is held, and the rows begin with it."""
+        """SI of a nib_pad is read at a ninth of its rate and begins later: it is held, and the rows
+        begin with it.
+        """
         dataset = make("nib_pad/linear.yaml")
         words = ("--rate", "100 Hz", "--trial", "1", "--sensors", "pad")
         for format in ("csv", "npz", "parquet", "mcap"):

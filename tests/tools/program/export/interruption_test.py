@@ -1,4 +1,7 @@
-"""The formats that Python writes: a signal and a full disk leave no half-written file under its name. Arguments: the project's root, the program."""
+"""Formats written by Python: a signal or a full disk leaves no half-written file under its name.
+
+Arguments: the project's root, the program.
+"""
 
 import fcntl
 import json
@@ -17,7 +20,7 @@ from pathlib import Path
 from _made import PROGRAM, ROOT, ExportTest, contents, export
 
 FORMATS = ("lerobot", "mcap", "parquet", "rosbag2")
-TRIALS = 3  # the export tells after the first what the others take
+TRIALS = 3  # after the first trial the export reports the expected total
 NOTICE = "slipbench: stopping after this trial; once more to stop at once\n"
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -47,10 +50,12 @@ class Interruption(ExportTest):
                        check=True)
 
     def interrupt(self, format, out, holds, *numbers, ignored=()):
-        """Sends the signals once `holds` of the process and `out`; where the second is the first again, then until the process ends.
+        """Sends the signals once `holds` of the process and `out`. If both signals are equal,
+        repeats the second until the process ends.
 
-        The export's stderr is a full pipe until then, so that it waits with the line that follows the first trial, however slow this process is.
-        Returns how it ended and what it said, without that line.
+        Until then the export's stderr is a full pipe, so that the export waits with the line after
+        the first trial, however slow this process is. Returns the exit status and the output
+        without that line.
         """
         read_end, write_end = os.pipe()
         os.write(write_end, b" " * fcntl.fcntl(write_end, fcntl.F_SETPIPE_SZ, 4096))
@@ -60,14 +65,14 @@ class Interruption(ExportTest):
         wait_for(lambda: process.poll() is not None or holds(process.pid, out), process)
         for number in numbers:
             process.send_signal(number)
-        if numbers[1:] == numbers[:1]:  # two of one signal may be taken for one
+        if numbers[1:] == numbers[:1]:  # two of one signal may be merged into one
             wait_for(lambda: process.send_signal(numbers[0]) or process.poll() is not None, process)
         with os.fdopen(read_end) as told:
             text = re.sub(f"^{TRIALS} trials, about .*\n", "", told.read().lstrip(), flags=re.MULTILINE)
         return process.wait(timeout=60), text
 
     def test_a_signal_leaves_nothing(self):
-        for format, number in zip(FORMATS, cycle(SIGNALS), strict=False):  # what a format leaves does not depend on which signal it was
+        for format, number in zip(FORMATS, cycle(SIGNALS), strict=False):  # leftovers do not depend on the signal
             with self.subTest(format=format, signal=number.name):
                 status, told = self.interrupt(format, self.folder / format, has_written, number)
                 self.assertEqual((status, (self.folder / format).exists(), told), (130, False, NOTICE))
@@ -92,7 +97,7 @@ class Interruption(ExportTest):
                 self.assertEqual((status, told), (0, ""))
 
     def test_a_signal_after_the_last_trial_leaves_nothing(self):
-        """From the moment on at which the files get their names they are kept."""
+        """The files are kept from the moment on at which they get their names."""
         request = {"dataset": self.dataset, "trials": [0], "sensors": ["pad"], "rate": None, "labels": None, "label_speed": None, "points": False, "licence": "", "json": False, "install": "", "files": []}
         for format in FORMATS:
             with self.subTest(format=format):
@@ -115,7 +120,9 @@ class Interruption(ExportTest):
                 self.assertEqual(contents(out), contents(whole))
 
     def test_a_full_disk_is_told_and_leaves_nothing(self):
-        """A limit on a file's size stands for the full disk: the write fails half-way in the same place."""
+        """A limit on a file's size emulates a full disk: the write fails half-way in the same
+        place.
+        """
         for format in FORMATS:
             with self.subTest(format=format):
                 whole = self.folder / f"{format}-whole"
@@ -130,7 +137,7 @@ class Interruption(ExportTest):
 
 
 def wait_for(condition, process):
-    """Ends the process where the condition does not come."""
+    """Ends the process if the condition does not occur."""
     last = time.monotonic() + 120
     while not condition():
         if time.monotonic() > last:

@@ -1,6 +1,7 @@
-"""`export --format lerobot`: the layout of LeRobotDataset v3.0, read by pandas and pyarrow; values bit for bit. Arguments: the project's root, the program.
+"""`export --format lerobot`: the layout of LeRobotDataset v3.0, with bit-exact values.
 
-real_lerobot_test.py asks lerobot itself.
+It is read by pandas and pyarrow; real_lerobot_test.py uses lerobot itself. Arguments: the project's
+root, the program.
 """
 
 import json
@@ -21,7 +22,9 @@ QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 
 
 def read(folder):
-    """What a reader finds by meta/info.json alone: it, the table of frames, the table of episodes."""
+    """Returns what a reader finds by meta/info.json alone: info, the table of frames, the table of
+    episodes.
+    """
     info = json.loads((folder / "meta/info.json").read_text())
     episodes = pandas.read_parquet(folder / "meta/episodes/chunk-000/file-000.parquet")
     places = dict.fromkeys(zip(episodes["data/chunk_index"], episodes["data/file_index"]))
@@ -31,7 +34,7 @@ def read(folder):
 
 
 def values_of(table, info, feature):
-    """[frames, values of a frame]"""
+    """Returns [frames, values per frame]."""
     column = table[feature].combine_chunks()
     width = info["features"][feature]["shape"][0]
     assert (column.type.list_size if width > 1 else 1) == width, feature
@@ -39,7 +42,9 @@ def values_of(table, info, feature):
 
 
 def arrays(demo, sensors):
-    """(feature, times, values) of what the dataset holds: every channel, label, body and array of the loop."""
+    """Yields (feature, times, values) of the dataset: every channel, label, body and array of the
+    loop.
+    """
     for sensor in sensors:
         group = demo["sensors"][sensor]
         for channel in group.attrs["channels"]:
@@ -56,7 +61,7 @@ def arrays(demo, sensors):
 
 class LeRobot(ExportTest):
     def check_layout(self, info, table, episodes, rate):
-        """What ties the three together, whatever the sensors."""
+        """Checks the relations of the three, for any sensors."""
         self.assertEqual((info["codebase_version"], info["fps"], info["video_path"], info["chunks_size"]), ("v3.0", rate, None, 1000))
         self.assertEqual((info["total_episodes"], info["total_frames"], info["total_tasks"]), (len(episodes), len(table), 1))
         self.assertEqual(set(table.column_names), set(info["features"]))
@@ -90,7 +95,7 @@ class LeRobot(ExportTest):
     def check_values(self, file, folder, rate, sensors):
         info, table, episodes = read(folder)
         self.check_layout(info, table, episodes, rate)
-        # Episodes follow the masks: those of train, then of valid, then of test.
+        # Episodes follow the masks: train, then valid, then test.
         order, splits = [], {}
         for part in ("train", "valid", "test"):
             members = list(file[f"mask/{part}"].asstr())
@@ -143,7 +148,7 @@ class LeRobot(ExportTest):
             whole = np.where(np.sum(~np.isnan(values), axis=0) > 0, values, 0)
             for name, function in (("min", np.nanmin), ("max", np.nanmax), ("mean", np.nanmean), ("std", np.nanstd)):
                 np.testing.assert_allclose(told[feature][name], function(whole, axis=0), rtol=1e-5, atol=1e-9, err_msg=f"{feature} {name}")
-            # Of all episodes: the means of theirs, as lerobot has it.
+            # Over all episodes: the means of theirs, as in lerobot.
             weights = np.stack([numbers for numbers, _ in of_episodes])
             for name in QUANTILES:
                 mean = np.sum([numbers * expected[name] for numbers, expected in of_episodes], axis=0) / np.maximum(weights.sum(axis=0), 1)
@@ -197,7 +202,7 @@ class LeRobot(ExportTest):
                 demo = file[f"data/demo_{row['trial']}"]
                 part = points[row["dataset_from_index"] : row["dataset_to_index"]]
                 attrs, pad = demo["labels/pad"].attrs, demo["sensors/pad"]
-                # The trial begins with all sensors read, so that each sample is a frame.
+                # The trial begins with all sensors read, so each sample is a frame.
                 places = np.column_stack([attrs["unit_positions"], attrs["unit_heights"]])
                 np.testing.assert_array_equal(part[..., :3], (places + pad["displacement"][:]).astype(np.float32))
                 np.testing.assert_array_equal(part[..., 3:], pad["force"][:])
@@ -232,7 +237,7 @@ class LeRobot(ExportTest):
 
 
 class Recordings(ExportTest):
-    """Logs of one channel: what a recorder's clock and float32 timestamps make of them."""
+    """Logs of one channel with the effects of a recorder's clock and float32 timestamps."""
 
     def imported(self, name, times, digits=6):
         table, columns, dataset = self.folder / f"{name}.csv", self.folder / "map.yaml", self.folder / f"{name}.h5"
@@ -242,15 +247,17 @@ class Recordings(ExportTest):
         return dataset
 
     def check_steps(self, info, table):
-        """As LeRobot's own check: every step inside of an episode is 1/fps within 1e-4 s, in float32."""
+        """LeRobot's own check: every step inside an episode is 1/fps within 1e-4 s, in float32."""
         stamps, episodes = table["timestamp"].to_numpy(), table["episode_index"].to_numpy()
         self.assertEqual(stamps.dtype, np.float32)
         inside = np.diff(episodes) == 0
         self.assertLess(np.max(np.abs(np.diff(stamps) - np.float32(1 / info["fps"]))[inside]), 1e-4)
 
     def test_a_long_recording_becomes_several_episodes(self):
-        # Floats are 2^-13 s apart from 1,024 s on and 2^-12 s from 2,048 s on. There 0.1 s is 819.2 and 409.6 spacings, of which a step has a whole number: it
-        # misses by 0.8 of 2^-13 s = 0.098 ms at most, then by 0.6 of 2^-12 s = 0.146 ms. So an episode ends at 2,048 s, and 3,000 s take two.
+        # Floats are 2^-13 s apart from 1,024 s on and 2^-12 s from 2,048 s on. There 0.1 s is 819.2
+        # and 409.6 spacings, while a step is a whole number of them: it deviates by at most 0.8 of
+        # 2^-13 s = 0.098 ms, then by 0.6 of 2^-12 s = 0.146 ms. So an episode ends at 2,048 s, and
+        # 3,000 s need two.
         dataset, out = self.imported("long", [k / 10 for k in range(30_000)], 1), self.folder / "long"
         _, told = export(dataset, out, "--format", "lerobot")
         self.assertIn("slipbench: note: trial 0: its 30000 frames at 10 fps become 2 episodes", told)

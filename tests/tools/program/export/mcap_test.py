@@ -1,6 +1,7 @@
-"""`export --format mcap`: two readers by others find every message, and in them the dataset's values, bit for bit. Arguments: the project's root, the program.
+"""`export --format mcap`: two independent readers find every message with bit-exact values.
 
-The first is the package mcap, whose records the writer uses, with Google's protobuf; the second is pybag, which shares no code with it.
+The first is the package mcap, whose records the writer uses, with Google's protobuf; the second is
+pybag, which shares no code with it. Arguments: the project's root, the program.
 """
 
 import json
@@ -20,7 +21,9 @@ LAYOUT, CARDS = "foxglove-layout.json", ("README.md", "croissant.json")
 
 
 def read(path):
-    """{topic: (log times in ns, decoded messages)}, and the topics' channels; every sum is checked, and the order of the file as it lies there."""
+    """Returns {topic: (log times in ns, decoded messages)} and the topics' channels; checks every
+    sum, and the order in the file.
+    """
     topics, channels, last = {}, {}, 0
     with open(path, "rb") as file:
         reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
@@ -54,7 +57,9 @@ class Mcap(ExportTest):
         self.assertEqual(np.ascontiguousarray(found).tobytes(), np.ascontiguousarray(expected).tobytes(), what)
 
     def check_own(self, topics, channels, topic, times, arrays):
-        """A topic of our own type has these arrays as its fields, and says their units and shapes."""
+        """Checks that a topic of our own type has these arrays as fields with their units and
+        shapes.
+        """
         found, messages = topics.pop(topic)
         self.assertEqual(found, nanoseconds(times), topic)
         self.assertEqual({field.name for field in messages[0].DESCRIPTOR.fields}, set(arrays), topic)
@@ -65,7 +70,7 @@ class Mcap(ExportTest):
             self.assertEqual(len(about["names"]), np.prod(array.shape[1:], dtype=int))
             if "codes" in array.attrs:
                 kind = messages[0].DESCRIPTOR.fields_by_name[name].enum_type
-                # The words of an enum that several arrays share begin with the first one's name.
+                # The words of an enum shared by several arrays begin with the first one's name.
                 words = {word.upper(): code for word, code in json.loads(array.attrs["codes"]).items()}
                 prefix = kind.values[0].name.removesuffix(next(iter(words)))
                 self.assertEqual({one.name: one.number for one in kind.values}, {prefix + word: code for word, code in words.items()})
@@ -94,7 +99,9 @@ class Mcap(ExportTest):
             self.check_own(topics, channels, f"/sensors/{sensor}", group["t"], together)
 
     def check_places(self, grid, shape, places):
-        """The middle of cell (row, column), after the half turn about x that the pose is: x stays, y changes its sign."""
+        """Returns the middle of cell (row, column) after the pose's half turn about x: x stays, y
+        changes its sign.
+        """
         self.assertEqual([getattr(grid.pose.orientation, axis) for axis in "xyzw"], [1, 0, 0, 0])
         row, column = np.indices(shape).reshape(2, -1)
         x = grid.pose.position.x + (column + 0.5) * grid.cell_size.x
@@ -161,7 +168,7 @@ class Mcap(ExportTest):
                     self.assertGreater(len(chunks), 1)
                     for one, following in zip(chunks, chunks[1:]):
                         self.assertLessEqual(one.message_end_time, following.message_start_time)
-                    # By the index alone: the last message of a topic.
+                    # Using only the index: the last message of a topic.
                     index = chunks[-1]
                     for number, of_chunk in reader.get_message_indexes(index).items():
                         last = max(record[0] for record in of_chunk.records)
@@ -188,7 +195,7 @@ class Mcap(ExportTest):
             chunks = [record for record in StreamReader(recording, emit_chunks=True).records if isinstance(record, Chunk)]
             self.assertEqual({chunk.compression for chunk in chunks}, {"zstd"})
         before = contents(out)
-        export(dataset, out, "--format", "mcap")  # replaces what is its own
+        export(dataset, out, "--format", "mcap")  # replaces its own files
         self.assertEqual(contents(out), before)
 
     def test_the_layout_shows_topics_that_are_there(self):

@@ -1,4 +1,7 @@
-"""`export --format parquet`: pandas and pyarrow read the dataset's values back, bit for bit. Arguments: the project's root, the program."""
+"""`export --format parquet`: pandas and pyarrow read the dataset's values back bit-exactly.
+
+Arguments: the project's root, the program.
+"""
 
 import hashlib
 import json
@@ -21,7 +24,9 @@ def same(found, expected, what):
 
 
 def check_sensor(out, name, number, demo):
-    """Compares all that the files say of a trial and sensor with the dataset, and returns the names of the columns and files that say it."""
+    """Compares the files' values for a trial and sensor with the dataset; returns the names of the
+    columns and files compared.
+    """
     table = pandas.read_parquet(out / f"{name}.parquet").query("trial == @number")
     sensor, seen, files = demo["sensors"][name], {"trial", "t"}, {f"{name}.parquet", f"{name}-events.parquet"}
     same(table["t"], sensor["t"][:], name)
@@ -90,7 +95,7 @@ class Parquet(ExportTest):
         self.assertRegex(told, r"^written: 7 files, [\d.]+ [kM]B, in .*/a\n$")
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         before = contents(self.folder / "a")
-        told, progress = export(dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces what is its own
+        told, progress = export(dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces its own files
         self.assertEqual(sorted(json.loads(told)["files"]), sorted(str(self.folder / "a" / name) for name in before))
         self.assertEqual(progress, "")
         self.assertEqual(contents(self.folder / "a"), before)
@@ -103,7 +108,8 @@ class Parquet(ExportTest):
         self.assertEqual([name for name in table if name.startswith("label_state")], ["label_state_micro"])
         with h5py.File(dataset) as file:
             sensor, labels = file["data/demo_1/sensors/pad"], file["data/demo_1/labels/pad"]
-            # The sensor reads at 0, 1, 2, ... ms; row k is at k/300 s, whose latest sample is the floor of 1000 k/300.
+            # The sensor reads at 0, 1, 2, ... ms; row k is at k/300 s, whose latest sample is the
+            # floor of 1000 k/300.
             rows = 10 * np.arange(len(table)) // 3
             self.assertEqual(len(table), (len(sensor["t"]) - 1) * 3 // 10 + 1)
             same(table[[f"P{k}_F{axis}" for k in range(9) for axis in "XYZ"]].to_numpy(), sensor["force"][:][rows].reshape(-1, 27), "force")
@@ -126,7 +132,7 @@ class Parquet(ExportTest):
         file = pyarrow.parquet.ParquetFile(self.folder / "a/pad.parquet")
         self.assertEqual(file.schema_arrow.field("P0_FX").metadata[b"unit"], b"N")
         self.assertEqual(json.loads(file.schema_arrow.field("label_state").metadata[b"codes"]), {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3})
-        self.assertEqual(file.num_row_groups, 3)  # one a trial
+        self.assertEqual(file.num_row_groups, 3)  # one per trial
         column = file.metadata.row_group(0).column(file.schema_arrow.get_field_index("P0_FX"))
         self.assertEqual((column.compression, set(column.encodings)), ("ZSTD", {"BYTE_STREAM_SPLIT", "RLE"}))
 

@@ -1,6 +1,7 @@
-"""lerobot itself loads an export and gives the dataset's values, bit for bit. Arguments: the project's root, the program.
+"""lerobot itself loads an export and gives the dataset's values bit-exactly.
 
-Skipped where lerobot cannot be imported: it wants torch with CUDA, larger than all that the suite installs. README.md says how it was run.
+Arguments: the project's root, the program. Skipped if lerobot cannot be imported: it needs torch
+with CUDA, larger than everything the suite installs. README.md says how it was run.
 """
 
 import sys
@@ -41,7 +42,8 @@ class RealLeRobot(ExportTest):
             episode = int(item["episode_index"])
             demo, begin = file["data"][order[episode]], [0, *ends][episode]
             rows = np.maximum(np.arange(index - 2, index + 1), begin) - begin  # before an episode lerobot repeats its first row
-            # Rows are the sensors' samples up to the last; torch has the dataset's `time` as float32 alone.
+            # Rows are the sensors' samples up to the last; torch has the dataset's `time` only as
+            # float32.
             instants = demo["sensors"][next(iter(channels.values()))[0]]["t"][:][begin - ends[episode] :][rows]
             for name, (sensor, channel) in channels.items():
                 group = demo["sensors"][sensor]

@@ -1,4 +1,7 @@
-"""`export --format rosbag2`: the package rosbags, which needs no ROS, reads every message back. Arguments: the project's root, the program."""
+"""`export --format rosbag2`: the package rosbags, which needs no ROS, reads every message back.
+
+Arguments: the project's root, the program.
+"""
 
 import json
 import unittest
@@ -12,7 +15,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from _made import ExportTest, contents, export, for_each_scene, import_table, make
 
-# Message definitions of the driver and of the standard packages. ROS 2 compares their hashes, so these must be equal.
+# Message definitions of the driver and the standard packages. ROS 2 compares their hashes, so these
+# must be equal.
 DRIVER = {
     "papillarray_interfaces/msg/PillarState":
         "int64 id\nfloat32 dx\nfloat32 dy\nfloat32 dz\nfloat32 fx\nfloat32 fy\nfloat32 fz\nbool in_contact\nint64 slip_state\n",
@@ -23,7 +27,9 @@ DRIVER = {
 
 
 def read(folder):
-    """{topic: (times in ns, decoded messages, their raw bytes)}, the topics' types, and the store of those types."""
+    """Returns {topic: (times in ns, decoded messages, their raw bytes)}, the topics' types, and the
+    store of those types.
+    """
     topics, types = {}, {}
     with AnyReader([folder]) as reader:
         for connection in reader.connections:
@@ -36,7 +42,7 @@ def read(folder):
             times.append(time)
             messages.append(message)
             data.append(bytes(raw))
-            if len(messages) <= 2:  # the serialiser of rosbags lays the message out in the same bytes
+            if len(messages) <= 2:  # the serialiser of rosbags gives the same bytes
                 assert bytes(reader.typestore.serialize_cdr(message, connection.msgtype)) == bytes(raw), connection.topic
         return topics, types, reader.typestore
 
@@ -66,7 +72,8 @@ class Rosbag2(ExportTest):
                 self.assertEqual(getattr(messages[0], f"{name}_{word}".upper()), code)
 
     def check_papillarray(self, topics, number, demo, sensor):
-        """The driver's message against the dataset, each rule written down anew."""
+        """Compares the driver's message with the dataset, with each rule implemented
+        independently."""
         group, labels = demo["sensors"][sensor], demo["labels"][sensor]
         found, messages, _ = topics.pop(f"/hub_0/sensor_{number}")
         self.assertEqual(found, nanoseconds(group["t"]))
@@ -107,7 +114,7 @@ class Rosbag2(ExportTest):
     def check_truth(self, topics, demo, sensor):
         group = demo["labels"][sensor]
         self.check_own(topics, f"/truth/{sensor}", group["t"], {name: group[name] for name in set(group) - {"t", "events"}})
-        _, messages, _ = topics.pop(f"/truth/{sensor}/events")  # has no message where no unit changes its state
+        _, messages, _ = topics.pop(f"/truth/{sensor}/events")  # has no message if no unit changes its state
         for name in ("t", "unit", "kind"):
             self.assertEqual([getattr(one, name) for one in messages], group[f"events/{name}"][:].tolist(), name)
 
@@ -145,7 +152,8 @@ class Rosbag2(ExportTest):
                 self.check_package(out, types, store)
 
     def check_driver(self, name, store):
-        """The type has the hash of the driver's, which ROS 2 compares before it delivers a message."""
+        """The type has the hash of the driver's, which ROS 2 compares before it delivers a
+        message."""
         self.assertEqual(name, "papillarray_interfaces/msg/SensorState")
         driver = get_typestore(Stores.ROS2_HUMBLE)
         for kind, text in DRIVER.items():
@@ -153,7 +161,9 @@ class Rosbag2(ExportTest):
         self.assertEqual(store.hash_rihs01(name), driver.hash_rihs01(name))
 
     def check_package(self, out, types, store):
-        """slipbench_msgs holds the definitions of the bag; those of ROS 2 itself have ROS 2's hashes."""
+        """slipbench_msgs holds the definitions of the bag; those of ROS 2 itself have ROS 2's
+        hashes.
+        """
         package = get_typestore(Stores.ROS2_HUMBLE)
         for path in (out / "slipbench_msgs/msg").glob("*.msg"):
             package.register(get_types_from_msg(path.read_text(), f"slipbench_msgs/msg/{path.stem}"))

@@ -1,4 +1,5 @@
-// What each format stores of a source, and that there is no truth; a simulated trial through `export` and `import`; damaged and wrong sources.
+// What each format stores, always without truth; a simulated trial through `export` and `import`;
+// damaged and wrong sources.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -48,7 +49,7 @@ TEST_F(Import, GraspIsARowOfThreeFingers) {
     EXPECT_EQ(sensor.channels[0].unit, "counts");
     EXPECT_EQ(sensor.channel_names.front(), "E1");
     ASSERT_THAT(sensor.channels[0].values, SizeIs(24));
-    // Finger by finger: 24 of the 72 each.
+    // By finger: 24 of the 72 each.
     for (std::size_t e = 0; e < 24; ++e) EXPECT_EQ(sensor.channels[0].values[e], static_cast<float>(1000 + 24 * finger + e + 1));
     EXPECT_FALSE(sensor.labels.truth);
     EXPECT_THAT(sensor.labels.state_paper, ElementsAre(1));
@@ -89,7 +90,7 @@ TEST_F(Import, SlideIsAFileOfTheFoldersClass) {
   EXPECT_EQ(params(0), nlohmann::json::parse(R"({"object": "case", "class": "n", "number": "7", "file": "n/case7.csv"})"));
 }
 
-// Two folders that each hold a file of the same name.
+// Two folders with a file of the same name each.
 TEST_F(Import, FilesOfSeveralFoldersKeepTheFoldersNames) {
   for (const char* name : {"set/n/case1.csv", "set/t/case1.csv"}) source(name, slide_header() + slide_row(0));
   run({path("set/n"), path("set/t")}, "biotacsp-dos");
@@ -114,7 +115,8 @@ TEST_F(Import, FilesOfAFolderComeInTheOrderOfTheirNames) {
 TEST_F(Import, LogHasItsPillarsItsRateAndTheDevicesOwnSlip) {
   const std::vector<int> none{-2, -2, -2, -2, -2, -2, -2, -2, -2}, held{1, 2, -2, -2, -2, -2, -2, -2, -1},
       some{3, 2, -2, -2, -2, -2, -2, -2, -1}, all{3, 3, -2, -2, -2, -2, -2, -2, -1};
-  // Steps of 2, 2 and 5 ms: 3 steps in 9 ms. Stamps in us give the rate within 1 us in 9 ms, 0.04 Hz: 333.3 Hz. One row is there twice.
+  // Steps of 2, 2 and 5 ms: 3 steps in 9 ms. Stamps in us give the rate within 1 us in 9 ms, 0.04
+  // Hz: 333.3 Hz. One row is repeated.
   const std::string file = source("LOG_1.csv", log_header(1) + log_row(1'000'000, {log_cells(none)}) +
                                                    log_row(1'002'000, {log_cells(held)}) + log_row(1'002'000, {log_cells(held)}) +
                                                    log_row(1'004'000, {log_cells(some)}) + log_row(1'009'000, {log_cells(all)}));
@@ -182,7 +184,7 @@ TEST_F(Import, TrainingFileSaysItsMoveAndWhichPillarsSlip) {
   EXPECT_EQ(turns.rate, 1000.0);
   EXPECT_THAT(turns.time, ElementsAre(0.0, 0.001, 0.002, 0.003, 0.004));
   EXPECT_THAT(slides.labels.state_paper, ElementsAre(0, 1, 2, 3, 1));
-  // The centre pillar does not slide in a turn, so that it does not count: pillar 0 alone decides.
+  // In a turn the centre pillar does not slide and does not count: pillar 0 alone decides.
   EXPECT_THAT(turns.labels.state_paper, ElementsAre(0, 1, 3, 3, 1));
   EXPECT_EQ(params(0),
             nlohmann::json::parse(
@@ -190,7 +192,7 @@ TEST_F(Import, TrainingFileSaysItsMoveAndWhichPillarsSlip) {
   EXPECT_EQ(params(1), nlohmann::json::parse(R"({"file": "translation/other.csv", "move": "translation"})"));
 }
 
-// What every imported file is.
+// Properties of every imported file.
 struct Imported : Import {
   void SetUp() override {
     std::string rows;
@@ -210,14 +212,14 @@ TEST_F(Imported, SaysThatItHoldsNoTruth) {
   EXPECT_THAT(refusal_of([&] { reader.check_truth("a report"); }), refused_at(path("out.h5"), {"a report", "bts3v2"}));
 }
 
-// What a person can give to a shell again.
+// Source names can be pasted into a shell.
 TEST_F(Imported, NamesItsSourcesAsAShellTakesThem) {
   const std::string file = source("my grasps.csv", grasp_header() + grasp_row("coke", "0", 1000));
   run({file}, "bts3v2", "spaced.h5");
   EXPECT_EQ(DatasetReader(path("spaced.h5")).header().command, "slipbench import '" + file + "' --format bts3v2 --seed 7");
 }
 
-// As spreadsheets write it: the mark of UTF-8 in front, an empty line at the end.
+// As spreadsheets write it: a UTF-8 mark in front, an empty line at the end.
 TEST_F(Imported, MarkAndLastEmptyLineAreNoRows) {
   const std::string mark = "\xef\xbb\xbf", rows = grasp_header() + grasp_row("coke", "0", 1000);
   EXPECT_EQ(run({source("a.csv", mark + rows + "\n")}, "bts3v2", "a.h5").trials, 1u);
@@ -276,7 +278,7 @@ TEST_F(Imported, InterruptedLeavesNothing) {
   EXPECT_THAT(names(), ElementsAre("grasps.csv"));
 }
 
-// Files that no import writes, since others may hand over any.
+// Files that no import writes, because any file may be given.
 struct MadeUp : Import {
   std::string write(TrialRecord record) {
     return slipbench::testing::write_dataset(
@@ -318,7 +320,7 @@ TEST_F(MadeUp, ControlLoopInARecordingIsRefused) {
   EXPECT_THAT(refusal_of([&] { static_cast<void>(trial(0)); }), mentions({"control", "imported"}));
 }
 
-// Pressed, slid and turned; 60 ms of sliding at 16 mm/s let all nine pillars go.
+// Pressed, slid and turned; 60 ms of sliding at 16 mm/s make all nine pillars slip.
 struct RoundTrip : slipbench::testing::ImportTest {
   void SetUp() override {
     SweepOptions options;
@@ -369,7 +371,7 @@ TEST_F(RoundTrip, OfTheTrainingFiles) {
 
 using namespace slipbench::testing;
 
-// Recordings of one channel that counts the samples, as a map's reader hands them to the writer.
+// Recordings of one channel that counts the samples, as a map's reader passes them to the writer.
 struct Timed : Import {
   static TrialRecord record(const std::vector<double>& times, double resolution) {
     SensorRecord sensor;
@@ -387,7 +389,7 @@ struct Timed : Import {
     record.sensors.push_back(std::move(sensor));
     return record;
   }
-  // Stamps as a table has them with so many decimals.
+  // Stamps as in a table with that many decimals.
   ImportSummary written(const std::vector<double>& times, int decimals, std::optional<double> rate = {}) {
     std::vector<double> stamps;
     for (const double time : times) stamps.push_back(std::stod(fmt::format("{:.{}f}", time, decimals)));
@@ -442,7 +444,7 @@ TEST_F(Timed, WarnsOfTimesInAnotherUnit) {
   EXPECT_THAT(written(clock(100.0, 60), 2).warnings, IsEmpty());
 }
 
-// A table's sensors share its stamps; those of a bag have their own.
+// Sensors of a table share its stamps; sensors of a bag have their own.
 TEST_F(Timed, WarnsOfEachSensorsOwnStamps) {
   TrialRecord two = record(clock(100.0, 60), 1e-3);
   two.sensors.push_back(record(with_gap(), 1e-3).sensors.front());
@@ -452,7 +454,8 @@ TEST_F(Timed, WarnsOfEachSensorsOwnStamps) {
   EXPECT_THAT(summary.warnings[0].text, HasSubstr(file + ": sensor skin: its samples are not evenly spaced: "));
 }
 
-// Values count the rows, so that they show the time: row k was recorded at k/100 s before the gap and at k/100 s + 0.5 s after it.
+// Values count the rows and so show the time: row k was recorded at k/100 s before the gap and at
+// k/100 s + 0.5 s after it.
 TEST_F(Timed, ResamplingTakesValuesBetweenTheSamples) {
   const ImportSummary summary = written(with_gap(), 3, 80.0);
   const SensorRecord sensor = pad();
@@ -464,7 +467,7 @@ TEST_F(Timed, ResamplingTakesValuesBetweenTheSamples) {
     EXPECT_NEAR(sensor.channels[0].values[k], row, 1e-4) << k;
   }
   EXPECT_NO_THROW(check_evenly_spaced(sensor));
-  ASSERT_TRUE(sensor.timing);  // of the stamps as they were
+  ASSERT_TRUE(sensor.timing);  // of the original stamps
   EXPECT_NEAR(sensor.timing->median_rate, 100.0, 1e-6);
   // Strictly between 0.29 and 0.8 s: 24/80 to 63/80 s.
   EXPECT_EQ(params(0)["resampled"], nlohmann::json::parse(R"({"rate_hz": 80.0, "samples_in_gaps": 40})"));
@@ -489,7 +492,8 @@ TEST_F(Timed, ResamplingStaysBelowTheRecordingsRate) {
 
 struct ImportErrors : slipbench::testing::ImportTest {
   static std::string place(const std::string& file, int line) { return line == 0 ? file : file + ":" + std::to_string(line); }
-  // Imports a source and expects it to be refused at `line`, or as a whole where that is 0; nothing but the source is left.
+  // Imports a source and expects an error at `line`, or for the whole source if 0; only the source
+  // is left.
   void expect_refusal(const std::string& format, const std::string& name, const std::string& text, int line,
                       const std::vector<std::string>& words) {
     const std::string file = source(name, text);
@@ -509,7 +513,7 @@ TEST_F(ImportErrors, GraspsAreChecked) {
   const auto refused = [&](const std::string& text, int line, const std::vector<std::string>& words) {
     expect_refusal("bts3v2", "a.csv", text, line, words);
   };
-  // 2,100 good rows come first: a first file of the dataset is full then.
+  // 2,100 good rows come first: they fill a first file of the dataset.
   std::string good;
   for (int k = 0; k < 2100; ++k) good += grasp_row("coke", "0", 1);
   refused(grasp_header() + good + grasp_row("coke", "2", 1), 2102, {"slipped", "2", "0, 1"});
@@ -580,7 +584,7 @@ TEST_F(ImportErrors, SourcesAreChecked) {
   EXPECT_THAT(refusal_of([] { import_format("bts3"); }), mentions({"bts3", "bts3v2"}));
 }
 
-// The dataset's own name is checked before a row is read.
+// The output's name is checked before a row is read.
 TEST_F(ImportErrors, SourceIsNotReplaced) {
   const std::string file = source("a.csv", grasp_header() + grasp_row("coke", "0", 1));
   const std::string before = bytes_of(file);

@@ -1,4 +1,4 @@
-// Source files of a few rows, as the sets and the vendor's software write them.
+// Source files of a few rows in the format of the sets and the vendor's software.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ inline std::string grasp_header() {
   return fmt::format("{}\n", fmt::join(names, ","));
 }
 
-// Electrode number i of the 72, from 1, reads `first` + i.
+// Electrode i of the 72, from 1, reads `first` + i.
 inline std::string grasp_row(const std::string& object, const std::string& slipped, int first) {
   std::vector<std::string> cells{object, slipped};
   for (int i = 1; i <= 72; ++i) cells.push_back(std::to_string(first + i));
@@ -43,7 +43,8 @@ inline std::string slide_row(int row) {
   return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
-// The vendor's names. `printed`: as its manual prints them, where those of the second sensor's slip detection say S0.
+// The vendor's names. `printed`: as in its manual, which has S0 for the second sensor's slip
+// detection.
 inline std::string log_header(int sensors, bool printed = false) {
   std::vector<std::string> names{"T_us"};
   for (int s = 0; s < sensors; ++s) {
@@ -64,7 +65,8 @@ inline std::string log_header(int sensors, bool printed = false) {
   return fmt::format("{}\n", fmt::join(names, ","));
 }
 
-// One sensor's 81 cells: pillar p is displaced by (p, 0.25, 0.5) mm and carries (p, 0, 2) N; the pillars are in `states`.
+// One sensor's 81 cells: pillar p is displaced by (p, 0.25, 0.5) mm and carries (p, 0, 2) N;
+// `states` are the pillars' states.
 inline std::vector<std::string> log_cells(const std::vector<int>& states, bool active = true) {
   std::vector<std::string> cells;
   for (int p = 0; p < 9; ++p) {
@@ -83,7 +85,8 @@ inline std::string log_row(long microseconds, const std::vector<std::vector<std:
   return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
-// Pillar p has the flags (contact, slip) of `flags`, is displaced by (p, 0.25, 0.5) mm and carries (p, 0, 2) N.
+// Pillar p has the flags (contact, slip) of `flags`, is displaced by (p, 0.25, 0.5) mm and carries
+// (p, 0, 2) N.
 inline std::string training_row(const std::string& time, const std::vector<std::string>& flags) {
   std::vector<std::string> cells{time};
   for (std::size_t p = 0; p < 9; ++p) {

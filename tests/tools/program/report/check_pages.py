@@ -1,6 +1,7 @@
-"""Pages as a browser shows them: pixels of every kind of sensor's picture, where a page opens, and what its policy forbids.
+"""Pages in a browser: pixels of every sensor's picture, where a page opens, and its policy.
 
-    check_pages.py PROGRAM"""
+    check_pages.py PROGRAM
+"""
 
 import io
 import subprocess
@@ -23,11 +24,13 @@ seed: 1
 motion: {{kind: stage, gap: 0.1 mm, compression: {compression}, approach_speed: 20 mm/s, start: 0.2 s, speed: 8 mm/s, acceleration: 1 m/s2}}
 sensors: {{pad: {{type: {sensor}, electronics: typical}}}}
 """
-# By sensor: how far it is pressed in, and the parts of the picture behind its units (0: it has none, and the units are the picture).
+# By sensor: indentation, and number of parts in the picture behind its units (0: no parts, the
+# units are the picture).
 SENSORS = {"papillarray": ("1 mm", 0), "nib_pad": ("0.5 mm", 36), "piezo_skin": ("0.25 mm", 0), "myrmex": ("0.5 mm", 256),
            "biotac_sp": ("1 mm", 0)}
 
-# Takes the picture of the pad out of the page, and says where its units and parts are and how strongly they are coloured.
+# Extracts the pad's picture and reports where its units and parts are and how strongly they are
+# coloured.
 PROBE = """(async () => {
   while (!document.querySelector('.pad-card svg .unit') || !document.querySelector('.cell button.link')) await new Promise(done => setTimeout(done, 20));
   const sb = window.slipbench, svg = document.querySelector('.pad-card svg .unit').closest('svg');
@@ -80,14 +83,14 @@ class Pages:
         subprocess.run([self.program, *map(str, words), "--quiet"], check=True, cwd=self.folder)
 
     def report(self, scene, name, *settings):
-        """The report of one trial."""
+        """Returns the report of one trial."""
         words = [word for setting in settings for word in ("--set", setting)]
         self.run("run", scene, *words, "-o", f"{name}.h5")
         subprocess.run([self.program, "report", f"{name}.h5", "-o", f"{name}.html"], check=True, cwd=self.folder, stdout=subprocess.DEVNULL)
         return self.folder / f"{name}.html"
 
     def probe(self, page):
-        """What PROBE says of the page's pad, and its picture."""
+        """Returns the result of PROBE for the page's pad, and its picture."""
         self.browser.open_drawn(page)
         return self.browser.evaluate(PROBE), Image.open(io.BytesIO(self.browser.screenshot(whole=False))).convert("RGB")
 
@@ -121,7 +124,7 @@ class Pages:
         assert "slip centrenone: translation" in text, text
 
     def check_policy(self):
-        """Pages do what they do within their policy, and nothing that is put into them runs."""
+        """Pages work within their policy, and nothing put into them is executed."""
         report = self.folder / "stage.html"
         self.run("cost", SCENES / "papillarray" / "stage.yaml", "--budget", "1s", "-o", "cost.html")
         for page, drawn in ((report, "<main>"), (self.folder / "cost.html", "<svg")):

@@ -1,6 +1,7 @@
-"""The overview of a dataset and the page of a trial as a browser shows them: what is 0 counts and reads as 0, and what runs a trial again.
+"""A dataset's overview and a trial's page in a browser: zeros count and read as 0; replay commands.
 
-    dataset_page_test.py PROGRAM"""
+    dataset_page_test.py PROGRAM
+"""
 
 import re
 import subprocess
@@ -14,8 +15,8 @@ import chromium  # noqa: E402
 
 PROGRAM = Path(sys.argv.pop(1)).resolve()
 
-# Sixteen taxels on a plane, of one point each: the pad slides along X, so that all let go at one instant and each as a whole. The incipient phase
-# is 0 s in every trial.
+# Sixteen taxels of one point each on a plane: the pad slides along X, so that all slip fully at one
+# instant. The incipient phase is 0 s in every trial.
 SCENE = """slipbench: 1
 duration: 0.4 s
 surface: {material: rubber}
@@ -54,7 +55,8 @@ class DatasetPage(unittest.TestCase):
         self.assertEqual(self.browser.complaints(), [])
 
     def test_what_rounding_leaves_of_zero_reads_as_0(self):
-        # A phase of one unit in the last place of a second, and a direction that an angle of two rounded numbers has.
+        # A phase of one unit in the last place of a second, and the direction of an angle between
+        # two rounded numbers.
         self.browser.open_drawn(self.page, "#all")
         read = self.browser.evaluate("[slipbench.quantity(-1.09e-18, 'rad'), slipbench.quantity(2.2e-16, 's'), slipbench.quantity(3e-6, 'm'),"
                                      " slipbench.quantity(2e-5, 'N', 3, 1e-4), slipbench.quantity(null, 'rad')]")

@@ -1,4 +1,4 @@
-"""What a report says of detectors, read from its page in headless Chromium, against the same figures computed from the arrays with numpy.
+"""A report's scores of detectors, read in headless Chromium, against numpy's from the arrays.
 
 Arguments: the project's root, the program.
 """
@@ -22,7 +22,8 @@ ROOT = Path(sys.argv.pop(1)).resolve()
 
 
 class Page:
-    """The tables of a page as rows of cells, and the figures of its cards as {name: (value, note)}."""
+    """The tables of a page as rows of cells, and the figures of its cards as {name: (value,
+    note)}."""
 
     def __init__(self, browser):
         self.source = browser.dom()
@@ -32,7 +33,7 @@ class Page:
         self.figures = {name: (value, note) for name, value, note in cards}
 
     def table(self, first):
-        """Rows of the first table whose head begins so."""
+        """Returns the rows of the first table whose head begins with `first`."""
         head, *rows = next(rows for rows in self.tables if rows and rows[0][: len(first)] == list(first))
         return [dict(zip(head, row)) for row in rows]
 
@@ -46,7 +47,9 @@ def three_digits(value):
 
 
 def scores(trials):
-    """Recall of slip, balanced accuracy, accuracy and that of the best constant answer, of all trials' samples in contact."""
+    """Returns recall of slip, balanced accuracy, accuracy and that of the best constant answer,
+    over all trials' samples in contact.
+    """
     truth = numpy.concatenate([trial[f"labels/{trial['control'].attrs['sensor']}/state"][:] for trial in trials])
     seen = numpy.concatenate([trial["control/detector_class"][:] for trial in trials])
     truth, seen = truth[truth > 0], seen[truth > 0]
@@ -83,7 +86,8 @@ class PageScoresTest(unittest.TestCase):
         self.assertEqual([*row][-2:], ["accuracy", "of the best constant answer"], "accuracy is no headline")
         return row
 
-    # The ratio is passed long before slip, and the alarm stands when slip begins: 1 ms later is no delay.
+    # The ratio is exceeded long before slip, and the alarm is on when slip begins: the 1 ms after
+    # that is not a delay.
     def test_an_early_alarm_has_no_delay(self):
         page = self.page(ROOT / "scenes/papillarray/stage.yaml", "--set", "detector={type: force_ratio, ratio: 0.3}")
         (outcome,) = self.outcomes
@@ -103,7 +107,7 @@ class PageScoresTest(unittest.TestCase):
         self.assertEqual(page.figures["Slip seen after"][0], delay)
         self.assertEqual(self.look_at_scores(page)["median delay"], delay)
 
-    # The detector that the scene ships with sees next to nothing of the slip, and its accuracy is above 90 %.
+    # The detector shipped with the scene detects hardly any slip, yet its accuracy is above 90 %.
     def test_grasps_show_what_accuracy_hides(self):
         page = self.page(ROOT / "scenes/grasp/lift.yaml", "--trials", "5")
         row = self.look_at_scores(page)
@@ -122,7 +126,8 @@ class PageScoresTest(unittest.TestCase):
         shown = [trial["detector"] for trial in page.table(["", "trial"])]
         self.assertEqual(shown, [outcome["detection"].replace("_", " ") for outcome in self.outcomes])
 
-    # One trial with the oracle as it is, one with a tenth of its classes wrong, some of them long before slip.
+    # One trial with the unchanged oracle, one with a tenth of its classes wrong, some of them long
+    # before slip.
     def test_success_curves_go_by_balanced_accuracy(self):
         flips = "sweep={detector.flip: [0, 0.1]}"
         page = self.page(ROOT / "scenes/grasp/flips.yaml", "--set", flips, "--trials", "2", "--record", "outcome")

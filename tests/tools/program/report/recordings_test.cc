@@ -9,7 +9,8 @@ namespace slipbench::report {
 namespace {
 
 struct Recordings : slipbench::testing::FolderTest {
-  // Four samples at 10 Hz, then one 0.7 s later, as an import writes them: 5 samples in 1 s, one value missing.
+  // Four samples at 10 Hz, then one 0.7 s later, as from an import: 5 samples in 1 s, one value
+  // missing.
   static TrialRecord recording(std::size_t trial, const std::vector<std::uint8_t>& labels) {
     SensorRecord sensor;
     sensor.name = "tip";
@@ -47,7 +48,8 @@ TEST_F(Recordings, ShowsWhatThereIsAndSaysWhatThereIsNot) {
        {"no truth (none: imported by a map)", "There are no recorded labels.", "force [N] over time [s]", ">left</text>",
         "set/&lt;log&gt;.csv", "x along the finger", "<h2>Trial 0, cup</h2>", "id=\"trial-0\""})
     EXPECT_THAT(page, HasSubstr(text));
-  // 5 samples in 1 s: 4 steps a second; the longest of them is 0.7 s and begins at 0.3 s. One value is missing.
+  // 5 samples in 1 s: 4 steps a second; the longest is 0.7 s and begins at 0.3 s. One value is
+  // missing.
   EXPECT_THAT(page, HasSubstr("<td>cup</td><td>tip</td><td>5</td><td>1</td><td>4</td><td>0.7 (0.3 s after the first sample)</td>"
                               "<td>1</td><td>–</td>"));
   EXPECT_THAT(page, Not(AnyOf(HasSubstr("<script"), HasSubstr("States over time"), HasSubstr(">truth</text>"))));

@@ -19,14 +19,15 @@ std::vector<std::vector<double>> curve(const Json& payload, const std::string& k
   return unpack(payload.at("curves").at(key).at("data"));
 }
 
-// From row 3 on the arm rises by 2 mm a row, the box by 1 mm, and the box turns about the vertical by 0.01 rad a row (sample.h).
+// From row 3 on the arm rises by 2 mm per row, the box by 1 mm, and the box turns about the
+// vertical by 0.01 rad per row (sample.h).
 TEST(GraspPayload, SlipIsInTheArmsFrameFromTheLiftOn) {
   const Json payload = grasp_payload(sample_grasp(0), everything, "demo_0");
   EXPECT_DOUBLE_EQ(payload.at("lift_s").get<double>(), 3e-3);
   const auto height = curve(payload, "height"), slip = curve(payload, "slip"), rotation = curve(payload, "rotation");
   for (std::size_t row = 0; row < 8; ++row) {
     const double since = row < 3 ? 0.0 : static_cast<double>(row) - 3.0;
-    // Half a step of 16 bits of each range, and the float of a pose of some 0.1 m.
+    // Half a step of 16 bits of each range, plus the float rounding of a pose of some 0.1 m.
     EXPECT_NEAR(height[0][row], 1e-3 * since, 0.5 * 10e-3 / 32767 + 1e-8) << row;
     EXPECT_NEAR(height[1][row], 2e-3 * since, 0.5 * 10e-3 / 32767 + 1e-8) << row;
     EXPECT_NEAR(slip[0][row], 1e-3 * since, 0.5 * 5e-3 / 32767 + 1e-8) << row;
@@ -34,7 +35,7 @@ TEST(GraspPayload, SlipIsInTheArmsFrameFromTheLiftOn) {
   }
 }
 
-// An arm that stands turned by 90 degrees sees the box go as far, along another of its axes.
+// An arm turned by 90 degrees sees the box move as far, along another of its axes.
 TEST(GraspPayload, SlipDoesNotDependOnHowTheArmStands) {
   TrialRecord record = sample_grasp(0);
   const auto half = static_cast<float>(std::numbers::sqrt2 / 2.0);
@@ -82,7 +83,7 @@ TEST(GraspPayload, OpenLoopHasPosesAlone) {
   EXPECT_EQ(payload.at("controller"), "");
 }
 
-// 1 kHz: one pose in 17 is 58.8 a second. 8 rows then leave row 0 alone.
+// 1 kHz: one pose in 17 is 58.8 per second. 8 rows then leave only row 0.
 TEST(GraspPayload, PosesAreAtMostSixtyASecond) {
   const Json poses = grasp_payload(sample_grasp(0), everything, "demo_0").at("poses");
   EXPECT_EQ(poses.at("stride"), 17);
@@ -102,7 +103,8 @@ TEST(GraspPayload, PosesAreAtMostSixtyASecond) {
   EXPECT_NEAR(position[2][7], -0.02 + 4e-3, 0.5 * 0.02 / 32767 + 1e-8);
 }
 
-// 8 rows of box and arm height, slip, rotation, force, commanded and measured position are 56 values.
+// 8 rows of box and arm height, slip, rotation, force, commanded and measured position are 56
+// values.
 TEST(GraspPayload, CurvesAreThinnedToTheirLimit) {
   EXPECT_EQ(grasp_payload(sample_grasp(0), 56, "demo_0").at("stride"), 1);
   const Json thin = grasp_payload(sample_grasp(0), 28, "demo_0");
@@ -133,7 +135,7 @@ TEST(GraspSummary, NullStandsForNever) {
 
 TEST(Summary, CountsSharesOfTime) {
   const Json summary = summarise(sample_trial(0, "{}").sensors[0]);
-  // Of eight samples, by the table in sample.h.
+  // Eight samples, by the table in sample.h.
   EXPECT_EQ(summary.at("shares").at("strict"), Json::parse("[0.125, 0.375, 0.25, 0.25]"));
   EXPECT_EQ(summary.at("shares").at("micro"), Json::parse("[0.125, 0.25, 0.25, 0.375]"));
   EXPECT_EQ(summary.at("shares").at("paper"), Json::parse("[0.125, 0.5, 0.125, 0.25]"));
@@ -144,11 +146,11 @@ TEST(Summary, TakesOnsetsFromInsideTheStep) {
   EXPECT_EQ(summary.at("first_touch_s"), 0.5e-3);
   EXPECT_EQ(summary.at("first_micro_s"), 2.25e-3);
   EXPECT_EQ(summary.at("first_full_s"), 3.5e-3);
-  EXPECT_EQ(summary.at("gross_s"), 5.75e-3);  // not 6 ms, the sample
+  EXPECT_EQ(summary.at("gross_s"), 5.75e-3);  // not 6 ms, the sample's time
   EXPECT_NEAR(summary.at("incipient_s").get<double>(), 3.5e-3, 1e-15);
 }
 
-// Both units let go at one instant, of which one time is a unit in the last place below the other.
+// Both units slip at one instant, with one time lower by a unit in the last place.
 TEST(Summary, APhaseOfRoundingIsZero) {
   SensorRecord sensor = sample_trial(0, "{}").sensors[0];
   sensor.labels.micro_onset_time.assign(2, std::nextafter(5.75e-3, 0.0));
@@ -157,7 +159,7 @@ TEST(Summary, APhaseOfRoundingIsZero) {
 
 TEST(Summary, GrossWithoutAnEventBeginsAtItsSample) {
   SensorRecord sensor = sample_trial(0, "{}").sensors[0];
-  sensor.labels.event_kind.back() = 3;  // the other unit lets go by leaving the surface
+  sensor.labels.event_kind.back() = 3;  // the other unit's slip ends by detachment
   EXPECT_EQ(summarise(sensor).at("gross_s"), 6e-3);
 }
 
@@ -214,9 +216,9 @@ TEST(PlainValue, TurnsTextWithAUnitIntoSi) {
 TEST(PlainValue, TakesTheUnitOfABareNumberFromItsKey) {
   EXPECT_EQ(plain_value("motion.speed", 0.004), Json::parse(R"({"value": 0.004, "unit": "m/s"})"));
   EXPECT_EQ(plain_value("motion.compression", "0.001"), Json::parse(R"({"value": 0.001, "unit": "m"})"));
-  EXPECT_EQ(plain_value("motion.tilt.0", 0.02).at("unit"), "rad");  // an index is no key
+  EXPECT_EQ(plain_value("motion.tilt.0", 0.02).at("unit"), "rad");  // an index is not a key
   EXPECT_EQ(plain_value("friction.static", 0.5).at("unit"), "");
-  // Whatever the entries declare, wherever they stand.
+  // As the entries declare, at any place.
   EXPECT_EQ(plain_value("motion.travel", 0.02).at("unit"), "m");
   EXPECT_EQ(plain_value("motion.clearance", 0.0).at("unit"), "m");
   EXPECT_EQ(plain_value("sensors.pad.tip_radius", 0.1).at("unit"), "m");
@@ -277,8 +279,8 @@ TEST(Spectra, ASpectrogramHasARowAWindowAndItsBinsUpToTheHighest) {
   EXPECT_EQ(fl["data"]["columns"], 11);  // 0, 2, ... 20 Hz
   EXPECT_EQ(fl["data"]["rows"], 6);      // windows of 150 samples that end with sample 150, 180, ... 300
   EXPECT_EQ(fl["time"]["rows"], 6);
-  // The largest magnitude is that at 8 Hz: the sine's amplitude over two, times the sum of Hamming's window, 0.54 * 150, but for what the line takes
-  // (a few percent). `step` is 1/32767 of it.
+  // The largest magnitude is at 8 Hz: half the sine's amplitude times the sum of Hamming's window,
+  // 0.54 * 150, minus what the line removes (a few percent). `step` is 1/32767 of it.
   EXPECT_NEAR(fl["data"]["step"].get<double>() * 32767.0, 0.5 * 10.0 * 0.54 * 150.0, 0.05 * 405.0);
 }
 
@@ -339,7 +341,7 @@ TEST(GraspParameters, CommandLineCountsAsTheScene) {
   expect_row(row(rows(lift_text, {{"grip.latency", "40 ms"}}), "grip.latency"), "40 ms", "scene", true);
 }
 
-// Neither the scene's value nor the protocol's is that of every trial.
+// Neither the scene's value nor the protocol's holds for every trial.
 TEST(GraspParameters, SweptValuesAreNotShown) {
   const Json all = rows(lift_text, Json::object(), {{"box.size.0", 1}, {"grip.protocol", 1}});
   expect_row(row(all, "box.size"), "", "sweep", true);

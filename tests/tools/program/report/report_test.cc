@@ -27,7 +27,7 @@ Json data_of(const std::string& path) {
   const std::size_t begin = page.find(mark) + mark.size();
   const auto element = [&](std::size_t from) { return Json::parse(page.substr(from, page.find("</script>", from) - from)); };
   Json data = element(begin);
-  // With the recordings, which stand after the scripts, by their trials.
+  // Including the recordings, which follow the scripts, by trial.
   data["curves"] = Json::object();
   for (const Json& trial : data.at("recorded")) {
     const std::string name = trial.dump(), id = "id=\"recording-" + name + "\">";
@@ -62,7 +62,7 @@ std::string refusal(const std::string& dataset, const std::string& page, const R
   return refusal_of([&] { write_report(dataset, page, options); });
 }
 
-// Of the scene as it stands in the file, and of converters that were at their ends in most of all samples.
+// About the scene in the file, and converters at the end of their range in most of all samples.
 TEST(Report, SaysWhatTheSceneWarnsOf) {
   std::vector<TrialRecord> records = trials(2);
   for (TrialRecord& record : records) {
@@ -133,7 +133,8 @@ TEST(Report, HoldsEverySampleOfATrial) {
   }
 }
 
-// The page asks the sensor's entry what its units are called; a type that is not in the catalogue has units.
+// The page takes the units' names from the sensor's entry; a type outside the catalogue has
+// "units".
 TEST(Report, SaysHowItsSensorsAreShown) {
   TrialRecord trial = sample_trial(0, "{}");
   SensorRecord other = trial.sensors[0];
@@ -148,7 +149,7 @@ TEST(Report, SaysHowItsSensorsAreShown) {
   EXPECT_EQ(types.at("of_a_later_version").at("units"), "units");
 }
 
-// Of a channel of one value a unit: a cell on each. Of one of four values: the units around each.
+// A channel with one value per unit has a cell on each unit, one with four values around each unit.
 TEST(Report, HoldsThePictureOfAPad) {
   const Json taxels = view_payload("myrmex").at("picture");
   EXPECT_EQ(taxels.at("channel"), "taxels");
@@ -160,7 +161,8 @@ TEST(Report, HoldsThePictureOfAPad) {
   EXPECT_TRUE(electrodes.at("rest").is_null());
 }
 
-// The file is as versions before `detection` wrote it: the early alarm loses its delay when it is read.
+// The file is written as by versions before `detection`: the early alarm loses its delay when it is
+// read.
 TEST(Report, HoldsWhatTheLoopSaw) {
   TrialRecord trial = sample_trial(0, "{}");
   trial.control.emplace();
@@ -197,7 +199,7 @@ TEST(Report, HoldsAGrasp) {
   EXPECT_THAT(bytes_of(page_path("report_grasp.html")), HasSubstr("class GraspView"));
 }
 
-// Every trial of a grasp is in the page, where of another 6 are.
+// The page has every trial of a grasp, but only 6 of other datasets.
 TEST(Report, HoldsEveryGraspOfASet) {
   std::vector<TrialRecord> records;
   for (std::size_t k = 0; k < 9; ++k) records.push_back(sample_grasp(k));
@@ -207,7 +209,7 @@ TEST(Report, HoldsEveryGraspOfASet) {
   EXPECT_FALSE(data.at("grasp_parameters").empty());
 }
 
-// What draws a grasp is not in the page of a dataset without one.
+// A dataset without a grasp has no code to draw one in its page.
 TEST(Report, PaysNothingForAGraspThatIsNotThere) {
   const Json data = reported("report_no_grasp", scene, trials(1));
   EXPECT_FALSE(data.contains("grasps"));
@@ -215,7 +217,8 @@ TEST(Report, PaysNothingForAGraspThatIsNotThere) {
   EXPECT_THAT(bytes_of(page_path("report_no_grasp.html")), Not(HasSubstr("class GraspView")));
 }
 
-// A soft skin has what its closed form needs, of a sphere its radius, and the page what draws it. Others pay nothing for it.
+// A soft skin has the inputs of its closed form (a sphere's radius), and the page has the code to
+// draw it. Other pages do not.
 TEST(Report, SaysWhatASoftSkinTouches) {
   const std::string skin =
       "slipbench: 1\nsensors: {pad: {type: taxels}}\nfriction: {static: 0.6, kinetic: 0.5}\neffects: [elastic_skin: {shear_modulus: 1 MPa}]\n";
@@ -299,7 +302,7 @@ TEST(Report, EmbedsTheTrialAskedFor) {
   write_report(dataset, page_path("report_ask.html"), {.trial = 7, .max_trials = 3});
   const Json data = data_of(page_path("report_ask.html"));
   EXPECT_EQ(data.at("open"), 7);
-  EXPECT_THAT(embedded(data), ElementsAre("0", "7", "10"));  // 7 in place of 5, the nearest of 0, 5 and 10
+  EXPECT_THAT(embedded(data), ElementsAre("0", "7", "10"));  // 7 in place of 5, the one nearest to 0, 5 and 10
 }
 
 TEST(Report, OfManyTrialsShowsSomeAndSaysSo) {
@@ -308,7 +311,7 @@ TEST(Report, OfManyTrialsShowsSomeAndSaysSo) {
   const Json data = data_of(page_path("report_many.html"));
   std::vector<int> shown;
   for (const Json& row : data.at("trials")) shown.push_back(row.at("index").get<int>());
-  EXPECT_THAT(shown, ElementsAre(0, 2, 5, 8, 10));  // every 11/4th, and 0 and 10, which have curves
+  EXPECT_THAT(shown, ElementsAre(0, 2, 5, 8, 10));  // every 11/4th, plus 0 and 10, which have curves
   EXPECT_THAT(data.at("warnings").dump(), HasSubstr("this page is made of 5 of the dataset's 11 trials"));
   write_report(dataset, page_path("report_many.html"), {.trial = {}, .max_trials = 2, .max_rows = 11});
   EXPECT_EQ(data_of(page_path("report_many.html")).at("trials").size(), 11U);
@@ -374,8 +377,8 @@ TEST(Report, NeverReplacesADataset) {
   const std::string other = write_dataset("report_other.h5", scene, trials(1));
   EXPECT_THAT(refusal(dataset, other), mentions({"report_other.h5", "report"}));
   EXPECT_EQ(bytes_of(dataset), before);
-  EXPECT_EQ(bytes_of(other), before);  // the same trials: the same bytes
-  // The page's temporary name is that of a killed run's dataset.
+  EXPECT_EQ(bytes_of(other), before);  // the same trials give the same bytes
+  // The page's temporary name equals that of a killed run's dataset.
   const std::string killed = page_path("report_killed.h5.partial");
   std::filesystem::copy_file(dataset, killed, std::filesystem::copy_options::overwrite_existing);
   EXPECT_THAT(refusal(killed, page_path("report_killed.h5")), mentions({"report_killed.h5.partial", "input"}));
@@ -398,7 +401,7 @@ TEST(Report, ReplacesReportsAndNothingElse) {
   EXPECT_EQ(refusal(dataset, page_path("report_kept.html")), "accepted");
 }
 
-// What is shown is what was written, or nothing.
+// The page shows what was written, or nothing.
 TEST(Report, RefusesArraysOfAnotherDigest) {
   EncodedTrial changed = TrialEncoder().encode(sample_trial(0, "{}"));
   changed.digest[0] ^= 1U;
@@ -408,14 +411,14 @@ TEST(Report, RefusesArraysOfAnotherDigest) {
   EXPECT_THAT(refusal(page_path("report_changed.h5"), page_path("x.html")), mentions({"report_changed.h5", "SHA-256"}));
 }
 
-// However a file is damaged, the report is made or refused, never ended by a signal.
+// A damaged file gives a report or an error, never a signal.
 TEST(Report, SurvivesDamagedDatasets) {
   const std::string whole = bytes_of(write_dataset("report_damage.h5", scene, trials(2)));
   const std::string damaged = page_path("report_damaged.h5");
   std::size_t refused = 0;
   for (std::size_t step = 0; step < 300; ++step) {
     std::string bytes = whole;
-    // Two primes spread the changes over the file and over the bits.
+    // Two primes spread the changes over the file and the bits.
     bytes[(step * 7919) % whole.size()] ^= static_cast<char>(1 + (step * 31) % 255);
     write_text(damaged, bytes);
     refused += refusal(damaged, page_path("report_damaged.html")) == "accepted" ? 0 : 1;

@@ -84,8 +84,10 @@ inline TrialRecord sample_trial(std::size_t trial, const std::string& params) {
   return record;
 }
 
-// The same as a grasp by "step_on_slip" on the oracle: from row 3 on the arm rises by 2 mm a row, the box by 1 mm from -20 mm, and the box turns
-// about the vertical by 0.01 rad a row. The grip force is 0.5 N a row, 71 counts and more are commanded, 70 and more measured. Bodies: pad, arm, box.
+// The same as a grasp by "step_on_slip" with the oracle: from row 3 on the arm rises by 2 mm per
+// row, the box by 1 mm from -20 mm, and the box turns about the vertical by 0.01 rad per row. The
+// grip force is 0.5 N per row; 71 counts and more are commanded, 70 and more measured. Bodies: pad,
+// arm, box.
 inline TrialRecord sample_grasp(std::size_t trial) {
   TrialRecord record = sample_trial(trial, "{}");
   BodyRecord arm{"arm", {}, {}}, box{"box", {}, {}, {0.0625, 0.05, 0.1}};

@@ -1,8 +1,11 @@
-"""How long a page takes to its first picture in headless Chromium: from the navigation until a frame with a chart has been drawn.
+"""Measures the time to a page's first picture in headless Chromium.
 
     python3 tests/tools/program/report/time_to_picture.py PAGE.html ...
 
-Prints the median of five openings and the longest [s], and the file's size. It is no test: the time depends on the machine and its load."""
+Prints the median and the longest time [s] of five openings, from the navigation until a frame with
+a chart is drawn, and the file's size. This is not a test, because the time depends on the machine
+and its load.
+"""
 
 import statistics
 import sys
@@ -11,7 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
 from chromium import Chromium  # noqa: E402
 
-# Two frames after a picture is there, it has been drawn. Times count from the start of the navigation.
+# A picture is drawn two frames after it appears. Times count from the start of the navigation.
 WATCH = """(() => {
   const seen = () => document.querySelector('#page svg, #page canvas') ?
       requestAnimationFrame(() => requestAnimationFrame(() => { window.firstPicture = performance.now(); })) :

@@ -1,4 +1,4 @@
-// What can be checked of the scripts and styles without a browser.
+// Checks of scripts and styles without a browser.
 #include <map>
 #include <set>
 #include <string>
@@ -20,8 +20,8 @@ std::map<std::string, std::string> web_files(const std::string& extension) {
   return ::slipbench::testing::web_files("tools/program/report/web", extension);
 }
 
-// Every file of the folder is part of the page of grasps between soft skins: none was left out of CMakeLists.txt. What draws grasps and skins is
-// in no other.
+// Every file of the folder is part of the page of grasps between soft skins: CMakeLists.txt lists
+// all. Other pages leave out the code for grasps and skins.
 TEST(ReportPage, HoldsItsFiles) {
   const std::string grasps = report_page("title", {{"grasps", Json::object()}, {"skins", Json::object()}}),
                     others = report_page("title", Json::object());
@@ -50,7 +50,7 @@ TEST(Scripts, UseOnlyWhatSomeScriptDefines) {
   }
 }
 
-// What is particular about a sensor is its entry's to say.
+// A sensor's peculiarities belong in its entry.
 TEST(Scripts, NameNoSensor) {
   for (const Entry& sensor : pad_catalogues().sensors) {
     for (const auto& [name, text] : web_files(".js"))
@@ -62,12 +62,13 @@ TEST(Scripts, HaveBalancedBrackets) {
   for (const auto& [name, text] : web_files(".js")) EXPECT_EQ(unpaired_brackets(text), "") << name;
 }
 
-// A pad whose X points up, Y to the right and Z away from the reader is seen from the side that it touches.
+// A pad with X up, Y to the right and Z away from the reader is seen from the side that it touches.
 TEST(Scripts, SayFromWhereThePadIsSeen) {
   for (const auto& [name, text] : web_files(".js")) EXPECT_EQ(text.find("from above"), std::string::npos) << name;
 }
 
-// A swept value that is infinite has no place on a scale: each picture and table of the overview gives it one of its own.
+// An infinite swept value has no place on a scale: each picture and table of the overview gives it
+// a separate place.
 TEST(Scripts, ShowEndlessValues) {
   const std::string text = web_files(".js").at("dataset.js");
   for (const char* name : {"swept", "encoding", "placesAlong", "table"}) {

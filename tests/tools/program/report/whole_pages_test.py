@@ -1,9 +1,11 @@
-"""Pages of every kind as a reader sees them, in headless Chromium: wide and narrow, light and dark.
+"""Pages of every kind in headless Chromium: wide and narrow, light and dark.
 
     whole_pages_test.py PROGRAM
 
-A page fails that says something on the console, has an empty picture, a picture without a name, labels of one picture that overlap, or is wider than its
-window. Then the files that a chart is saved as, and all trials of a sweep."""
+A page fails if it writes to the console, has an empty picture, a picture without a name or with
+overlapping labels, or is wider than its window. Then the files of saved charts and all trials of a
+sweep are tested.
+"""
 
 import json
 import subprocess
@@ -29,7 +31,7 @@ sensors: {{pad: {{type: {sensor}, electronics: typical}}}}
 SENSORS = {"papillarray": "1 mm", "nib_pad": "0.5 mm", "piezo_skin": "0.25 mm", "myrmex": "0.5 mm", "biotac_sp": "1 mm"}
 SWEEP = STAGE.format(sensor="papillarray", compression="1 mm") + (
     "sweep: {motion.speed: [4 mm/s, 8 mm/s, 32 mm/s], friction.scale: {draw: uniform, min: 0.5, max: 0.9}, trials: 4}\n")
-# Curves of a PapillArray at 1 kHz take some 40 kB a second where there is noise on them, so that these do not fit in full.
+# Curves of a PapillArray at 1 kHz take some 40 kB a second if noisy, so these do not fit in full.
 LONG = SWEEP.replace("duration: 0.5 s", "duration: 4 s").replace("trials: 4", "trials: 44")
 MAP = """slipbench: 1
 seed: 1
@@ -43,7 +45,8 @@ controller: {type: step_on_slip}
 sweep: {friction.scale: [0.5, 2], box.mass: [100 g, 800 g], controller.type: [step_on_slip, hold_preset], trials: 2}
 """
 
-# What is wrong with the page, a line each. Texts of one picture may touch by a pixel: boxes of letters have room above and below.
+# Returns the page's faults, one line each. Texts of one picture may touch by a pixel, because
+# letter boxes have space above and below.
 FAULTS = r"""(async () => {
   const faults = [];
   const shown = node => node.getClientRects().length && getComputedStyle(node).visibility !== 'hidden';
@@ -70,9 +73,11 @@ FAULTS = r"""(async () => {
   if (document.documentElement.scrollWidth > innerWidth) faults.push('wider than its window: ' + document.documentElement.scrollWidth + ' px');
   return [...new Set(faults)];
 })()"""
-# How much of the window has another colour than the page's ground, and how light that ground is, 0 to 255.
+# Share of the window that differs from the page's background, and how light the background is, 0 to
+# 255.
 GROUND = "getComputedStyle(document.documentElement).backgroundColor.match(/[0-9]+/g).slice(0, 3).map(Number)"
-# Saves a chart and hands back the file's name and its text, or of a picture its size and how many of its pixels are not the first one's colour.
+# Saves a chart; returns the file's name and text, or for a picture its size and how many pixels
+# differ from the first one's colour.
 SAVE = r"""(async (selector, kind) => {
   const made = [], links = [];
   const make = URL.createObjectURL;
@@ -114,11 +119,13 @@ class Pages:
 
     def open(self, page, fragment=""):
         self.browser.open_drawn(page, fragment)
-        for _ in range(3):  # frames, in which pictures that wait are drawn
+        for _ in range(3):  # frames in which waiting pictures are drawn
             self.browser.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))")
 
     def check(self, page, fragment=""):
-        """Wide and light, narrow and dark: what overlaps depends on the width alone, the ground on the theme alone."""
+        """Wide and light, narrow and dark: overlaps depend on the width alone, the background on
+        the theme alone.
+        """
         for width, dark in zip(WIDTHS, (False, True), strict=True):
             self.browser.look(width, dark=dark)
             self.open(page, fragment)
@@ -150,13 +157,15 @@ class Pages:
             drawn.write_text(saved["SVG"][1], encoding="utf-8")
             assert "var(--" not in saved["SVG"][1]
             assert saved["PNG"][3] > 500, f"{selector}: {saved['PNG']}"
-            self.browser.open(drawn)  # well-formed, or the browser shows where it is not
+            self.browser.open(drawn)  # well-formed, otherwise the browser shows an error
             assert self.browser.evaluate("document.documentElement.tagName") == "svg" and not self.browser.complaints()
             assert self.browser.evaluate("document.querySelectorAll('path, rect, circle').length") > 5
             self.open(page)
 
     def check_recordings(self, dataset):
-        """The vendor's logs of a dataset, which have no truth: their report and the page of their alarms."""
+        """The vendor's logs of a dataset, which have no truth: their report and the page of their
+        alarms.
+        """
         self.run("export", dataset, "--format", "vendor-csv", "-o", "logs")
         self.run("import", "logs", "--format", "papillarray-csv", "-o", "recorded.h5")
         self.run("report", "recorded.h5")
@@ -165,8 +174,9 @@ class Pages:
         self.check(self.folder / "alarms.html")
 
     def check_skins(self):
-        """A gel's fields, and around those of a sphere's contact the circle that Hertz has: sqrt(40 mm 0.15 mm), of 16 cells of 0.37 mm on 250 px, which hides
-        no cell."""
+        """A gel's fields, and around those of a sphere's contact the circle by Hertz: sqrt(40 mm
+        0.15 mm), of 16 cells of 0.37 mm on 250 px, which hides no cell.
+        """
         self.check(self.report("run", SCENES / "soft_skin/flat.yaml", "flat"))
         self.check(self.report("run", SCENES / "soft_skin/sphere.yaml", "sphere"))
         contact = (40e-3 * 0.15e-3) ** 0.5 * 250 / (16 * 0.37e-3)
@@ -180,10 +190,12 @@ class Pages:
         check_rings(stick=True)
         turn = ("motion.speed=0", "motion.travel=inf", "motion.strokes=1", "motion.rotation=4 deg/s")
         self.open(self.report("run", SCENES / "soft_skin/sphere.yaml", "turned", "--set", *turn))
-        check_rings(stick=False)  # of a turn Mindlin's push says nothing
+        check_rings(stick=False)  # Mindlin's push does not apply to a turn
 
     def check_all_trials(self):
-        """Every trial of a sweep opens, in a page that can be sent by mail; one that is asked for has all samples."""
+        """Every trial of a sweep opens in a page small enough for mail; a requested trial has all
+        samples.
+        """
         page = self.report("sweep", self.scene("long", LONG), "long")
         size = page.stat().st_size
         assert size < LARGEST, size

@@ -1,4 +1,5 @@
-// Grasps with three BioTac SP, scenes/biotac_sp/grasp.yaml: what must stay true of the file, and how a grasp ends.
+// Grasps with three BioTac SP, scenes/biotac_sp/grasp.yaml: invariants of the file, and how a grasp
+// ends.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,7 +19,7 @@ const Parameters& body_of(const Scene& scene, const std::string& name) {
 }
 
 TEST(BioTacGrasps, StandOnTheTableInFrontOfTheThumb) {
-  const TrialPlan plan(shipped("biotac_sp/grasp.yaml"), catalogues(), 20, 1);  // of each palm in each of three sessions
+  const TrialPlan plan(shipped("biotac_sp/grasp.yaml"), catalogues(), 20, 1);  // for each palm in each of three sessions
   std::map<std::string, int> models;
   std::set<std::string> shapes;
   for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -47,7 +48,7 @@ TEST(BioTacGrasps, StandOnTheTableInFrontOfTheThumb) {
   EXPECT_EQ(shapes, (std::set<std::string>{"box", "cylinder", "ellipsoid", "sphere"}));
 }
 
-// How it ended when both fingers together press the object with `force` [N].
+// Returns how it ended when both fingers together press the object with `force` [N].
 HoldOutcome hold_at(double force) {
   SceneFile file = shipped("biotac_sp/grasp.yaml");
   file.apply({"sweep", "{}"});
@@ -58,18 +59,21 @@ HoldOutcome hold_at(double force) {
 }
 
 TEST(BioTacGrasps, HoldFromTheForceOnThatCarriesTheWeight) {
-  // 400 g between a thumb and two fingers that press it alike: F = m g/(2 mu_s) = 6.54 N of 0.3 holds it at rest. But the lift sets out at 20 mm/s
-  // and goes on at v = 60 mm/s, each within some 10 ms, 2 to 4 m/s2, for which 1.2 to 1.4 F would be needed: it slips. A slip meets mu_k = 0.28:
-  // below mu_s/mu_k = 1.07 F the weight is more than what it meets, and the object stays on the table, 40 mm behind, to the lift's own millimetre.
-  // Across it may go by no more than the fingers' way, 2 x 6 mm, once they have left its top.
+  // 400 g between a thumb and two fingers that press equally: F = m g/(2 mu_s) = 6.54 N with mu_s
+  // 0.3 holds it at rest. But the lift starts at 20 mm/s and continues at v = 60 mm/s, each reached
+  // within some 10 ms, 2 to 4 m/s2, for which 1.2 to 1.4 F would be needed: it slips. A slip has
+  // mu_k = 0.28: below mu_s/mu_k = 1.07 F the weight exceeds the friction, and the object stays on
+  // the table, 40 mm behind, within the lift's own millimetre. Sideways it may move by at most the
+  // fingers' travel, 2 x 6 mm, once they have left its top.
   constexpr double across = 12e-3, mass = 0.4, g = 9.81, mu_s = 0.3, mu_k = 0.28, v = 60e-3;
   constexpr double force = mass * g / (2.0 * mu_s);
   const HoldOutcome lost = hold_at(1.02 * force);
   EXPECT_FALSE(lost.held);
   EXPECT_GE(lost.moved, 39e-3);
   EXPECT_LT(lost.moved, std::hypot(41e-3, across));
-  // Above, the object speeds up with a = (share mu_k/mu_s - 1) g until it is as fast as the thumb. It stays behind most where it has to take up all of v
-  // at once, by v^2/(2 a) = 1.53 mm at 1.2 F, and by the skin's stretch, m g/(2 k_t) = 0.49 mm with k_t of some 4 N/mm a side.
+  // Above, the object accelerates with a = (share mu_k/mu_s - 1) g until it is as fast as the
+  // thumb. Its lag is largest if it has to reach all of v at once, v^2/(2 a) = 1.53 mm at 1.2 F,
+  // plus the skin's stretch, m g/(2 k_t) = 0.49 mm with k_t of some 4 N/mm per side.
   constexpr double share = 1.2, a = (share * mu_k / mu_s - 1.0) * g, k_t = 4e3;
   const HoldOutcome held = hold_at(share * force);
   EXPECT_TRUE(held.held);

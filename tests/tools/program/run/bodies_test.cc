@@ -1,4 +1,4 @@
-// Scenes whose bodies move by forces, as the commands run them: shipped ones, and what they write.
+// Scenes with bodies that move by forces, run by the commands: shipped ones, and their output.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -23,7 +23,7 @@ namespace {
 const std::string scenes = SLIPBENCH_SOURCE_DIR "/scenes/bodies/";
 
 struct BodiesRun : testing::FolderTest {
-  // The summary of a run whose dataset is `output`.
+  // Returns the summary of a run whose dataset is `output`.
   SweepSummary run(const std::string& scene, const std::string& output, std::size_t jobs = 1,
                    const std::vector<Override>& overrides = {}) const {
     SweepOptions options;
@@ -35,9 +35,10 @@ struct BodiesRun : testing::FolderTest {
   }
 };
 
-// The pads let go at 2 mu F = m g. Their springs carry, beside the motors' F = 4 N - 3.5 N/s (t - 0.5 s), what the sliders' damping
-// of 5 N s/m and the pads' own dashpots (1 ms times the middle pillar's 7.1 kN/m, the last to touch) hold back while they open at v
-// = 3.5 N/s over 7.1 kN/m: 12.1 N s/m * 0.493 mm/s = 6 mN, which is 1.7 ms.
+// The pads slip at 2 mu F = m g. In addition to the motors' F = 4 N - 3.5 N/s (t - 0.5 s) their
+// springs carry the force of the sliders' damping of 5 N s/m and of the pads' own dashpots (1 ms
+// times the middle pillar's 7.1 kN/m, the last to touch) while they open at v = 3.5 N/s over 7.1
+// kN/m: 12.1 N s/m * 0.493 mm/s = 6 mN, which is 1.7 ms.
 TEST_F(BodiesRun, HeldBoxSlipsWhenTheGripIsTooWeak) {
   const SweepSummary summary = run(scenes + "held_box.yaml", "held.h5");
   const double closed_form = 0.5 + (4.0 - 0.981) / 3.5;
@@ -83,8 +84,9 @@ std::string turning_scene(const std::string& hold) {
          hold + "\n";
 }
 
-// 2 mu F = 4 N hold the box's 0.98 N while the hand turns it by most of a right angle about its own axis. Seen from the room its middle goes
-// round a finger 20 mm away; seen from the finger it stays but for the pads' give, which is far below a millimetre.
+// 2 mu F = 4 N hold the box's 0.98 N while the hand turns it by most of a right angle about its own
+// axis. In the world its middle circles a finger 20 mm away; relative to the finger it stays except
+// for the pads' compliance, far below a millimetre.
 TEST_F(BodiesRun, AHandThatTurnsHoldsItsBox) {
   std::ofstream(path("turning_fingers.xml")) << turning_fingers;
   std::ofstream(path("turning.yaml")) << turning_scene("{body: box, against: left, from: 0.4 s, within: 1 mm}");
@@ -99,7 +101,7 @@ TEST_F(BodiesRun, AHandThatTurnsHoldsItsBox) {
   EXPECT_TRUE(summary.trials.at(0).outcome.hold->held) << summary.trials.at(0).outcome.hold->moved;
 }
 
-// From 1.4999999 s on there is no step of a trial of 1.5 s to look at.
+// From 1.4999999 s on a trial of 1.5 s has no step left.
 TEST_F(BodiesRun, AHoldThatIsNeverLookedAtIsRefused) {
   std::ofstream(path("turning_fingers.xml")) << turning_fingers;
   std::ofstream(path("turning.yaml")) << turning_scene("{body: box, against: left, from: 1.4999999 s, within: 1 mm}");
@@ -117,7 +119,7 @@ TEST(BodiesOfArticulatedPads, AnInterruptEndsWhatComesBeforeTheFirstStep) {
   EXPECT_THROW(check_trial(scene, 0), Interrupted);
 }
 
-// The same file with articulated pads, at 1 ms: they let go within a step of the field.
+// The same file with articulated pads, at 1 ms: they slip within a step of the field.
 TEST_F(BodiesRun, ArticulatedPadsHoldTheSameBox) {
   const SweepSummary summary = run(scenes + "held_box.yaml", "held.h5", 1, {{"fidelity", "articulated"}});
   const double closed_form = 0.5 + (4.0 - 0.981) / 3.5;
@@ -151,10 +153,10 @@ TEST_F(BodiesRun, ArticulatedPadsRunTheSameScene) {
   const SweepSummary field = run(stage, "field.h5", 1, {{"duration", "2.5 s"}}),
                      other = run(stage, "articulated.h5", 1, articulated);
   const double from = 2.0, onset = field.trials.at(0).outcome.gross_slip_time - from;
-  EXPECT_NEAR(other.trials.at(0).outcome.gross_slip_time - from, onset, 0.02 * onset);  // issue 4's bar for onsets
+  EXPECT_NEAR(other.trials.at(0).outcome.gross_slip_time - from, onset, 0.02 * onset);  // issue 4's limit for onsets
 }
 
-// What the model file held when the trial was run can be told from the dataset.
+// The dataset identifies the model file's content at the time of the run.
 TEST_F(BodiesRun, DatasetHasTheModelsDigest) {
   std::ofstream(path("abc")) << "abc";
   EXPECT_EQ(file_sha256(path("abc")),
@@ -189,7 +191,7 @@ TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
               refused_at(path("scene.yaml") + ":7", {"sensors.left.site", "lost"}));
 }
 
-// A run that goes wrong on its way is a failed trial, not a result.
+// A run that fails on its way is a failed trial, not a result.
 TEST_F(BodiesRun, RunThatGoesWrongFailsWithWhatWasSeen) {
   const SweepSummary summary = run(scenes + "pressed_box.yaml", "x.h5", 1, {{"bodies.box.position", "[0 mm, 0 mm, -15 mm]"}});
   ASSERT_EQ(summary.failed.size(), 1U);
@@ -197,8 +199,9 @@ TEST_F(BodiesRun, RunThatGoesWrongFailsWithWhatWasSeen) {
   EXPECT_THAT(summary.failed[0].message, HasSubstr("body 'box'"));
 }
 
-// A pillar has k_n/k_t = 1.2/0.65, so that a column of 1 mm without a stop buckles, k_n d = k_t length, at 0.54 mm: within a step of
-// MuJoCo, whose own errors are a text. The prescribed bench says the same of the same line.
+// A pillar has k_n/k_t = 1.2/0.65, so a column of 1 mm without a stop buckles, k_n d = k_t length,
+// at 0.54 mm: within a step of MuJoCo, whose own errors are plain texts. The prescribed bench gives
+// the same error at the same line.
 TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
   const std::string first = "slipbench: 1\nduration: 0.5 s\n",
                     second = "effects: [{lean: {length: 1 mm, stop_stiffness: 0 N/mm}}]\n";

@@ -1,4 +1,4 @@
-"""Writes a dataset with the program and reads it with h5py and nothing of this project.
+"""Writes a dataset with the program and reads it with h5py, independently of this project.
 
 usage: check_dataset.py SLIPBENCH SCENE
 """
@@ -58,10 +58,10 @@ def check_sensor(demo, name):
 
 
 def check_coulomb(labels):
-    """Stuck: f_t <= mu_s f_n; slipping: f_t = mu_k f_n, to 1e-6 of the load or of 1 N.
+    """Checks sticking: f_t <= mu_s f_n; slipping: f_t = mu_k f_n, to 1e-6 of the load or of 1 N.
 
-    For a pad without tilt, whose axes are those of the contact plane, and one bristle a unit, since the pulls of several may differ
-    in direction.
+    Valid for a pad without tilt, whose axes are those of the contact plane, and one bristle per
+    unit, because the pulls of several may differ in direction.
     """
     force, state = labels["force"][()].astype(float), labels["unit_state"][()]
     f_t, f_n = np.hypot(force[..., 0], force[..., 1]), force[..., 2]
@@ -73,7 +73,7 @@ def check_coulomb(labels):
 
 
 def check_control(demo):
-    """The classes that a force_ratio of 0.4 from 0.05 N on gives to the recorded forces."""
+    """Returns the classes of a force_ratio of 0.4 from 0.05 N on for the recorded forces."""
     control, force = demo["control"], demo["sensors/pad/force"][()].astype("f8")
     assert set(control) == {"t", "detector_class"} and control["detector_class"].dtype == "u1"
     assert control.attrs["detector"] == "force_ratio" and control.attrs["sensor"] == "pad" and control.attrs["rate_hz"] == 1000

@@ -1,4 +1,4 @@
-// Detectors inside whole trials.
+// Detectors in whole trials.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -27,7 +27,8 @@ Scene ratio_scene(const std::string& ratio) {
   return stage_scene({{"motion.acceleration", "1 m/s2"}, {"detector", "{type: force_ratio, ratio: " + ratio + "}"}});
 }
 
-// When a corner pillar, the least pressed, reaches f_t = ratio f_n: k_t v (t - 2 s - v / (2 a)) = ratio k_n (1 mm - height).
+// When a corner pillar, the least pressed, reaches f_t = ratio f_n: k_t v (t - 2 s - v / (2 a)) =
+// ratio k_n (1 mm - height).
 double time_of_ratio(const LabelRecord& labels, double ratio) {
   constexpr std::size_t corner = 0;
   const double f_n = labels.k_normal[corner] * (1e-3 - labels.unit_heights[corner]);
@@ -39,12 +40,12 @@ double tick_after(double time) { return std::ceil(1e3 * time) * 1e-3; }
 
 std::size_t sum(std::span<const std::size_t> counts) { return std::accumulate(counts.begin(), counts.end(), std::size_t{0}); }
 
-// It warns before the slip and still does when slip begins: no delay comes of that.
+// The detector warns before the slip and still does when slip begins: no delay follows from that.
 TEST(DetectorInTrial, WarnsWhenTheRatioIsPassed) {
   const TrialRecord record = run_trial(ratio_scene("0.3"), 0, Recording::full).record;
   const LabelRecord& labels = record.sensors[0].labels;
   EXPECT_NEAR(record.outcome.false_alarm_time, tick_after(time_of_ratio(labels, 0.3)), 1e-9);
-  // Once slip begins it is seen at once: at the next tick.
+  // When slip begins it is detected at the next tick.
   EXPECT_NEAR(record.outcome.detection_time, tick_after(record.outcome.first_slip_time), 1e-9);
   EXPECT_EQ(record.outcome.judged_slip_time, record.outcome.first_slip_time);
   EXPECT_EQ(record.outcome.detection, Detection::early);
@@ -64,7 +65,8 @@ TEST(DetectorInTrial, WarnsWhenTheRatioIsPassed) {
   for (std::size_t truth = 0; truth < 4; ++truth) EXPECT_EQ(sum(control.confusion[truth]), labels.state_count[truth]);
 }
 
-// Of 1800 samples at rest a share of 2 % is flipped to slip, some of them single: the first decides, though the oracle sees the slip at once.
+// Of 1800 samples at rest a share of 2 % is flipped to slip, some of them single: the first one
+// decides, although the oracle detects the slip at once.
 TEST(DetectorInTrial, ThatWithdrewItsAlarmIsEarlyToo) {
   const TrialRecord record = run_trial(stage_scene({{"detector", "{type: truth, flip: 0.02}"}}), 0, Recording::full).record;
   const ControlRecord& control = *record.control;
@@ -87,7 +89,7 @@ TEST(DetectorInTrial, WithoutSlipIsQuietOrWrong) {
   EXPECT_EQ(outcome("{type: truth, flip: 0.02}").detection, Detection::false_alarm);
 }
 
-// A slipping pillar has f_t = mu_k f_n: a ratio above that sees nothing, ever.
+// A slipping pillar has f_t = mu_k f_n: a higher ratio never detects slip.
 TEST(DetectorInTrial, ThatSeesNothingHasNoDetection) {
   const TrialRecord record = run_trial(ratio_scene("0.501"), 0, Recording::full).record;
   EXPECT_FALSE(std::isnan(record.outcome.first_slip_time));
@@ -110,7 +112,7 @@ TEST(DetectorInTrial, OutcomeDoesNotDependOnTheRecording) {
   EXPECT_TRUE(brief.control->detector_class.empty());
 }
 
-// What is recorded without a detector is the same, and there is no more of it.
+// The rest of the record is equal without a detector.
 TEST(DetectorInTrial, ChangesNothingElse) {
   TrialRecord with = run_trial(ratio_scene("0.3"), 0, Recording::full).record;
   const TrialRecord without = run_trial(stage_scene({{"motion.acceleration", "1 m/s2"}}), 0, Recording::full).record;
@@ -123,13 +125,14 @@ TEST(DetectorInTrial, ChangesNothingElse) {
   EXPECT_EQ(hexadecimal(trial_digest(with)), hexadecimal(trial_digest(without)));
 }
 
-// Its time (8 bytes) and its class (1) at each of the 4000 samples.
+// Time (8 bytes) and class (1) for each of the 4000 samples.
 TEST(DetectorInTrial, CountsInTheSizeOfTheRecord) {
   EXPECT_EQ(check_trial(ratio_scene("0.3"), 0) - check_trial(stage_scene({}), 0), 4000.0 * 9.0);
 }
 
-// A slip is told when the rate over the window of 20 ms has fallen to half: 10 ms after it began, in the first tick after that. That of the last
-// pillar stuck_fraction tells when no tip has 0.5 mm/s of the surface's 4 mm/s any more, 17.5 ms after.
+// Slip is reported when the rate over the window of 20 ms has fallen to half: in the first tick 10
+// ms after it began. For the last pillar stuck_fraction reports it when no tip has 0.5 mm/s of the
+// surface's 4 mm/s any more, 17.5 ms after.
 TEST(DetectorInTrial, ThatGoesByRatesTellsASlipWhenItsLawSays) {
   for (const auto& [type, gross] : {std::pair("stuck_fraction", 17.5e-3), std::pair("shear_rate", 10e-3)}) {
     const Scene scene = stage_scene({{"motion.acceleration", "1 m/s2"}, {"detector", std::string("{type: ") + type + "}"}});
@@ -186,7 +189,7 @@ std::vector<std::uint8_t> classes_of(const std::string& detector) {
   return run_trial(scene, 0, Recording::full).record.control->detector_class;
 }
 
-// A minute with the shipped memories, so slow that there is time for every class.
+// A minute with the shipped memories, slow enough for every class to occur.
 TEST(DetectorInTrial, HardwareWithoutLatencyIsTheSoftwareTickForTick) {
   const auto classes = [](const std::string& detector) {
     const Scene scene = stage_scene(
@@ -199,8 +202,8 @@ TEST(DetectorInTrial, HardwareWithoutLatencyIsTheSoftwareTickForTick) {
   EXPECT_TRUE(classes("{type: gst_hd_rtl, latency: zero}") == software);
 }
 
-// The core takes a whole number of cycles, the same for every frame: 10 in the fastest form. At 100 MHz that is 0.1 us, so that the loop
-// sees a class one tick of 1 ms late; at 4 kHz 2.5 ms, three ticks.
+// The core takes a fixed number of cycles for every frame: 10 in the fastest variant. At 100 MHz
+// that is 0.1 us, so the loop sees a class one tick of 1 ms late; at 4 kHz 2.5 ms, three ticks.
 TEST(DetectorInTrial, HardwareIsSeenAfterItsCycles) {
   const std::vector<std::uint8_t> at_once = classes_of("type: gst_hd");
   for (const auto& [clock, late] : {std::pair("100 MHz", std::ptrdiff_t{1}), std::pair("4 kHz", std::ptrdiff_t{3})}) {
@@ -266,7 +269,7 @@ TEST_F(DetectorSweep, DatasetAndSummaryAgree) {
     EXPECT_EQ(said.at("recall_of_slip"), recall_of_slip(trial.detector->confusion));
     EXPECT_EQ(said.at("balanced_accuracy"), balanced_accuracy(trial.detector->confusion));
     EXPECT_EQ(json.at("outcome").at("detection"), detection_word(trial.outcome.detection.value()));
-    // 400 samples, of which the first 140 come before the window of 15 frames at 100 Hz is full.
+    // 400 samples; the first 140 come before the window of 15 frames at 100 Hz is full.
     std::size_t silent = 0;
     for (const StateCounts& row : trial.detector->confusion) silent += row[0];
     EXPECT_EQ(silent, 140U);

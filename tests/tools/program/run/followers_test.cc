@@ -1,4 +1,5 @@
-// Sensors that follow the pad of a grasp or of a body: a dataset is the same without them, byte by byte.
+// Sensors that follow the pad of a grasp or a body: the rest of the dataset is byte-identical
+// without them.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -20,11 +21,11 @@ TrialRecord run(const std::string& file, const std::string& detector, const std:
   return run_trial(parsed(scene), 0, Recording::full).record;
 }
 
-// A follower of every kind that there is, each named as its type.
+// A follower of every kind, each named after its type.
 std::vector<Override> followers_of(const std::string& pad) {
   std::vector<Override> all;
   for (const Entry& entry : pad_catalogues().sensors) {
-    if (entry.name == "plugin") continue;  // it is none without a library
+    if (entry.name == "plugin") continue;  // not a kind without a library
     all.push_back({"sensors.f_" + entry.name, "{type: " + entry.name + ", electronics: typical, follows: " + pad + "}"});
   }
   return all;
@@ -40,7 +41,7 @@ void expect_same_bodies(const TrialRecord& one, const TrialRecord& other) {
   }
 }
 
-// `pads`: how many sensors there are without followers.
+// `pads`: number of sensors without the followers.
 void expect_same_without(const TrialRecord& with, const TrialRecord& without, std::size_t pads) {
   ASSERT_EQ(without.sensors.size(), pads);
   for (std::size_t i = 0; i < pads; ++i) expect_same_sensor(with.sensors[i], without.sensors[i]);
@@ -52,7 +53,7 @@ void expect_same_without(const TrialRecord& with, const TrialRecord& without, st
   if (with.control) expect_same_control(*with.control, *without.control);
 }
 
-// Those of `with` that a scene with one of them alone has, too.
+// Expects the sensors of `with` that also occur in a scene with one of them alone to be equal.
 void expect_each_as_alone(const TrialRecord& with, const std::string& file, const std::string& detector,
                           const std::vector<Override>& changes, const std::vector<Override>& followers, std::size_t pads) {
   for (std::size_t i = 0; i < followers.size(); ++i) {
@@ -92,7 +93,8 @@ TEST(Followers, LeaveEveryByteOfTwoFingersThatHoldABox) {
   expect_each_as_alone(with, "bodies/held_box.yaml", "", effects, followers, 2);
 }
 
-// A spring that is longer by h is pressed by h more: k h of force. The box leans by less than 0.03, and 1 - cos(0.03) is 4.5e-4.
+// A spring longer by h is pressed by h more: k h of force. The box leans by less than 0.03, and 1 -
+// cos(0.03) is 4.5e-4.
 TEST(Followers, StandAheadOfThePad) {
   constexpr double h = 0.2e-3;
   const std::vector<Override> changes{{"duration", "2.4 s"},
@@ -115,8 +117,8 @@ TEST(Followers, StandAheadOfThePad) {
   EXPECT_GT(pressed, even.force.size() / 9);
 }
 
-// A detector may read a follower, and the controller goes by it; its rows are the follower's samples, and what it sees at the gripper's ticks
-// is what is there by then.
+// A detector may read a follower, and the controller uses it; its rows are the follower's samples,
+// and at the gripper's ticks the loop sees the latest one.
 TEST(Followers, MayBeWhatTheDetectorReads) {
   std::vector<Override> changes = short_lift;
   changes.push_back({"sensors.skin", "{type: piezo_skin, follows: pad}"});
@@ -129,7 +131,8 @@ TEST(Followers, MayBeWhatTheDetectorReads) {
   EXPECT_EQ(control.grip.command.size(), 3 * skin.time.size());
   EXPECT_EQ(control.grip.grip_force.size(), skin.time.size());
   EXPECT_FALSE(std::isnan(record.outcome.detection_time));
-  // The oracle tells the state of the sample; a loop that acts once a step of the bench (under 1 ms) sees it at the next tick at the latest.
+  // The oracle reports the sample's state; a loop that runs once per step of the bench (under 1 ms)
+  // sees it at the next tick at the latest.
   std::size_t late = 0;
   for (std::size_t row = 10; row < skin.time.size(); ++row) {
     const auto seen = control.detector_class[row];

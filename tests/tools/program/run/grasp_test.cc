@@ -1,4 +1,4 @@
-// Grasps as whole trials: what is recorded of the loop, and how the trial is said to have ended.
+// Grasps as whole trials: the recorded loop, and the trial's outcome.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@
 namespace slipbench::testing {
 namespace {
 
-// Not scattered, so that a trial is what its figures say.
+// Without scatter, so that a trial has its nominal values.
 Scene grasp_scene(const std::string& more, const std::string& mass = "0.2 kg") {
   return parsed("slipbench: 1\nsurface: {material: ptfe}\nbox: {mass: " + mass +
                 "}\nduration: 5 s\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n" + more);
@@ -39,10 +39,11 @@ TEST(Grasp, RecordsWhatWasWrittenReadAndPressed) {
   ASSERT_EQ(control.grip.command.size(), 3 * rows);
   ASSERT_EQ(control.grip.measured_position.size(), rows);
   ASSERT_EQ(control.grip.grip_force.size(), rows);
-  // The fingers stand before the first write, and close.
+  // The fingers rest before the first write, then close.
   EXPECT_EQ(control.grip.command[0], control.grip.measured_position[0]);
   EXPECT_GT(control.grip.measured_position.back(), control.grip.measured_position.front());
-  // What is measured follows what was written, at most the published three periods (60 ms) later.
+  // The measured position follows the written one at most the published three periods (60 ms)
+  // later.
   for (std::size_t row = 6; row < rows; ++row) {
     std::uint8_t least = 255, most = 0;
     for (std::size_t back = 0; back <= 6; ++back) {
@@ -52,7 +53,8 @@ TEST(Grasp, RecordsWhatWasWrittenReadAndPressed) {
     EXPECT_GE(control.grip.measured_position[row] + 1, least) << row;
     EXPECT_LE(control.grip.measured_position[row], most) << row;
   }
-  // The true force of both pads against the sum that the ideal sensor feels, when the box hangs still: one pad carries what the other does.
+  // The true force of both pads against the ideal sensor's sum while the box hangs still: both pads
+  // carry equal loads.
   const SensorColumn& force = record.sensors.front().channels.front();
   double felt = 0.0;
   for (std::size_t pillar = 0; pillar < 9; ++pillar) felt += force.values[force.values.size() - 27 + 3 * pillar + 2];
@@ -77,7 +79,7 @@ TEST(Grasp, WithoutAControllerTheFingersStayAndTheBoxIsLeftBehind) {
   EXPECT_EQ(grasp.max_grip_force, 0.0);
 }
 
-// 3 kg need m g/(2 mu_s) = 42 N of a controller that stays at 4 N: the arm rises, and the box stands.
+// 3 kg need m g/(2 mu_s) = 42 N, but the controller stays at 4 N: the arm rises, and the box stays.
 TEST(Grasp, BoxThatIsTooHeavyIsNotLiftedAndKeepsNoExpectation) {
   const TrialOutcome outcome =
       run_trial(grasp_scene("controller: {type: hold_preset}\n", "3 kg"), 0, Recording::outcome).record.outcome;
@@ -99,7 +101,8 @@ TEST(Grasp, HeldBoxWasLiftedAsFarAsTheArmLessTheGiveOfFingersAndPads) {
   const GraspOutcome grasp = run_trial(grasp_scene(stepping), 0, Recording::outcome).record.outcome.grasp.value();
   EXPECT_TRUE(grasp.held());
   EXPECT_EQ(grasp.lifted, true);
-  // 100 mm, less the slip, and the tilt of a box of 60 mm that turned by slip_rotation: 30 mm times its sine.
+  // 100 mm, minus the slip, and minus the tilt of a box of 60 mm turned by slip_rotation: 30 mm
+  // times its sine.
   EXPECT_LT(grasp.lift_height, 0.1);
   EXPECT_GT(grasp.lift_height, 0.1 - grasp.slip_translation - 0.045 * std::sin(grasp.slip_rotation) - 0.2e-3);
 }
@@ -134,8 +137,9 @@ TEST(Grasp, NeedsNoDetector) {
   EXPECT_TRUE(std::isnan(accuracy(control.confusion)));
 }
 
-// Boxes that need 7 to 9 N, taken with 4 N: a count is worth 1.6 N at most, so that who stays at the preset drops them, and who goes by the
-// oracle, or by a ratio below the true friction, does not.
+// Boxes that need 7 to 9 N, taken with 4 N. A count is worth at most 1.6 N, so a controller that
+// stays at the preset drops them; one that uses the oracle, or a ratio below the true friction,
+// does not.
 TEST(Grasp, EveryControllerWithTheOracleOnThreeSurfaces) {
   struct Surface {
     std::string scene;
@@ -168,7 +172,8 @@ TEST(Grasp, EveryControllerWithTheOracleOnThreeSurfaces) {
   }
 }
 
-// Slip at t is sampled within 10 ms, read within 20 ms, written 10 ms later and acts after 20 ms more: 30 ms at the least, 60 ms and a tick.
+// Slip at t is sampled within 10 ms, read within 20 ms, written 10 ms later and acts after another
+// 20 ms: at least 30 ms, at most 60 ms and a tick.
 TEST(Grasp, OracleIsAnsweredAfterTheLoopsDelays) {
   for (const double phase : {0.0, 3e-3, 11e-3, 19e-3}) {
     const TrialRecord record =
@@ -184,9 +189,9 @@ TEST(Grasp, OracleIsAnsweredAfterTheLoopsDelays) {
 }
 
 // The preset force does not hold this box (0.5 kg 9.81 m/s2/(2 0.35) = 7 N), so it slips.
-// Controllers that keep a force close their fingers by a count now and then, since the pads' force
-// falls as the lift loads them, and the published loop does so too while its detector says nothing:
-// none of this answers the slip.
+// Controllers that keep a force close by a count now and then, because the pads' force falls as the
+// lift loads them; the published loop does so, too, while its detector reports nothing. None of
+// this answers the slip.
 TEST(Grasp, WhatKeepsAForceDoesNotReact) {
   for (const char* loop : {"detector: {type: truth}\ncontroller: {type: hold_preset}\n",
                            "detector: {type: truth}\ncontroller: {type: constant_force}\n",
@@ -198,7 +203,7 @@ TEST(Grasp, WhatKeepsAForceDoesNotReact) {
   }
 }
 
-// m g/(2 mu_s) with the mu_s of the labels, which is the trial's own: 10 % scatter makes no two alike.
+// m g/(2 mu_s) with the labels' mu_s, the trial's own: with 10 % scatter no two are alike.
 TEST(Grasp, LabelsHoldTheTrialsOwnFriction) {
   const Scene scene = grasp_scene("scatter: {}\ncontroller: {type: constant_force}\n");
   double last = 0.35;  // ptfe's
@@ -212,8 +217,9 @@ TEST(Grasp, LabelsHoldTheTrialsOwnFriction) {
   }
 }
 
-// The fingers close and the box stands until the lift; the oracle is flipped in 2 % of some hundred samples. The loop has closed on the first alarm, long
-// before the lift, so neither it nor its detector has a delay, though the detector sees the slip of the lift.
+// The fingers close and the box stands until the lift; the oracle is flipped in 2 % of some hundred
+// samples. The loop closes at the first alarm, long before the lift, so neither the loop nor its
+// detector has a delay, although the detector sees the slip of the lift.
 TEST(Grasp, AnAlarmBeforeTheLiftIsEarly) {
   const Scene scene = grasp_scene("detector: {type: truth, flip: 0.02}\ncontroller: {type: step_on_slip}\n", "0.5 kg");
   const TrialRecord record = run_trial(scene, 0, Recording::full).record;
@@ -233,9 +239,11 @@ TEST(Grasp, AnAlarmBeforeTheLiftIsEarly) {
   EXPECT_TRUE(std::isnan(record.outcome.grasp->reaction_time));
 }
 
-// Slips and is lost; what the fingers do to the air afterwards is no reaction, and what the detector says of it no detection.
+// The box slips and is lost; later motion of the empty fingers is not a reaction, and later reports
+// of the detector are not a detection.
 TEST(Grasp, NothingIsJudgedAfterTheDrop) {
-  // A little more friction holds the box, a little less leaves it on the table: it comes up, slides and falls.
+  // A little more friction holds the box, a little less leaves it on the table: here it rises,
+  // slides and falls.
   const Scene scene =
       grasp_scene("friction: {scale: 0.57}\ndetector: {type: truth, latency: 3 s}\ncontroller: {type: hold_preset}\n");
   const TrialOutcome outcome = run_trial(scene, 0, Recording::outcome).record.outcome;

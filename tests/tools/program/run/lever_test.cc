@@ -1,4 +1,5 @@
-// The lever bench of the nib pad (scenes/nib_pad) against its springs: what its scenes say is what they do.
+// The nib pad's lever bench (scenes/nib_pad) against its springs: the scenes do what their texts
+// say.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -18,7 +19,7 @@ using Overrides = std::vector<Override>;
 constexpr double pad_normal = 36 * 0.83e3, rig = 15e3, pad_tangential = 36 * 0.2e3, string = 20e3;  // N/m
 constexpr double series = pad_normal * rig / (pad_normal + rig);
 
-// Nibs of one height on a plate of one friction.
+// Nibs of equal height on a plate of uniform friction.
 const Overrides plain{{"sensors.pad.height_sd", "0 mm"}, {"effects", "[]"}, {"sensors.pad.electronics", "ideal"}};
 
 TrialRecord run(const std::string& scene, const Overrides& changes) {
@@ -44,7 +45,8 @@ double place(const TrialRecord& record, const std::string& body, double time, st
   return double{std::ranges::find(record.bodies, body, &BodyRecord::name)->pose[7 * row_at(record, time) + axis]};
 }
 
-// The stage's way is shared by pad and rig: F = c k_pad k_rig/(k_pad + k_rig), 9.99 N/mm; the scenes say 10.
+// The stage's travel is shared by pad and rig: F = c k_pad k_rig/(k_pad + k_rig), 9.99 N/mm; the
+// scenes state 10.
 TEST(LeverStage, PressesAsHardAsItsScenesSay) {
   for (const auto& [scene, compression, newtons] :
        {std::tuple{"linear.yaml", "0.2 mm", 2.0}, {"linear.yaml", "0.8 mm", 8.0}, {"rotational.yaml", "1.2 mm", 12.0}}) {
@@ -55,7 +57,8 @@ TEST(LeverStage, PressesAsHardAsItsScenesSay) {
   }
 }
 
-// At rest the pad bears the pull; the plate has gone by pull/(36 k_t), the lever by the string's stretch more.
+// At rest the pad carries the pull; the plate has moved by pull/(36 k_t), the lever by the string's
+// stretch more.
 TEST(LeverStage, StuckPadBearsThePullOnItsSprings) {
   const TrialRecord record =
       run("linear.yaml", {{"motion.compression", "0.8 mm"}, {"controls.pull", "[[3 s, 0 N], [4 s, 2 N]]"}, {"duration", "6 s"}});
@@ -68,8 +71,8 @@ TEST(LeverStage, StuckPadBearsThePullOnItsSprings) {
   EXPECT_TRUE(std::isnan(record.outcome.gross_slip_time));
 }
 
-// The plate lets go at mu_s N. Seen at the pull of that instant: a ramp of 1 N/s under 0.4 mm, 4 N, and mu_s 0.5 ends sticking 2 s after it began,
-// later by what the lever's damping holds back, 2 N s/m of (1/7.2 + 1/20) mm/s: 0.4 mN.
+// The plate slips at mu_s N. On a ramp of 1 N/s under 0.4 mm, 4 N, with mu_s 0.5 it sticks until 2
+// s after the ramp began, later by the lever's damping, 2 N s/m of (1/7.2 + 1/20) mm/s: 0.4 mN.
 TEST(LeverStage, PlateLetsGoAtMuTimesTheNormalForce) {
   const TrialRecord record = run("linear.yaml", {{"motion.compression", "0.4 mm"},
                                                  {"friction", "{static: 0.5, kinetic: 0.5}"},
@@ -78,8 +81,9 @@ TEST(LeverStage, PlateLetsGoAtMuTimesTheNormalForce) {
   EXPECT_NEAR(record.outcome.gross_slip_time, 3.0 + 0.5 * 4.0 * series / 10e3, 5e-3);
 }
 
-// Beside the axis a pull F turns the plate by t against the nibs' stiffness K = sum k_t r^2 = 36 k_t 2 (3.8 mm)^2 35/12. The eye, d = 60 mm up the plate,
-// goes aside by d t and slants the string of L = 100 mm, so that its arm of 31.75 mm becomes shorter by d t (1 + d/L):
+// Off the axis a pull F turns the plate by t against the nibs' stiffness K = sum k_t r^2 = 36 k_t 2
+// (3.8 mm)^2 35/12. The eye, d = 60 mm up the plate, moves sideways by d t and slants the string of
+// L = 100 mm, which shortens its arm of 31.75 mm by d t (1 + d/L):
 //   t = F 31.75 mm/(K + F d (1 + d/L))
 double turn_by(double pull) {
   constexpr double stiffness = pad_tangential * 2.0 * 3.8e-3 * 3.8e-3 * 35.0 / 12.0, d = 0.06, length = 0.1;
@@ -99,8 +103,8 @@ TEST(LeverStage, PullBesideTheAxisTurnsThePlate) {
   const double turn = 2.0 * std::atan2(double{plate.pose[7 * row + 6]}, double{plate.pose[7 * row + 3]});
   EXPECT_NEAR(turn, -turn_by(0.5), 5e-3 * turn_by(0.5));  // of the second order in 24 mrad, and the string's shorter arm
 
-  // The corner towards the pull's line is sheared most: by 9.5 mm t across, and as much and F/(36 k_t) along. There the first nib slips, at mu_s f_n/k_t, and
-  // the ramp is 1 N/s.
+  // The corner towards the pull's line has most shear: 9.5 mm t across, and as much plus F/(36 k_t)
+  // along. The first nib slips there, at mu_s f_n/k_t, and the ramp is 1 N/s.
   const double shear = 0.65 * 1e-3 * series / pad_tangential;
   double low = 0.0, high = 3.0;
   for (int k = 0; k < 50; ++k) {
@@ -110,7 +114,7 @@ TEST(LeverStage, PullBesideTheAxisTurnsThePlate) {
   EXPECT_NEAR(pulled("[[3 s, 0 N], [6 s, 3 N]]").outcome.first_slip_time, 3.0 + low, 0.01 * low);
 }
 
-// 0.03 mm/s on 9.99 N/mm take 0.2997 N/s off.
+// 0.03 mm/s on 9.99 N/mm reduce the force by 0.2997 N/s.
 TEST(LeverStage, RetreatTakesTheForceOff) {
   const TrialRecord record =
       run("release.yaml", {{"motion.compression", "0.8 mm"}, {"controls.pull", "0 N"}, {"duration", "12 s"}});

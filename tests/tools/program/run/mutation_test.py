@@ -1,10 +1,12 @@
-"""Runs damaged copies of the shipped scenes: each ends with status 0, 1 or 2, and writes nothing that is not finite.
+"""Runs damaged copies of the shipped scenes: each exits with status 0, 1 or 2 and writes only
+finite values.
 
 usage: mutation_test.py SLIPBENCH SCENES COUNT [FIRST]
 
-A scene gets one to three of these: another number, another unit, a key or a word of another scene, a list shortened or doubled, a line
-gone, doubled or swapped with another. COUNT scenes, always the same ones; FIRST is the number of the first. A scene that is valid and takes longer than SECONDS, as one of
-a box of some milligrams does, is ended by a signal.
+A scene gets one to three mutations: another number, another unit, a key or a word of another scene,
+a list shortened or doubled, a line removed, doubled or swapped with another. COUNT scenes, the same
+ones in every run; FIRST is the number of the first. A valid scene that takes longer than SECONDS,
+such as one with a box of some milligrams, is ended by a signal.
 """
 import os
 import random
@@ -19,7 +21,7 @@ import h5py
 import numpy as np
 
 SECONDS = 10
-# What is NaN where it does not apply (tools/base/dataset/README.md).
+# NaN where they do not apply (tools/base/dataset/README.md).
 MAY_BE_NAN = {"margin", "stuck_fraction", "slip_direction", "slip_centre", "onset_time_s", "micro_onset_time_s"}
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w.])")
 UNIT = re.compile(r"(?<=\d )[a-zA-Z%][\w/%2]*")
@@ -88,7 +90,7 @@ class Mutator:
 
 
 def not_finite(path):
-    """Names of arrays and attributes that hold what they must not."""
+    """Returns the names of arrays and attributes with invalid values."""
     bad = []
 
     def look(where, values):
@@ -110,10 +112,12 @@ def not_finite(path):
 
 
 def run(program, scene, output):
-    """The exit status (None: it took long and ended at a signal), and what is wrong with it; empty: nothing."""
+    """Returns the exit status (None: ended by a signal after SECONDS) and what is wrong with it;
+    empty: nothing.
+    """
     text = open(scene, encoding="utf-8").read()
     grasp = re.search(r"^(box|grip|controller):", text, re.M)
-    lift = ["motion.distance=1 mm"] if grasp and "guided" not in text else []  # which has ended at 1.6 s
+    lift = ["motion.distance=1 mm"] if grasp and "guided" not in text else []  # ends at 1.6 s
     command = [program, "run", scene, "--set", f"duration={'1.7' if grasp else '0.05'} s", *lift, "-o", output, "--quiet"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, errors="replace") as child:
         try:
@@ -141,7 +145,7 @@ def main(program, scenes, count, first=0):
     with tempfile.TemporaryDirectory() as folder:
         copies = os.path.join(folder, "scenes")
         shutil.copytree(scenes, copies)
-        texts = {}  # by folder, whose models a scene may name
+        texts = {}  # by folder, because a scene may name its models
         for root, _, names in sorted(os.walk(copies)):
             for name in sorted(names):
                 if name.endswith(".yaml"):

@@ -1,4 +1,4 @@
-// Networks inside whole trials.
+// Networks in whole trials.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +19,8 @@ std::string network_of(const std::string& name, const std::string& more = "") {
   return "{type: network, model: " + network::shipped(name) + more + "}";
 }
 
-// ctest runs each test in a process of its own; by hand this one must be the first of a network.
+// ctest runs each test in a separate process; run by hand this must be the first test with a
+// network.
 TEST(NetworkInTrial, LoadsItsLibrariesWhereASceneNamesOneAlone) {
   run_trial(scene_with("{type: force_ratio}"), 0, Recording::full);
   EXPECT_FALSE(network::openvino_is_loaded());
@@ -39,7 +40,7 @@ TEST(NetworkInTrial, SaysWhatTheSameNetworkSaysOfTheRecordedSamples) {
   for (std::size_t row = 0; row < samples; ++row) {
     const std::array<float, 3> input{force->values[row * width], force->values[row * width + 1], force->values[row * width + 2]};
     const double p = gru.step(input)[1];
-    if (std::abs(p - 0.6) < 1e-5) continue;  // where float32 may decide otherwise
+    if (std::abs(p - 0.6) < 1e-5) continue;  // float32 may decide otherwise here
     const bool slips = p >= 0.6;
     ++said[slips ? 1 : 0];
     ASSERT_EQ(record.control->detector_class[row], slips ? 3 : 1) << "row " << row;

@@ -1,4 +1,4 @@
-// Who sees the truth: the oracle does, no detector does.
+// Access to the truth: the oracle has it, no detector does.
 #include "tools/program/catalogue/program_catalogues.h"
 
 #include <algorithm>
@@ -18,8 +18,9 @@
 namespace slipbench {
 namespace {
 
-// The published press-and-slide at 4 mm/s, sampled every tick, with noise, by the pad that the detector listens to; for one that hears vibrations
-// that of the piezoelectric skin. A nib pad is tared before it touches, at 0.165 s, and its detector needs fewer flags than the slide's beginning
+// The published press-and-slide at 4 mm/s, sampled every tick, with noise, by the pad that the
+// detector reads; for a detector of vibrations the piezoelectric skin's scene. A nib pad is tared
+// before it touches, at 0.165 s, and its detector needs fewer flags than the beginning of the slide
 // raises.
 Scene scene_with(const std::string& detector) {
   const bool hears = detector.find("type: band_energy") != std::string::npos;
@@ -30,7 +31,7 @@ Scene scene_with(const std::string& detector) {
     file.apply({"time_step", "auto"});
     file.apply({"motion.compression", "0.3 mm"});
   }
-  if (detector.find("type: marker_") != std::string::npos) {  // of springs; under a sphere those at the rim slip first
+  if (detector.find("type: marker_") != std::string::npos) {  // pads of springs; under a sphere those at the rim slip first
     file.apply({"sensors", "{pad: {type: gel_markers, rate: 1 kHz, noise: 0.1}}"});
     file.apply({"surface", "{material: acrylic, shape: sphere, radius: 20 mm}"});
   }
@@ -45,7 +46,7 @@ Scene scene_with(const std::string& detector) {
   return parsed(file);
 }
 
-// All but networks where there is nothing to run them.
+// All except networks if no engine is available.
 std::vector<Entry> usable_detectors() {
   std::vector<Entry> entries = detector_entries();
   if (!network::engine_available()) std::erase_if(entries, [](const Entry& entry) { return entry.name == "network"; });
@@ -54,7 +55,7 @@ std::vector<Entry> usable_detectors() {
 
 TrialRecord run(const std::string& detector) { return run_trial(scene_with(detector), 0, Recording::full).record; }
 
-// A bench all of whose labels are wrong; what a sensor feels, forces and displacements, is right.
+// A bench with wrong labels; the sensors' forces and displacements are right.
 class Liar final : public Simulation {
  public:
   explicit Liar(Simulation& honest) : honest_(honest) {}
@@ -90,8 +91,9 @@ class Liar final : public Simulation {
   ContactFrame lie_;
 };
 
-// The truth behind the labels does not matter to what a loop sees of a detector: classes as in the trial, estimates to the last bit as beside
-// an honest bench. Of the oracle both follow the labels.
+// The truth behind the labels does not affect a detector's loop: the classes equal the trial's, and
+// the estimates are bit-identical to those of an honest bench. The oracle follows the labels in
+// both.
 TEST(Truth, IsSeenByTheOracleAlone) {
   for (const Entry& entry : usable_detectors()) {
     const Scene scene = scene_with("{type: " + entry.name + "}");
@@ -135,7 +137,8 @@ TEST(Oracle, SaysTheTrueClassAtEverySample) {
   EXPECT_TRUE(std::isnan(record.outcome.false_alarm_time));
 }
 
-// The elements of a piezoelectric skin's patch stick and slip by turns, and hardly ever slip all at once: its one unit slips when a part does.
+// The elements of a piezoelectric skin's patch stick and slip alternately, hardly ever all at once:
+// its one unit slips if a part does.
 TEST(Oracle, SaysOfASingleUnitWhetherAPartOfItSlips) {
   // It slides from about 1.55 s on.
   const Scene scene = parsed(shipped("piezo_skin/slide.yaml", {{"detector", "{type: truth}"}, {"duration", "1.7 s"}}));
@@ -157,7 +160,8 @@ TEST(Oracle, IsLateByItsLatency) {
   EXPECT_EQ(run("{type: truth, latency: 20 ms}").control->detector_class, late);
 }
 
-// In n samples in contact the oracle is wrong n p times, with the standard deviation sqrt(n p (1 - p)): six of them happen once in 5e8.
+// In n samples in contact the oracle is wrong n p times, with the standard deviation sqrt(n p (1 -
+// p)): six of these happen once in 5e8.
 TEST(FlippedOracle, IsWrongAsOftenAsTheSceneSays) {
   const Confusion confusion = run("{type: truth, flip: 0.2}").control->confusion;
   double n = 0.0, wrong = 0.0;

@@ -1,4 +1,4 @@
-// The published bench of the piezoelectric skin: what its signal must show of the mechanics.
+// The published bench of the piezoelectric skin: the signal must show the mechanics.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,7 +18,7 @@ namespace {
 
 using Overrides = std::vector<Override>;
 
-// One recording: signal, and by sample whether a part of the contact slips.
+// One recording: the signal, and per sample whether a part of the contact slips.
 struct Recorded {
   std::vector<float> signal;
   std::vector<bool> slips;
@@ -37,7 +37,8 @@ Recorded recorded(const Scene& scene, std::uint64_t trial = 0) {
 
 Recorded slide(const Overrides& overrides) { return recorded(parsed(shipped("piezo_skin/slide.yaml", overrides))); }
 
-// By frame of 20 ms: rms within 50 to 600 Hz, the loudest of these bins, and whether the contact slips at its last sample.
+// Per frame of 20 ms: rms within 50 to 600 Hz, the loudest of these bins, and whether the contact
+// slips at its last sample.
 struct Frame {
   double end;  // s
   double rms;  // counts
@@ -65,11 +66,12 @@ const Override quiet{"motion.vibration", "0"}, ideal{"sensors.pad.electronics", 
 
 const Override massive{"effects", "[{inertia: {frequency: 180 Hz, damping: 0.1}}]"};
 
-// The pad begins to slide at 1.5 s; one third of a second later it does so evenly.
+// The pad begins to slide at 1.5 s; a third of a second later it slides evenly.
 constexpr double evenly = 1.85;
 
 TEST(PiezoSkinStage, ATextureSoundsAtSpeedOverWavelength) {
-  // 5 N on ridges of 5 um under elements of 1 N/mm; with one coefficient of friction and without mass nothing else vibrates.
+  // 5 N on ridges of 5 um under elements of 1 N/mm; with one coefficient of friction and without
+  // mass nothing else vibrates.
   struct Case {
     const char *speed, *wavelength;
     double frequency;
@@ -94,10 +96,12 @@ TEST(PiezoSkinStage, ATextureSoundsAtSpeedOverWavelength) {
 }
 
 TEST(PiezoSkinStage, WhileItSticksNothingIsHeard) {
-  // Pressed, at rest, sheared by 15 um at 0.1 mm/s, at rest: 5 N and 0.7 would let go after 0.58 mm. The typical noise leaves
-  // 70 counts sqrt(600/5000) = 24.2 counts in the band. At rest there is less than half a hundredth of it, half a second (nine times the 53 ms of the
-  // amplifier) after the last motion. While it is sheared the ramp alone is heard, 0.1 mm/s 6 N/mm 0.35 2000/N = 420 counts/s, 8.4 counts over a
-  // window: harmonics k of rms 8.4/(sqrt(2) pi k), 2.37 counts in the twelve bins.
+  // Pressed, at rest, sheared by 15 um at 0.1 mm/s, at rest: with 5 N and 0.7 slip would begin
+  // after 0.58 mm. The typical noise leaves 70 counts sqrt(600/5000) = 24.2 counts in the band. At
+  // rest there is less than half a hundredth of that half a second (nine times the amplifier's 53
+  // ms) after the last motion. During the shear only the ramp is visible, 0.1 mm/s 6 N/mm 0.35
+  // 2000/N = 420 counts/s, 8.4 counts over a window: harmonics k of rms 8.4/(sqrt(2) pi k), 2.37
+  // counts in the twelve bins.
   const Recorded of = slide({quiet, ideal, {"motion.speed", "0.1 mm/s"}, {"motion.travel", "15 um"}});
   double at_rest = 0.0, sheared = 0.0;
   for (const Frame& frame : frames(of)) {
@@ -124,7 +128,8 @@ double loudness(const Recorded& of) {
 }
 
 TEST(PiezoSkinStage, ImpulsesRingAtTheModesWhateverTheSpeed) {
-  // With one coefficient of friction nothing sticks and slips. The modes are at 180 and at 2.1 180 = 378 Hz: the loudest bins are next to them.
+  // With one coefficient of friction there is no stick-slip. The modes are at 180 and at 2.1 180 =
+  // 378 Hz: the loudest bins are next to them.
   std::vector<double> loud;
   for (const char* speed : {"5 mm/s", "10 mm/s", "30 mm/s"}) {
     const Recorded of =
@@ -151,8 +156,8 @@ TEST(PiezoSkinStage, ImpulsesRingAtTheModesWhateverTheSpeed) {
 }
 
 TEST(PiezoSkinStage, StickSlipScalesWithForceAndSpeedTogether) {
-  // Tips with mass and Coulomb's friction know no force and no length of their own: twice the compression on a path twice as far and as fast
-  // doubles every force, at the same times.
+  // Tips with mass and Coulomb's friction have no inherent force or length: twice the compression
+  // on a path twice as far and as fast doubles every force, at the same times.
   const Recorded once = slide({quiet,
                                ideal,
                                massive,
@@ -177,8 +182,8 @@ TEST(PiezoSkinStage, StickSlipScalesWithForceAndSpeedTogether) {
 }
 
 TEST(PiezoSkinStage, StickSlipGrowsWithForce) {
-  // 2, 4 and 8 N at one speed. Force and speed together count in proportion (above); stick-slip alone grows by the power of 0.5 to 1 of the force
-  // in a dry run.
+  // 2, 4 and 8 N at one speed. Force and speed together scale proportionally (above); stick-slip
+  // alone grows with the power of 0.5 to 1 of the force in a dry run.
   std::vector<double> loud;
   for (const char* compression : {"0.1 mm", "0.2 mm", "0.4 mm"}) {
     loud.push_back(loudness(
@@ -188,7 +193,7 @@ TEST(PiezoSkinStage, StickSlipGrowsWithForce) {
   EXPECT_GT(loud[2], 1.4 * loud[1]);
 }
 
-// Area under the curve of slip against hold by the frames of `trials` recordings of the dataset.
+// Area under the curve of slip against hold, by the frames of `trials` recordings of the dataset.
 double separation(const Overrides& overrides, std::size_t trials) {
   const TrialPlan plan(shipped("piezo_skin/dataset.yaml", overrides), catalogues(), trials, 1);
   std::vector<double> slip, hold;
@@ -199,8 +204,9 @@ double separation(const Overrides& overrides, std::size_t trials) {
 }
 
 TEST(PiezoSkinStage, FramesTellSlipFromHoldUntilTheMotorsDrownIt) {
-  // Half of the recordings are of the motors alone. AUC of the power in 50 to 600 Hz, frames of 20 ms. What is left of 1 without motors and noise are
-  // frames in which a force is built up, by pressing and before the slip begins.
+  // Half of the recordings have the motors alone. AUC of the power in 50 to 600 Hz, frames of 20
+  // ms. Without motors and noise only frames of rising force, in pressing and before slip, reduce
+  // it from 1.
   double last = 1.0;
   for (const char* level : {"0", "4", "8"}) {
     const double value = separation({{"motion.vibration", level}, {"sensors.pad.electronics", "ideal"}}, 12);
@@ -209,7 +215,8 @@ TEST(PiezoSkinStage, FramesTellSlipFromHoldUntilTheMotorsDrownIt) {
     EXPECT_LT(value, last) << level;
     last = value;
   }
-  // The typical noise drowns the quietest slips: the published frames of motors and slip are still told apart by nine in ten of the pairs.
+  // The typical noise hides the quietest slips: the published frames of motors and slip are still
+  // separated in nine of ten pairs.
   EXPECT_GE(separation({}, 12), 0.9);
 }
 
@@ -228,7 +235,7 @@ TEST(PiezoSkinStage, TheDatasetIsThePublishedOne) {
     EXPECT_GT(motion.number("vibration"), 0.0);
     if (motion.number("clearance") == 0.0) ++slips;
     EXPECT_TRUE(motion.number("clearance") == 0.0 || motion.number("clearance") > motion.number("compression"));
-    // All of a tip's contact touches, so that the force is k_normal times compression.
+    // The whole contact of a tip touches, so the force is k_normal times compression.
     const double force = pad.number("k_normal") * motion.number("compression");
     EXPECT_GE(force, 2.0 - 1e-9);
     EXPECT_LE(force, 10.0 + 1e-9);
@@ -238,14 +245,15 @@ TEST(PiezoSkinStage, TheDatasetIsThePublishedOne) {
     EXPECT_GE(motion.number("travel"), 10e-3);
     EXPECT_LE(motion.number("travel"), 32e-3);
     starts.push_back(motion.number("start"));
-    // The tip is pressed on before the slide begins, which lasts for half a second at least.
+    // The tip is pressed before the slide begins, which lasts at least half a second.
     EXPECT_LE((motion.number("gap") + motion.number("compression")) / motion.number("approach_speed"), starts.back());
     EXPECT_GE(scene.duration - starts.back(), 0.5);
     ++tips[pad.number("k_tangential")];
   }
   EXPECT_EQ(slips, 320u);
-  // A clock that knows contact calls it slip from some instant on: those that begin later are its false alarms, those before it its misses. Where
-  // slides begin within half of the recording it knows little; they did within a fifth, and it was right for 94 %.
+  // A detector that knows only contact and time calls everything after some instant slip: slides
+  // that begin later are its false alarms, earlier ones its misses. With starts spread over half of
+  // the recording it knows little; with a fifth it was right for 94 %.
   EXPECT_GE(*std::ranges::max_element(starts) - *std::ranges::min_element(starts), 0.5 * 3.33);
   ASSERT_EQ(tips.size(), 3u);
   // 640 recordings, a third each: sd sqrt(640/3 * 2/3) = 12.
@@ -253,8 +261,8 @@ TEST(PiezoSkinStage, TheDatasetIsThePublishedOne) {
 }
 
 TEST(PiezoSkinStage, SaysWhereItsConverterIsAtItsEnd) {
-  // Pressing by 0.5 mm/s on 20 N/mm is 10 N/s, which the amplifier makes gain 10/(2 pi 3) = 0.53 gain of: 1,061 counts, and 106,100 at a hundred
-  // times the gain, where 16 bits end at 32,767.
+  // Pressing by 0.5 mm/s on 20 N/mm is 10 N/s, which the amplifier turns into gain 10/(2 pi 3) =
+  // 0.53 gain: 1,061 counts, and 106,100 at a hundred times the gain, while 16 bits end at 32,767.
   const Override brief{"duration", "1 s"};
   EXPECT_TRUE(slide({brief}).record.outcome.saturated.empty());
   const Recorded of = slide({brief, {"sensors.pad.gain", "200000"}});

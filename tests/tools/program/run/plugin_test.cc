@@ -1,4 +1,5 @@
-// A detector from a shared library inside whole trials: its parameters as a scene gives them and as a sweep does, and all sensors.
+// A detector from a shared library in whole trials: its parameters from a scene and a sweep, and
+// all sensors.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -34,7 +35,7 @@ std::string refusal(const std::string& more) {
   return refusal_of([&] { static_cast<void>(parsed(stage(more))); });
 }
 
-// What the example says of a sample of nine forces.
+// The example's estimate for a sample of nine forces.
 std::uint8_t gate(const float* force, double threshold) {
   double x = 0.0, y = 0.0, z = 0.0;
   for (std::size_t i = 0; i < 9; ++i) {
@@ -47,7 +48,7 @@ std::uint8_t gate(const float* force, double threshold) {
   return ratio < 0.8 * threshold ? 1 : ratio < threshold ? 2 : 3;
 }
 
-// So that a run which is resumed knows whether they have changed.
+// A resumed run must know whether they have changed.
 TEST(PluginInTrial, LibrariesAreNamedFiles) {
   const std::string library = plugins + "/ratio_gate.so";
   std::set<std::string> paths;
@@ -56,7 +57,7 @@ TEST(PluginInTrial, LibrariesAreNamedFiles) {
   EXPECT_THAT(HeldFiles(paths).digests(), ElementsAre(Pair(library, file_sha256(library))));
   EXPECT_THAT(HeldFiles({plugins}).digests(), Contains(Pair(library, file_sha256(library))));
   paths.clear();
-  // A word for what ships is no file.
+  // A name of a shipped classifier is not a file.
   for (const char* detector : {"force_ratio", "gst_hd", "gst_hd, memories: cl_gst_hd", "gst_hd, memories: learn_gst_hd"}) {
     add_named_files(parsed(stage(std::string("detector: {type: ") + detector + "}")), catalogues(), paths);
     EXPECT_THAT(paths, IsEmpty()) << detector;
@@ -72,7 +73,7 @@ TEST(PluginInTrial, SaysWhatItsLawSaysOfTheSamples) {
     const std::vector<float>& force = record.sensors[0].channels[0].values;
     std::vector<std::uint8_t> expected;
     for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
-      expected.push_back(gate(force.data() + 27 * (i - i % 10), threshold));  // of 1 kHz every tenth
+      expected.push_back(gate(force.data() + 27 * (i - i % 10), threshold));  // every tenth of 1 kHz
     }
     EXPECT_EQ(record.control->detector_class, expected);
     for (const int state : {0, 1, 2, 3}) EXPECT_THAT(expected, Contains(state));
@@ -96,7 +97,7 @@ TEST(PluginInTrial, ThresholdsAreSwept) {
   EXPECT_NE(classes[0], classes[1]);
 }
 
-// Values are reported in SI, and as what they are.
+// Values are reported in SI, with their types.
 TEST(PluginInTrial, SweptValuesAreReportedAsWhatTheyAre) {
   const SceneFile file =
       stage(with_parameters("{}") + "\nsweep: {scene: [{detector: {parameters: {a: 4 mm/s, b: true, c: soft rubber, d: 1e3}}}]}");
@@ -115,8 +116,8 @@ TEST(PluginInTrial, ParametersAreAMapOfPlainValues) {
   EXPECT_THAT(refusal(with_parameters("{thres.hold: 1}")), refused_at("stage.yaml:6", {"thres.hold", "parameter"}));
 }
 
-// A skin of 10 kHz beside the pad of 1 kHz. The library is asked at every sample of the pad; what it says is seen a millisecond later, its
-// latency.
+// A skin of 10 kHz and the pad of 1 kHz. The library is updated at every sample of the pad; its
+// estimate is visible a millisecond later, its latency.
 TEST(PluginInTrial, HearsASensorThatItDoesNotRead) {
   const std::string sensors = "pad: {type: papillarray}, skin: {type: piezo_skin}";
   const TrialRecord bare = run_trial(parsed(stage("", sensors)), 0, Recording::full).record;

@@ -1,6 +1,9 @@
-"""Every shipped scene, with and without AVX2 and FMA in the C library: bit-identical where the project's own code alone computes, within 1e-9 where
-MuJoCo, FFTW or a network does (attribute `libraries`). FFTW and OpenVINO ask the processor themselves, and are not masked.
-Arguments: the project's root, the program."""
+"""Every shipped scene gives equal results with and without AVX2 and FMA in the C library.
+
+Results are bit-identical if only the project's own code computes, and within 1e-9 if MuJoCo, FFTW
+or a network does (attribute `libraries`). FFTW and OpenVINO query the processor themselves and are
+not masked. Arguments: the project's root, the program.
+"""
 
 import json
 import os
@@ -25,7 +28,9 @@ def sines(environment):
 
 
 def contents(path):
-    """{place: array or attribute} of all trials, and whether libraries of others computed in one."""
+    """Returns {place: array or attribute} of all trials, and whether foreign libraries computed in
+    one.
+    """
     found, libraries = {}, False
     with h5py.File(path) as file:
         def visit(name, thing):
@@ -41,15 +46,18 @@ def contents(path):
 
 
 def numbers(value):
-    """The numbers in JSON, in order."""
+    """Yields the numbers in JSON, in order."""
     if isinstance(value, dict):
         return [number for key in sorted(value) for number in numbers(value[key])]
     return [float(value)] if isinstance(value, (int, float)) else []
 
 
 def distance(place, one, other):
-    """The largest difference of two arrays over the larger number or the largest in the array, beyond one unit in the last place of a float32; of
-    directions the angle between them. So slip_angle and slip_centre, which are rounding where nothing moves, are compared by their distance."""
+    """Returns the largest difference of two arrays relative to the larger number or the largest in
+    the array, beyond one unit in the last place of a float32; for directions the angle between
+    them. So slip_angle and slip_centre, which are rounding noise without motion, are compared by
+    their distance.
+    """
     if place.endswith("@outcome"):
         one, other = (np.array(numbers(json.loads(text))) for text in (one, other))
     if not np.issubdtype(np.asarray(one).dtype, np.floating):
@@ -89,7 +97,7 @@ class ProcessorTest(unittest.TestCase):
         self.assertGreater(min(exact, compared), 10)
 
     def test_what_is_apart(self):
-        """One number of many moved, in the units in which distance() counts."""
+        """Changes one number of many, in the units of distance()."""
         forces = np.linspace(0.5, 1.0, 100)
         self.assertLess(distance("data/demo_0/force", forces, forces * (1 + 1e-10)), ROUNDING)
         self.assertGreater(distance("data/demo_0/force", forces, forces + 1e-8 * (forces == 1.0)), ROUNDING)

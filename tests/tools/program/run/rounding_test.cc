@@ -1,7 +1,6 @@
-// Whether an element sticks or slips does not hang on a rounding: scenes of which an input is
-// disturbed by one unit in the last place have the same events, unit by unit and kind by kind. By
-// so much an exponential or a logarithm may differ from one processor's library to another's:
-// friction is what they make of it.
+// Rounding does not decide if an element sticks or slips: scenes with one input disturbed by one
+// unit in the last place have equal events by unit and kind. An exponential or logarithm may differ
+// that much between processors' libraries, and friction depends on them.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -16,7 +15,7 @@
 namespace slipbench {
 namespace {
 
-// How many events of each kind each unit of each sensor has.
+// Number of events of each kind for each unit of each sensor.
 using Events = std::map<std::tuple<std::string, std::uint32_t, std::uint8_t>, std::size_t>;
 
 Events events_of(const Scene& scene) {
@@ -29,8 +28,8 @@ Events events_of(const Scene& scene) {
   return events;
 }
 
-// Coulomb's coefficients and the numbers of the motion and of the effects, each one unit in the
-// last place up or down.
+// Returns copies of the scene with Coulomb's coefficients and each number of the motion and the
+// effects one unit in the last place up or down.
 std::vector<Scene> disturbed(const Scene& scene) {
   std::vector<Scene> scenes;
   for (const double towards : {0.0, std::numeric_limits<double>::infinity()}) {

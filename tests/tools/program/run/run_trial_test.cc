@@ -54,7 +54,8 @@ TEST(RunTrial, OutcomeDoesNotDependOnTheRecording) {
   }
 }
 
-// The centre pillar is pressed by 1 mm at the default 4 mm/s: it touches where the gap is used up, before the compression is reached.
+// The centre pillar is pressed by 1 mm at the default 4 mm/s: it touches when the gap is used up,
+// before the compression is reached.
 TEST(RunTrial, EachUnitHasItsTouch) {
   const TrialResult result = run_trial(stage_scene({}), 0, Recording::outcome);
   double earliest = std::numeric_limits<double>::infinity();
@@ -64,7 +65,8 @@ TEST(RunTrial, EachUnitHasItsTouch) {
   EXPECT_GT(result.units[0][0].touch_time, earliest);
 }
 
-// 1e300 m/s, which the parser would refuse, for two seconds is a finite place for a double, but none for the float of a dataset.
+// 1e300 m/s, which the parser would refuse, for two seconds gives a position that is finite as a
+// double, but not as a dataset's float.
 TEST(RunTrial, WhatIsNotFiniteIsRefused) {
   Scene scene = stage_scene({{"motion.acceleration", "inf"}});
   scene.motion.parameters.set("speed", 1e300);
@@ -75,8 +77,9 @@ TEST(RunTrial, WhatIsNotFiniteIsRefused) {
   }
 }
 
-// Onset of a pillar under a slide at speed v that starts at rest with acceleration a (closed form of PHYSICS, oracle 1, with the
-// ramp): the shear mu*f_n/k_t is reached at t = start + d/v + v/(2a), once v is reached.
+// Onset of a pillar in a slide at speed v that starts at rest with acceleration a (closed form of
+// PHYSICS, oracle 1, with the ramp): the shear mu*f_n/k_t is reached at t = start + d/v + v/(2a),
+// after v is reached.
 TEST(RunTrial, OnsetsFollowTheClosedForm) {
   const TrialRecord record =
       record_of(stage_scene({{"motion.speed", "4 mm/s"}, {"motion.acceleration", "1 m/s2"}, {"motion.compression", "1 mm"}}));
@@ -91,7 +94,7 @@ TEST(RunTrial, OnsetsFollowTheClosedForm) {
   }
   EXPECT_EQ(record.outcome.gross_slip_time, latest);
   EXPECT_EQ(record.outcome.first_slip_time, *std::min_element(labels.onset_time.begin(), labels.onset_time.end()));
-  // What one bristle a pillar begins, the pillar begins.
+  // With one bristle per pillar, micro-slip and full slip begin together.
   EXPECT_EQ(labels.micro_onset_time, labels.onset_time);
 }
 
@@ -153,7 +156,8 @@ TEST(RunTrial, BodiesMoveAsTheSceneSays) {
   }
 }
 
-// Through more than half a turn the quaternion leaves the half-space in which it began: its sign must not jump there.
+// In more than half a turn the quaternion leaves its initial half-space: its sign must not jump
+// there.
 TEST(RunTrial, QuaternionsAreContinuous) {
   const TrialRecord record =
       record_of(stage_scene({{"motion.rotation", "360 deg/s"}, {"motion.angular_acceleration", "3600 deg/s2"}}));
@@ -174,8 +178,9 @@ TEST(RunTrial, RecordThatWouldFillTheMemoryIsRefused) {
   EXPECT_THAT(scene_refusal_of([&] { run_trial(scene, 0, Recording::full); }), refused_at("duration", {"4 GB"}));
 }
 
-// A sample is a time, 54 values, 9 units of 1 + 8 + 4 + 4 + 12 bytes, 3 states and five numbers of 4 bytes (the centre has two,
-// with the stuck fraction, the direction and the angle); a row of the bodies is a time and two times 13 floats.
+// A sample is a time, 54 values, 9 units of 1 + 8 + 4 + 4 + 12 bytes, 3 states and five numbers of
+// 4 bytes (the centre has two, plus stuck fraction, direction and angle); a row of the bodies is a
+// time and two times 13 floats.
 TEST(RunTrial, RecordCountsSensorsAndBodies) {
   const double sample = 8 + 4 * 54 + 9 * 29 + 3 + 4 * 5;
   const double bodies = 8 + 2 * 4 * 13;
@@ -201,7 +206,7 @@ TEST(RunTrial, SeveralSensorsAreRecordedSideBySide) {
   EXPECT_EQ(record.sensors[1].name, "second");
   EXPECT_EQ(record.sensors[0].time.size(), 4000U);
   EXPECT_EQ(record.sensors[1].time.size(), 2000U);
-  EXPECT_EQ(record.num_samples(), 4000U);  // of the fastest
+  EXPECT_EQ(record.num_samples(), 4000U);  // of the fastest sensor
 }
 
 TEST(MakeSensor, RefusesAnUnknownType) {
@@ -236,7 +241,7 @@ std::string refusal(const std::string& what, const std::string& when) {
   return what + " is not finite at " + when + ": the scene's values are beyond what the bench can compute";
 }
 
-// Two units over three samples, the second unit never touches; one body.
+// Two units over three samples, of which the second never touches; one body.
 TrialRecord record() {
   TrialRecord record;
   SensorRecord sensor;
@@ -260,13 +265,13 @@ TrialRecord record() {
 TEST(Finite, UndefinedIsAllowedWhereNothingTouchesOrSlips) { EXPECT_EQ(answer(record()), "accepted"); }
 
 TEST(Finite, EveryColumnIsWatched) {
-  // Index 7 of 18 values in three rows stands in row 1; 3 of 6 and 8 of 21 likewise; 10 of 12 in row 2.
+  // Index 7 of 18 values in three rows is in row 1; 3 of 6 and 8 of 21 as well; 10 of 12 in row 2.
   const std::vector<std::tuple<std::function<void(TrialRecord&)>, std::string, std::string>> cases = {
       {[](TrialRecord& bad) { bad.sensors[0].channels[0].values[7] = infinite; }, "sensors.pad: force", "0.25 s"},
       {[](TrialRecord& bad) { bad.sensors[0].labels.force[7] = undefined; }, "sensors.pad: contact force", "0.25 s"},
       {[](TrialRecord& bad) { bad.sensors[0].labels.slip_velocity[10] = -infinite; }, "sensors.pad: slip velocity", "0.5 s"},
       {[](TrialRecord& bad) { bad.sensors[0].labels.slip_distance[3] = infinite; }, "sensors.pad: slip distance", "0.25 s"},
-      // Of the unit that touches.
+      // Margin of the unit in contact.
       {[](TrialRecord& bad) { bad.sensors[0].labels.margin[4] = undefined; }, "sensors.pad: margin", "0.5 s"},
       {[](TrialRecord& bad) { bad.bodies[0].pose[8] = infinite; }, "pose of the body pad", "0.25 s"},
       {[](TrialRecord& bad) { bad.bodies[0].velocity[7] = infinite; }, "velocity of the body pad", "0.25 s"},
@@ -309,7 +314,7 @@ TEST(Finite, AFrameIsWatchedAsTheDatasetWouldHoldIt) {
       {[](ContactFrame& bad) { bad.displacement(0, 0) = 1e39; }, "displacement"},
       {[](ContactFrame& bad) { bad.slip_velocity(1, 0) = 1e39; }, "slip velocity"},
       {[](ContactFrame& bad) { bad.slip_distance(1) = 1e39; }, "slip distance"},
-      {[](ContactFrame& bad) { bad.unit_state[1] = UnitState::slip; }, "margin"},  // touches, without a margin
+      {[](ContactFrame& bad) { bad.unit_state[1] = UnitState::slip; }, "margin"},  // in contact without a margin
   };
   for (const auto& [change, what] : cases) {
     ContactFrame bad = frame();

@@ -1,4 +1,4 @@
-// Whether two records hold the same bytes.
+// Compares records byte by byte.
 #pragma once
 
 #include <cstring>
@@ -12,7 +12,7 @@
 
 namespace slipbench::testing_run {
 
-// NaN equals itself here, and 0 is not -0.
+// NaN equals itself here, and 0 differs from -0.
 template <class Value>
 bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0);

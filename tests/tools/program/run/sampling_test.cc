@@ -1,4 +1,5 @@
-// A multiplexed sensor: several readings make a sample, and a channel may be slower than the samples.
+// A multiplexed sensor: several readings make a sample, and a channel may be slower than the
+// samples.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +40,8 @@ TEST(Sampling, WithOneReadingASampleTheFirstIsAtTheBeginning) {
   EXPECT_EQ(sampling.samples(5), 2U);
 }
 
-// 250 samples a second of four readings; the values are the number of the latest reading, and that of the latest sample.
+// 250 samples a second of four readings; values are the numbers of the latest reading and the
+// latest sample.
 class Multiplexed final : public Sensor {
  public:
   explicit Multiplexed(PadLayout layout) : layout_(std::move(layout)) {
@@ -88,7 +90,8 @@ TrialRecord record_of(const Scene& scene) {
 TEST(Sampling, TheRecordHoldsWholeSamplesAndASlowChannelItsOwnTime) {
   const TrialRecord record = record_of(scene_of("30 ms"));
   const SensorRecord& sensor = record.sensors.front();
-  // 30 readings at 0 to 29 ms: seven samples, complete at 3, 7, ... 27 ms, and of those two images, with the third and the sixth.
+  // 30 readings at 0 to 29 ms: seven samples, complete at 3, 7, ... 27 ms, with two images,
+  // complete with the third and the sixth sample.
   ASSERT_EQ(sensor.time.size(), 7U);
   EXPECT_EQ(record.num_samples(), 7U);
   for (std::size_t k = 0; k < 7; ++k) {
@@ -105,8 +108,8 @@ TEST(Sampling, TheRecordHoldsWholeSamplesAndASlowChannelItsOwnTime) {
   EXPECT_NEAR(sensor.channels[1].time->at(1), 23e-3 - 2e-3, 1e-12);
 }
 
-// A filter before the converter works at every tick of 0.2 ms: a PapillArray at 100 Hz with it has its samples when one without has them, and what
-// they hold does not depend on the rate.
+// A filter before the converter runs at every tick of 0.2 ms: a PapillArray at 100 Hz has its
+// samples at the same times with and without it, and the values do not depend on the rate.
 TEST(Sampling, AFilterFeelsTheTicksBetweenReadings) {
   const auto readings = [](const char* rate, const char* electronics) {
     const Scene scene = stage_scene(
@@ -167,7 +170,7 @@ struct Handed {
   int position;
 };
 
-// One count further each time, or the position `wrong` if that is no byte.
+// Closes by one count each time, or commands the position `wrong` if it is not a byte.
 class Notes final : public Controller {
  public:
   explicit Notes(std::vector<Handed>& handed, int wrong = 0) : handed_(handed), wrong_(wrong) {}
@@ -181,7 +184,7 @@ class Notes final : public Controller {
   int wrong_;
 };
 
-// Says of a frame `latency` after it that it slips.
+// Reports slip for each frame, `latency` after it.
 class Late final : public Detector {
  public:
   explicit Late(double latency) : latency_(latency) {}
@@ -195,7 +198,7 @@ class Late final : public Detector {
   SlipEstimate estimate_;
 };
 
-// Runs ticks 0 to `ticks` - 1 with a frame every 10 ms; returns the first time at which the fingers move.
+// Runs ticks 0 to `ticks` - 1 with a frame every 10 ms; returns when the fingers first move.
 double run(ControlLoop& loop, HeldBox& box, std::size_t ticks) {
   double moved = std::nan("");
   for (std::size_t tick = 0; tick < ticks; ++tick) {
@@ -210,8 +213,9 @@ double run(ControlLoop& loop, HeldBox& box, std::size_t ticks) {
   return moved;
 }
 
-// Phase 3.1 ms, period 20 ms, write 10 ms after the read, latency 20 ms: reads at 3.1, 23.1 and 43.1 ms; what follows from the first is
-// written at 13.1 and acts from 33.1 ms on. No instant falls on a tick: the next one (0.2 ms) does it, and the drive moves from the instant.
+// Phase 3.1 ms, period 20 ms, write 10 ms after the read, latency 20 ms: reads at 3.1, 23.1 and
+// 43.1 ms; the first command is written at 13.1 and acts from 33.1 ms on. No instant coincides with
+// a tick: the next one (0.2 ms) executes it, and the drive moves from the exact instant.
 TEST(ControlLoop, DelaysAreThoseOfTheScene) {
   BareGripper box(3.1e-3);
   const int start = box.gripper().position(0.0);
@@ -228,12 +232,12 @@ TEST(ControlLoop, DelaysAreThoseOfTheScene) {
     EXPECT_NEAR(handed[k].slip_time, seen[k], 1e-12);
   }
   EXPECT_EQ(loop.seen(), PadState::gross);
-  // Seen at the first tick after 33.1 ms at which it has a speed.
+  // Visible at the first tick with a speed after 33.1 ms.
   EXPECT_GT(moved, 33.1e-3);
   EXPECT_LE(moved, 33.1e-3 + step);
   EXPECT_EQ(loop.written().position, start + 1);
   EXPECT_EQ(loop.measured_position(), handed.back().position);
-  // The second read still measures the start, so that its command is the first one's again and tightens nothing.
+  // The second read still measures the start, so its command equals the first and tightens nothing.
   EXPECT_NEAR(loop.tightening().read_time, 3.1e-3, 1e-12);
   EXPECT_NEAR(loop.tightening().start_time, 33.1e-3, 1e-12);
 }
@@ -270,7 +274,7 @@ class GuidedGripper final : public BareGripper {
   Guided arm_{defaults_of(guided_motion().about.parameters)};
 };
 
-// Says 10 mm/s upwards at its second update, and nothing of the arm else.
+// Commands 10 mm/s upwards at its second update, and nothing else for the arm.
 class Raising final : public Controller {
  public:
   GripCommand update(const ControlInput& input) override {
@@ -283,7 +287,8 @@ class Raising final : public Controller {
   int updates_ = 0;
 };
 
-// Read at 23.1 ms, written at 33.1 ms, obeyed from 41.1 ms on: the third command, which says nothing of the arm, leaves it as it is.
+// Read at 23.1 ms, written at 33.1 ms, obeyed from 41.1 ms on; the third command, which has none
+// for the arm, changes nothing.
 TEST(ControlLoop, TheArmIsToldWithTheWrite) {
   GuidedGripper box(3.1e-3);
   ControlLoop loop({}, 0, std::make_unique<Raising>(), &box);
@@ -307,7 +312,8 @@ TEST(ControlLoop, CommandThatIsNoByteEndsTheRun) {
   EXPECT_THROW(run(loop, box, 100), InputError);
 }
 
-// Answers frame k with the k-th of the given latencies, the last for all that follow; states go round non_slip, incipient, gross.
+// Answers frame k with the k-th of the given latencies, the last one for all later frames; states
+// cycle through non_slip, incipient, gross.
 class Scripted : public Detector {
  public:
   explicit Scripted(std::vector<double> latencies) : latencies_(std::move(latencies)) {}
@@ -335,7 +341,7 @@ TEST(DelayedDetector, SeesAnEstimateAtTheFirstTickAfterItsLatency) {
     std::size_t late;
   };
   for (const double step : {1e-3, 1e-4, 1.0 / 3000.0, 0.7e-3}) {
-    // The third is a microsecond at steps of a millisecond.
+    // The third is a microsecond with steps of a millisecond.
     for (const Case c : {Case{0.0, 0}, {1e-3, 1}, {0.999, 1}, {1.0, 1}, {1.001, 2}, {2.0, 2}, {2.5, 3}, {15.0, 15}}) {
       DelayedDetector detector = detector_with({c.latency * step});
       for (std::size_t tick = 0; tick < 20'000; ++tick) {
@@ -354,7 +360,8 @@ TEST(DelayedDetector, SeesAnEstimateAtTheFirstTickAfterItsLatency) {
   }
 }
 
-// Hands on the number of its frame, of which it keeps one copy: an estimate under way must hold its own.
+// Returns the number of its frame, of which it keeps a single copy: a pending estimate must hold
+// its own.
 class Numbering final : public Detector {
  public:
   const SlipEstimate& update(const SensorFrame& frame) override {
@@ -371,7 +378,7 @@ class Numbering final : public Detector {
   std::size_t frames_ = 0;
 };
 
-// 2.5 ms late, frames and ticks a millisecond apart: at tick k the number k - 3.
+// 2.5 ms late, frames and ticks a millisecond apart: at tick k the number is k - 3.
 TEST(DelayedDetector, FeaturesAreThoseOfTheEstimateThatIsSeen) {
   DelayedDetector detector(std::make_unique<Numbering>());
   ASSERT_EQ(detector.features().size(), 1U);
@@ -388,7 +395,7 @@ TEST(DelayedDetector, FeaturesAreThoseOfTheEstimateThatIsSeen) {
   }
 }
 
-// The sensor samples every fourth tick: the same estimate is seen until the next one is there.
+// The sensor samples every fourth tick: an estimate stays visible until the next one is available.
 TEST(DelayedDetector, KeepsTheLatestEstimateBetweenSamples) {
   DelayedDetector detector = detector_with({2.5e-3});
   for (std::size_t tick = 0; tick < 40; ++tick) {
@@ -403,7 +410,8 @@ TEST(DelayedDetector, KeepsTheLatestEstimateBetweenSamples) {
   }
 }
 
-// The frame of tick 0 takes 5 ticks, that of tick 1 one: from tick 2 on the later one is seen, and the earlier never again.
+// The frame of tick 0 takes 5 ticks, that of tick 1 one: from tick 2 on the later estimate is
+// visible, and the earlier one never.
 TEST(DelayedDetector, NeverGoesBackToAnOlderFrame) {
   DelayedDetector detector = detector_with({5e-3, 1e-3, 100.0});
   std::vector<double> seen;

@@ -1,4 +1,5 @@
-// Several sensors in one scene: what each of them, its labels and a loop that reads it say does not depend on which others there are.
+// Several sensors in one scene: each sensor, its labels and a loop that reads it are independent of
+// the other sensors.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -18,7 +19,8 @@ namespace {
 using testing_run::expect_same_control;
 using testing_run::expect_same_sensor;
 
-// Press and slide with motors that shake; `types` are the sensors, each named as its type, in that order.
+// Press and slide with shaking motors; `types` are the sensors, each named after its type, in that
+// order.
 Scene scene_of(const std::vector<std::string>& types, const std::string& effects, const std::string& read) {
   std::string text =
       "slipbench: 1\nseed: 3\nduration: 0.6 s\nmotion: {compression: 0.3 mm, start: 0.3 s, speed: 8 mm/s, acceleration: 500 mm/s2, vibration: 1}\neffects: " +
@@ -35,11 +37,11 @@ TrialRecord run(const std::vector<std::string>& types, const std::string& effect
 std::vector<std::string> all_types() {
   std::vector<std::string> types;
   for (const Entry& entry : pad_catalogues().sensors) types.push_back(entry.name);
-  std::erase(types, "plugin");  // it is none without a library
+  std::erase(types, "plugin");  // not a sensor without a library
   return types;
 }
 
-// Without the sensors whose elements have dashpots, which tips with mass do not go with.
+// Without sensors whose elements have dashpots, which exclude tips with mass.
 std::vector<std::string> types_without_dashpots() {
   std::vector<std::string> types = all_types();
   std::erase_if(types, [](const std::string& type) {
@@ -81,7 +83,7 @@ TEST(SeveralSensors, LeaveEveryByteOfEachOtherWhereTipsHaveMass) {
   expect_each_as_alone(types, "[patchy_friction, texture, {inertia: {scatter: 0.2}}]");
 }
 
-// A test that compared what no effect, no noise and no slip had touched would test little.
+// The comparisons are meaningful only with effects, noise and slip.
 TEST(SeveralSensors, AreComparedOnSomethingThatIsDrawn) {
   for (const std::string& type : all_types()) {
     const SensorRecord one = run({type}, "[patchy_friction]", type).sensors.front();
@@ -90,8 +92,8 @@ TEST(SeveralSensors, AreComparedOnSomethingThatIsDrawn) {
   }
 }
 
-// Rates that do not divide each other, 2,400, 1,000 and 700 Hz: j/2400 and k/1000 meet every 5 ms, k/1000 and l/700 every 10 ms, so 140 and
-// 70 times in 0.7 s.
+// Rates that do not divide each other, 2,400, 1,000 and 700 Hz: j/2400 and k/1000 coincide every 5
+// ms, k/1000 and l/700 every 10 ms, so 140 and 70 times in 0.7 s.
 TEST(SeveralSensors, HaveTheirCommonTimesToTheBit) {
   const Scene scene = parsed(
       "slipbench: 1\nduration: 0.7 s\nmotion: {compression: 0.3 mm, start: 0.6 s}\nsensors:\n"
@@ -107,7 +109,8 @@ TEST(SeveralSensors, HaveTheirCommonTimesToTheBit) {
   EXPECT_EQ(common(1, 2), 70U);
 }
 
-// t of every sensor: whole multiples of its own sampling time, to the rounding of k dt (half a unit in the last place of dt and of the product).
+// t of every sensor: multiples of its sampling time, within the rounding of k dt (half a unit in
+// the last place of dt and of the product).
 TEST(SeveralSensors, HaveTimesThatAreMultiplesOfTheirOwnSamplingTime) {
   const TrialRecord record = run(all_types(), "[]", "");
   for (const SensorRecord& sensor : record.sensors) {

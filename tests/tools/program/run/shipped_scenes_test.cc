@@ -1,4 +1,5 @@
-// The scenes of the nib pad, of the piezoelectric skin, of the BioTac SP and of the Myrmex: what must stay true of each file. The skin's dataset.yaml is in piezo_skin_test.cc.
+// Scenes of the nib pad, the piezoelectric skin, the BioTac SP and the Myrmex: invariants of each
+// file. The skin's dataset.yaml is in piezo_skin_test.cc.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,7 +14,7 @@
 namespace slipbench::shipped_sensor_scenes_test {
 namespace {
 
-// Of the lever bench, where pad and rig in series give 10 N/mm.
+// The lever bench, where pad and rig in series have 10 N/mm.
 constexpr double bench_stiffness = 10e3;
 double grip_of(const Scene& scene) { return bench_stiffness * scene.motion.parameters.number("compression"); }
 const ControlScene::Point& pull_of(const Scene& scene) { return scene.controls.at(0).points.back(); }
@@ -29,7 +30,8 @@ void expect_the_published_pad(const Scene& scene) {
   EXPECT_FALSE(scene.sensors[0].electronics.empty());
 }
 
-// Section IV-B of the paper: three plates, four grips, pulls of 1 to 8 N built up in 2 or 5 s, each once.
+// Section IV-B of the paper: three plates, four grips, pulls of 1 to 8 N built up in 2 or 5 s, each
+// once.
 void expect_lever_stage(const std::string& name, const std::set<long>& grips, double offset) {
   const TrialPlan plan(shipped(name), catalogues(), 0, 1);
   ASSERT_EQ(plan.size(), 96u) << name;
@@ -56,7 +58,8 @@ TEST(ShippedScenes, NibPadRotationalSlipIsThePublishedBench) {
   expect_lever_stage("nib_pad/rotational.yaml", {5, 8, 10, 12}, 31.75e-3);
 }
 
-// Section V and Table II: 0.03 mm/s on four plates, at least 261 runs; each begins 2 N above what the friction needs for its pull.
+// Section V and Table II: 0.03 mm/s on four plates, at least 261 runs, each starting 2 N above the
+// grip that friction needs for its pull.
 TEST(ShippedScenes, NibPadReleaseIsThePublishedBench) {
   const TrialPlan plan(shipped("nib_pad/release.yaml"), catalogues(), 0, 1);
   EXPECT_GE(plan.size(), 261u);
@@ -77,7 +80,8 @@ TEST(ShippedScenes, NibPadReleaseIsThePublishedBench) {
   EXPECT_EQ(friction.at("soaped_wavy_acrylic"), 0.07);
 }
 
-// Section IV-A: 5,000 images under a plate, at 33.3 a second after the tare; partial loads by a cylinder of 18 mm.
+// Section IV-A: 5,000 images under a plate, at 33.3 a second after the tare; partial loads by a
+// cylinder of 18 mm.
 TEST(ShippedScenes, NibPadCalibrationsAreThePublishedLoads) {
   const Scene plate = parsed(shipped("nib_pad/calibrate_uniform.yaml"));
   expect_the_published_pad(plate);
@@ -100,7 +104,8 @@ TEST(ShippedScenes, PiezoSlideIsOneOfThePublishedRecordings) {
   EXPECT_EQ(scene.sensors[0].type, "piezo_skin");
   EXPECT_EQ(pad.number("rate"), 10e3);
   EXPECT_FALSE(scene.sensors[0].electronics.empty());
-  // 2 to 10 N, 10 to 32 mm, 200 to 2,000 mm/min; the slide ends within the recording, d/v + v/a after it begins.
+  // 2 to 10 N, 10 to 32 mm, 200 to 2,000 mm/min; the slide ends within the recording, d/v + v/a
+  // after it begins.
   const double force = pad.number("k_normal") * motion.number("compression"), travel = motion.number("travel"),
                speed = motion.number("speed");
   EXPECT_GE(force, 2.0);
@@ -126,13 +131,14 @@ TEST(ShippedScenes, NibPadReorientationHasThePublishedBox) {
   EXPECT_EQ(scene.controller->name, "reorient");
 }
 
-// Seven classes on four objects, eight recordings each: the site is the class's in slip.yaml, and tells no class in slip_random_site.yaml.
+// Seven classes on four objects, eight recordings each: in slip.yaml the site depends on the class;
+// in slip_random_site.yaml it does not.
 TEST(ShippedScenes, BiotacSlipsInSevenWays) {
   for (const bool random : {false, true}) {
     const TrialPlan plan(shipped(random ? "biotac_sp/slip_random_site.yaml" : "biotac_sp/slip.yaml"), catalogues(), 0, 1);
     ASSERT_EQ(plan.size(), 224u);
     std::map<std::string, int> ways;
-    std::map<std::string, double> along, around;  // the mean site of a class [m]
+    std::map<std::string, double> along, around;  // m, mean site of a class
     for (std::size_t i = 0; i < plan.size(); ++i) {
       const Scene scene = plan.trial(i).scene;
       const Parameters& motion = scene.motion.parameters;
@@ -150,14 +156,16 @@ TEST(ShippedScenes, BiotacSlipsInSevenWays) {
     }
     ASSERT_EQ(ways.size(), 7u);
     for (const auto& [way, count] : ways) EXPECT_EQ(count, 32) << way;
-    // Of 32 sites drawn with 1.3 mm, the mean has a standard error of 0.23 mm; evenly over +-8 mm, 4.62 mm, one of 0.82 mm. Five are allowed.
+    // 32 sites drawn with 1.3 mm have a mean with a standard error of 0.23 mm; evenly over +-8 mm,
+    // sd 4.62 mm, 0.82 mm. Five are allowed.
     const double n = along["0"], s = along["180"], e = around["90"], w = around["270"];
     EXPECT_NEAR(s - n, random ? 0.0 : 12.2e-3, (random ? 5.8e-3 : 1.65e-3));
     EXPECT_NEAR(w - e, random ? 0.0 : 13.2e-3, (random ? 5.8e-3 : 1.65e-3));
   }
 }
 
-// A third of the trials never slips, on every site where others do, and what tells devices apart is drawn.
+// A third of the trials never slips, at every site where others do, and what distinguishes devices
+// is drawn.
 TEST(ShippedScenes, LearnBiotacNeverSlipsInAThird) {
   const TrialPlan plan(shipped("learn/biotac_sp.yaml"), catalogues(), 0, 1);
   ASSERT_EQ(plan.size(), 2160u);
@@ -169,7 +177,7 @@ TEST(ShippedScenes, LearnBiotacNeverSlipsInAThird) {
     const bool slips = motion.number("speed") > 0.0 || motion.number("rotation") != 0.0;
     (slips ? slip_sites : touch_sites).insert(motion.vector("site"));
     touches += slips ? 0U : 1U;
-    // 1 times what is drawn of .1 to 1.5.
+    // 1 times the drawn value of .1 to 1.5.
     EXPECT_GE(scene.friction.static_coefficient, 0.1);
     EXPECT_LE(scene.friction.static_coefficient, 1.5);
     EXPECT_EQ(scene.sensors.at(0).parameters.choice("device"), "redrawn");
@@ -178,7 +186,7 @@ TEST(ShippedScenes, LearnBiotacNeverSlipsInAThird) {
   EXPECT_EQ(touch_sites, slip_sites);
 }
 
-// Likewise: 8 of 24 cells go no further than 72 um, or turn no further than 0.36 degrees, in 3.6 s.
+// Likewise: 8 of 24 cells move by at most 72 um, or turn by at most 0.36 degrees, in 3.6 s.
 TEST(ShippedScenes, LearnPapillarrayNeverSlidesInAThird) {
   const TrialPlan plan(shipped("learn/papillarray.yaml"), catalogues(), 0, 1);
   ASSERT_EQ(plan.size() % 24, 0u);
@@ -195,8 +203,9 @@ TEST(ShippedScenes, LearnPapillarrayNeverSlidesInAThird) {
   EXPECT_EQ(rests, 8u);
 }
 
-// No draw may start a motion that still presses, which is an error: not even the longest way at the least speed and acceleration, by the trapezoid's
-// law stroke/v + v/a. Trials come within a thousandth of these extremes.
+// No draw may start a motion that still presses, which is an error: not even the longest stroke at
+// the least speed and acceleration, by the trapezoid's law stroke/v + v/a. Trials come within a
+// thousandth of these extremes.
 TEST(ShippedScenes, LearntStagesPressBeforeTheyMove) {
   for (const char* name : {"learn/papillarray.yaml", "learn/piezo_skin.yaml", "learn/biotac_stage.yaml"}) {
     const TrialPlan plan(shipped(name), catalogues(), 0, 1);
@@ -217,7 +226,8 @@ const ControlScene& control_of(const Scene& scene, const std::string& actuator) 
   return *std::ranges::find(scene.controls, actuator, &ControlScene::actuator);
 }
 
-// Section 2.1 of the paper: 64 trials, 662.8 s in all, a third sensor at 500 Hz; the kind of slip by where the centre of mass is.
+// Section 2.1 of the paper: 64 trials, 662.8 s in all, a third sensor at 500 Hz; the centre of mass
+// determines the kind of slip.
 TEST(ShippedScenes, MyrmexHasThePublishedTrialsOfWhichSomeFallAndSomeHold) {
   const TrialPlan plan(shipped("myrmex/dataset.yaml"), catalogues(), 0, 1);
   ASSERT_EQ(plan.size(), 64u);
@@ -235,7 +245,7 @@ TEST(ShippedScenes, MyrmexHasThePublishedTrialsOfWhichSomeFallAndSomeHold) {
     }
     EXPECT_EQ(rates, (std::map<std::string, double>{{"left", 1000.0}, {"right", 1000.0}, {"top", 500.0}}));
 
-    // The Z of what lies, turned by -90 degrees about X, is the world's Y.
+    // The Z of a horizontal object, turned by -90 degrees about X, is the world's Y.
     const Parameters& body = scene.bodies.at(0).shape.parameters;
     const bool turned = body.vector("rotation")[0] != 0.0;
     const double own = turned && body.values().contains("centre_of_mass") ? body.vector("centre_of_mass")[2] : 0.0;
@@ -246,9 +256,10 @@ TEST(ShippedScenes, MyrmexHasThePublishedTrialsOfWhichSomeFallAndSomeHold) {
       EXPECT_LE(side, 35e-3) << i;
     }
 
-    // The foams bear nothing once the arms have gone as far apart as they were told to squeeze. The object's middle is then at most 15 mm above the
-    // grip, and it has fallen past the pads when its top, half of 160 mm above that, is 40 mm below: sqrt(2 0.135 m/g) = 0.17 s. Where half of the
-    // squeeze is left the grip has half of its force.
+    // The foams carry nothing once the arms have opened as far as they were commanded to squeeze.
+    // The object's middle is then at most 15 mm above the grip, and the object has fallen past the
+    // pads when its top, half of 160 mm above its middle, is 40 mm below: sqrt(2 0.135 m/g) = 0.17
+    // s. With half of the squeeze left the grip has half of its force.
     const double squeeze = control_of(scene, "squeeze").points.back().value;
     const ControlScene::Point& apart = control_of(scene, "apart").points.back();
     fall[side != 0.0] += apart.value >= squeeze ? 1 : 0;
@@ -257,8 +268,9 @@ TEST(ShippedScenes, MyrmexHasThePublishedTrialsOfWhichSomeFallAndSomeHold) {
   }
   EXPECT_NEAR(duration, 662.8, 0.05) << "as published, to a tenth of a second";
   EXPECT_EQ(kinds, (std::map<bool, int>{{false, 32}, {true, 32}}));
-  // Of squeeze in [3, 7] mm and opening in [1, 8] mm, even: P(opening >= squeeze) = 3/7, P(opening <= squeeze/2) = 3/14, so of 32 trials 13.7 and
-  // 6.9 are expected, sd 2.8 and 2.3; three sd are allowed.
+  // With squeeze in [3, 7] mm and opening in [1, 8] mm, uniform: P(opening >= squeeze) = 3/7,
+  // P(opening <= squeeze/2) = 3/14, so of 32 trials 13.7 and 6.9 are expected, sd 2.8 and 2.3;
+  // three sd are allowed.
   for (const bool turned : {false, true}) {
     EXPECT_GE(fall[turned], 6) << turned;
     EXPECT_GE(hold[turned], 1) << turned;

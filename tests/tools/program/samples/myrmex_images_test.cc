@@ -11,7 +11,8 @@ namespace {
 
 using Cropped = std::array<float, cropped * cropped>;
 
-// a + b x + c y in taxels from the middle, x to the right, y up; its turn by an angle is a + b x' + c y' at the place turned back.
+// a + b x + c y in taxels from the middle, x to the right, y up; turned by an angle it is a + b x'
+// + c y' at the position turned back.
 float plane(double x, double y) { return static_cast<float>(1000.0 + 20.0 * x + 7.0 * y); }
 
 std::vector<float> image_of(std::size_t rows, std::size_t columns) {
@@ -26,7 +27,8 @@ std::vector<float> image_of(std::size_t rows, std::size_t columns) {
 }
 
 TEST(TurnImage, TurnsAPlaneExactly) {
-  // Bilinear interpolation is exact of a plane; only corners may be clamped, by 0.013 taxels: 0.013 (20 + 7) counts.
+  // Bilinear interpolation is exact for a plane; only corners may be clamped, by 0.013 taxels:
+  // 0.013 (20 + 7) counts.
   const std::vector<float> image = image_of(16, 16);
   for (std::size_t turn = 0; turn < rotations; ++turn) {
     Cropped turned;
@@ -52,7 +54,7 @@ TEST(TurnImage, QuarterTurnsMoveTaxelsToTheBit) {
   for (std::size_t r = 0; r < cropped; ++r) {
     for (std::size_t c = 0; c < cropped; ++c) {
       ASSERT_EQ(upright[r * cropped + c], image[(r + 2) * 16 + c + 2]);
-      // Anticlockwise: what stood at the right edge, row r, comes to the top edge, column r.
+      // Anticlockwise: the right edge, row r, moves to the top edge, column r.
       ASSERT_EQ(quarter[(cropped - 1 - c) * cropped + r], upright[r * cropped + c]);
     }
   }

@@ -5,7 +5,7 @@
 namespace slipbench::recorded_samples_test {
 namespace {
 
-// Ten samples at 10 Hz; `slow` is read with every fifth of them, 0.05 s before.
+// Ten samples at 10 Hz; `slow` is read with every fifth of them, 0.05 s earlier.
 SensorRecord record() {
   SensorRecord sensor;
   sensor.name = "pad";

@@ -1,4 +1,7 @@
-"""A file that a scene names, replaced while its trials run, ends the sweep. Arguments: the source tree, the program."""
+"""A sweep ends if a file that its scene names is replaced while its trials run.
+
+Arguments: the source tree, the program.
+"""
 
 import shutil
 import subprocess
@@ -14,7 +17,9 @@ SCENES = Path(sys.argv.pop(1)).resolve() / "scenes"
 
 class ChangedFilesTest(unittest.TestCase):
     def changed(self, scene, named, other, *settings):
-        """What a sweep of the scene says when its file `named` becomes `other` after the first trial; the folder is a copy of the scene's."""
+        """Returns the sweep's error when the scene's file `named` becomes `other` after the first
+        trial; the folder is a copy of the scene's.
+        """
         with tempfile.TemporaryDirectory() as made:
             folder = Path(made)
             shutil.copytree(scene.parent, folder / "scenes")
@@ -30,7 +35,7 @@ class ChangedFilesTest(unittest.TestCase):
             return error
 
     def test_a_network(self):
-        network = SCENES / "learn/piezo_slip.onnx"  # another one, which reads another sensor
+        network = SCENES / "learn/piezo_slip.onnx"  # a network for another sensor
         own = SCENES / "learn/papillarray_slip.onnx"
         detector = f"detector={{type: network, model: {own.name}, sensor: pad}}"
         error = self.changed(SCENES / "papillarray/stage.yaml", own, network.read_bytes(), "duration=0.5 s", detector)

@@ -1,4 +1,7 @@
-"""Detectors that misbehave: --isolate keeps their trials apart. Arguments: the program, plugins/misbehaves.cc as a library."""
+"""Misbehaving detectors: --isolate contains the damage to their own trials.
+
+Arguments: the program, plugins/misbehaves.cc as a library.
+"""
 
 import json
 import os
@@ -18,12 +21,12 @@ from short_sweep import scene_text
 LIBRARY = Path(sys.argv.pop(2)).resolve()
 PROGRAM = Path(sys.argv.pop(1)).resolve()
 
-LIMIT = 2.0  # s, above what an honest trial takes on a machine that does much else
+LIMIT = 2.0  # s, above the time of an honest trial on a busy machine
 ENDED_BY = "its worker process was ended by "
 UNFINISHED = "its worker process ended with status {} before its work was done"
 LATE = f"its worker process was still running after {LIMIT:g} s, the limit"
 IN_UPDATE = "detector.library: 'misbehaves.so' threw {} in update"
-# What the message of the failed trial holds; None: no trial fails.
+# Words in the failed trial's message; None: no trial fails.
 DEEDS = {
     "segv": ENDED_BY + "SIGSEGV",
     "abort": ENDED_BY + "SIGABRT",
@@ -50,7 +53,7 @@ CHANGES_ITS_TRIAL = "rounding"
 
 
 def values(deeds):
-    """An honest value between any two deeds; a cell each, of two trials."""
+    """Returns an honest value between any two deeds; one cell each, with two trials."""
     return [value for deed in deeds for value in ("none", deed)] + ["none"]
 
 
@@ -141,7 +144,7 @@ class IsolateTest(unittest.TestCase):
         self.assertFalse((self.folder / "out.h5").exists())
 
     def test_a_single_trial_tells_how_far_it_is(self):
-        with self.start_one("slow") as process:  # 300 updates of 25 ms; nothing is told in the first 5 s
+        with self.start_one("slow") as process:  # 300 updates of 25 ms; nothing is printed in the first 5 s
             _, error = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0, error)
         self.assertRegex(error, r"\b[1-9][0-9](\.\d)? % of the trial")
@@ -193,7 +196,7 @@ class IsolateTest(unittest.TestCase):
         whole = self.content_of(["loop"], honest=True)
         for way, status in ((signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGKILL, -signal.SIGKILL)):
             with self.start(["loop"], "-o", "out.h5", "--jobs", "2") as process:
-                time.sleep(2.0)  # both trials that loop have begun
+                time.sleep(2.0)  # both looping trials have begun
                 process.send_signal(way)
                 begin = time.monotonic()
                 self.assertEqual(process.wait(timeout=60), status)

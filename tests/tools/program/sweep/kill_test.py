@@ -1,10 +1,12 @@
-"""Kills sweeps at random instants: finished batches are readable, and --resume ends with the content digest of an undisturbed run.
+"""Kills sweeps at random instants: batches stay readable, and --resume gives the undisturbed
+digest.
 
 usage: kill_test.py ROOT SLIPBENCH PLUGIN KIND ENDS SEED
 
-KIND: stage, grasp, outcome or plugin. Of four ends two are SIGKILL, one is a full disk (a limit on the file's size) and one SIGTERM.
-Each kill checks: no file that had a batch's final name is lost, h5py reads all trials of each, the last batch is at most 5 s old,
---resume simulates no trial of a batch again, and the digest is right.
+KIND: stage, grasp, outcome or plugin. Of four ends two are SIGKILL, one is a full disk (a limit on
+the file's size) and one SIGTERM. After each: no file with a batch's final name is lost, h5py reads
+all trials of each, the last batch is at most 5 s old, --resume simulates no trial of a batch again,
+and the digest is right.
 """
 import json
 import os
@@ -22,12 +24,14 @@ import h5py
 from short_sweep import scene_text
 
 SECONDS = 240  # no reader and no run takes longer
-OLDEST = 5.0  # s, of work that is repeated
-SLOW = 5.0  # s more, where the machine is loaded and a trial or a sync takes its time
+OLDEST = 5.0  # s, largest age of work that is repeated
+SLOW = 5.0  # s more on a busy machine, where a trial or a sync takes longer
 
 
 def kinds(root, plugin):
-    """Scene and words of each kind of sweep. Each takes some seconds, so that it has more than one batch."""
+    """Returns scene and words of each kind of sweep. Each takes some seconds and so has more than
+    one batch.
+    """
     some = ["--trials", "250"]
     return {
         "stage": (None, some),
@@ -72,7 +76,7 @@ class Ends:
         return told
 
     def disturb(self, out, way, duration, size):
-        """Ends a sweep; returns how many trials its batches hold."""
+        """Ends a sweep; returns the number of trials in its batches."""
         limit = self.draw.randrange(size // 20, size) if way == "full" else resource.RLIM_INFINITY
         begin = ended = time.time()
         sweep = self.sweep(out, "--quiet", "--jobs", self.draw.choice("12"),
@@ -86,12 +90,13 @@ class Ends:
             sweep.send_signal(signal.SIGKILL if way == "kill" else signal.SIGTERM)
             ended = time.time()
         self.finish(sweep, {"kill": (-signal.SIGKILL, 0), "term": (130, 0, -signal.SIGTERM), "full": (2,)}[way])
-        if out.exists():  # it was at its end
+        if out.exists():  # already at its end
             return None
         left = batches(out)
         assert set(seen) <= set(left), f"{way}: {set(seen) - set(left)} are lost"
         if way == "kill":
-            # Renaming sets the time of a file's own entry. The lock is made when the trials begin.
+            # Renaming sets the time of the file's own entry. The lock is made when the trials
+            # begin.
             lock = Path(f"{out}.partial/lock")
             begun = lock.stat().st_mtime if lock.exists() else begin
             age = ended - max([begun, *(path.stat().st_ctime for path in left)])

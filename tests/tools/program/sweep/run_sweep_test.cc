@@ -85,7 +85,7 @@ TEST_F(SweepTest, WritesEveryTrial) {
     EXPECT_TRUE(params.contains("motion.speed"));
     EXPECT_TRUE(params.at("motion.direction").is_number());
   }
-  // Two materials: one is for the test, none for validation, and no material is in two parts.
+  // Two materials: one is for the test, none for validation, and none is in two parts.
   EXPECT_EQ(reader.mask("test").size(), 6U);
   EXPECT_EQ(reader.mask("valid").size(), 0U);
   EXPECT_EQ(reader.mask("train").size(), 6U);
@@ -93,7 +93,7 @@ TEST_F(SweepTest, WritesEveryTrial) {
 
 TEST_F(SweepTest, BytesDependOnNeitherJobsNorRun) {
   run(options("one.h5", 1));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // time stamps of HDF5 count seconds
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5's time stamps count seconds
   run(options("two.h5", 2));
   run(options("again.h5", 2));
   run(options("five.h5", 5));
@@ -104,7 +104,7 @@ TEST_F(SweepTest, BytesDependOnNeitherJobsNorRun) {
   EXPECT_TRUE(bytes == bytes_of(path("five.h5")));
 }
 
-// What the recording would give by counting stands in the file instead.
+// The file stores what would be counted from a recording.
 TEST_F(SweepTest, OutcomesAloneAreThoseOfARecording) {
   SweepOptions full = options("full.h5");
   full.overrides = {{"detector", "{type: force_ratio}"}};
@@ -126,7 +126,7 @@ TEST_F(SweepTest, OutcomesAloneAreThoseOfARecording) {
     EXPECT_EQ(record.control->confusion, recorded.read_trial(trial).control->confusion);
     EXPECT_THROW(outcomes.check_recorded(trial), InputError);
   }
-  // Twelve trials of 300 samples of nine pillars against a few attributes each.
+  // Twelve trials of 300 samples of nine pillars compared with a few attributes each.
   EXPECT_LT(bytes_of(path("alone.h5")).size() * 4, bytes_of(path("full.h5")).size());
   alone.output = path("other.h5");
   alone.jobs = 1;
@@ -165,7 +165,8 @@ TEST_F(SweepTest, OverridesAreWritten) {
   EXPECT_EQ(DatasetReader(path("out.h5")).header().overrides, R"({"motion.start":"50 ms"})");
 }
 
-// Applied again in the order in which they are written, they give what was simulated: a JSON object has each key once.
+// Applied again in their written order they give the simulated scene, although a JSON object has
+// each key only once.
 TEST_F(SweepTest, RepeatedOverridesAreWrittenInAnOrderThatGivesTheSameScene) {
   struct Case {
     std::vector<Override> given;
@@ -200,14 +201,15 @@ TEST_F(SweepTest, RepeatedOverridesAreWrittenInAnOrderThatGivesTheSameScene) {
   }
 }
 
-// 1,400 s at 1 kHz with the bodies' poses make a record of 870 MB: four jobs have 4 GB for theirs, five have not.
+// 1,400 s at 1 kHz with the bodies' poses are a record of 870 MB: four jobs fit into 4 GB, five do
+// not.
 TEST_F(SweepTest, JobsShareTheMemoryForRecords) {
   SweepOptions long_trials = options("out.h5", 5);
   long_trials.overrides = {{"duration", "1400 s"}, {"sweep", "{trials: 5}"}};
   EXPECT_THAT(refusal_of([&] { run(long_trials); }), mentions({"--set duration=1400 s", "0.868 GB", "0.8 GB", "--jobs"}));
   EXPECT_THAT(names(), ElementsAre("scene.yaml")) << "refused before anything is written";
 
-  // Four, which would run for long: the interrupt ends them before the first trial.
+  // Four would run for long: the interrupt ends them before the first trial.
   const std::atomic<bool> interrupt{true};
   long_trials.jobs = 4;
   long_trials.interrupt = &interrupt;
@@ -262,7 +264,7 @@ TEST_F(SweepTest, SummaryIsJson) {
   }
 }
 
-// Enough trials that the workers cannot have begun all of them when the first few are safe.
+// Enough trials that the workers cannot have begun all of them when the first few are saved.
 TEST_F(SweepTest, InterruptKeepsWhatIsFinished) {
   const InterruptGuard guard;
   SweepOptions interrupted = options("out.h5");
@@ -304,7 +306,7 @@ TEST(InterruptGuard, TakesEverySignalThatAsksToEnd) {
   }
 }
 
-// Three speeds, and a share for each part: one each.
+// Three speeds and three parts: one each.
 TEST_F(SweepTest, SplitsAsTheSceneSays) {
   std::ofstream(path("scene.yaml"), std::ios::app) << "split: {by: speed, shares: [0.4, 0.3, 0.3]}\n";
   run(options("out.h5"));
@@ -325,7 +327,7 @@ TEST_F(SweepTest, SplitBySpeedNeedsAMotionWithOne) {
   EXPECT_THAT(names(), ElementsAre("scene.yaml"));
 }
 
-// A shell starts what a script puts in the background with SIGINT ignored.
+// A shell starts a script's background processes with SIGINT ignored.
 TEST(InterruptGuard, LeavesAnIgnoredSignalIgnored) {
   const auto before = std::signal(SIGINT, SIG_IGN);
   {
@@ -348,7 +350,7 @@ TEST_F(SweepTest, InterruptBeforeTheFirstTrialLeavesNothing) {
   EXPECT_THAT(names(), ElementsAre("scene.yaml"));
 }
 
-// A compression drawn below zero makes no scene. Which trials draw one follows from the seed.
+// A compression drawn below zero gives no valid scene. The seed determines which trials draw one.
 TEST_F(SweepTest, FailedTrialIsNotedAndTheOthersRun) {
   std::ofstream(path("scene.yaml"), std::ios::app) << "  motion.compression: {draw: uniform, min: -0.03 mm, max: 0.1 mm}\n";
   const SweepSummary summary = run(options("out.h5"));
@@ -371,7 +373,7 @@ TEST_F(SweepTest, FailedTrialIsNotedAndTheOthersRun) {
   again.limit = 0;
   const std::string prefix = "trial " + std::to_string(failed.trial) + ": ";
   EXPECT_EQ(prefix + refusal_of([&] { run(again); }), failed.message);
-  // Nor do the bytes depend on who met it.
+  // The bytes do not depend on which thread had the failure.
   const std::string bytes = file_sha256(path("out.h5"));
   run(options("out.h5", 1));
   EXPECT_EQ(file_sha256(path("out.h5")), bytes);
@@ -380,14 +382,14 @@ TEST_F(SweepTest, FailedTrialIsNotedAndTheOthersRun) {
 // The first trials of the cells are built before anything runs: these fail at their end.
 TEST_F(SweepTest, SweepInWhichAllFailWritesNothing) {
   SweepOptions unstable = options("out.h5");
-  unstable.overrides = {{"sensors.pad.electronics", "[{offset: {scale: 1e300}}]"}};  // beyond a float
+  unstable.overrides = {{"sensors.pad.electronics", "[{offset: {scale: 1e300}}]"}};  // beyond a float's range
   const SweepSummary summary = run(unstable);
   EXPECT_EQ(summary.failed.size(), 12U);
   EXPECT_THAT(summary.files, IsEmpty());
   EXPECT_THAT(names(), ElementsAre("scene.yaml"));
 }
 
-// Each trial reads the same files. What is written anew with the same content is the same file.
+// Each trial reads the same files. A file rewritten with the same content counts as unchanged.
 TEST_F(SweepTest, AFileThatChangesEndsTheRun) {
   std::ofstream(path("scene.yaml"))
       << "slipbench: 1\nduration: 0.4 s\nmotion: {compression: 0.1 mm, start: 0.3 s}\nsensors: {pad: {type: taxels, places: "
@@ -412,7 +414,7 @@ TEST_F(SweepTest, AFileThatChangesEndsTheRun) {
   for (const std::size_t trial : kept.trials()) EXPECT_EQ(kept.trial_sha256(trial), whole.trial_sha256(trial));
 }
 
-// What a child process hands over of a trial is the whole of it, of units without a slip, whose times are NaN, too.
+// A child process returns the whole trial, including the NaN times of units without slip.
 TEST_F(SweepTest, IsolatedTrialsAreTheSame) {
   const SweepSummary together = run(options("together.h5"));
   SweepOptions isolated = options("apart.h5");
@@ -425,9 +427,10 @@ TEST_F(SweepTest, IsolatedTrialsAreTheSame) {
   EXPECT_THROW(from_message("no trial"), std::exception);
 }
 
-// A sanitizer ends the program where there is no memory.
+// A sanitiser ends the program when memory runs out.
 #ifndef __SANITIZE_ADDRESS__
-// The second trial has 2,000,000 samples of more than 500 bytes, which 400 MB have no room for. With more memory it would run: the run ends.
+// The second trial has 2,000,000 samples of more than 500 bytes, which do not fit into 400 MB. With
+// more memory it would run, so the run ends.
 TEST_F(SweepTest, TrialWithoutMemoryEndsTheRun) {
   SweepOptions large = options("out.h5", 1);
   large.overrides = {{"sweep", "{duration: [0.3 s, 2000 s]}"}};
@@ -446,7 +449,7 @@ TEST_F(SweepTest, TrialWithoutMemoryEndsTheRun) {
 }
 #endif
 
-// Wherever it is interrupted, with whatever number of threads it goes on. Trials that failed fail again.
+// After interruptions at any point, continued with any number of threads. Failed trials fail again.
 TEST_F(SweepTest, ResumedSweepGivesTheContentOfAnUndisturbedOne) {
   std::ofstream(path("scene.yaml"), std::ios::app) << "  motion.compression: {draw: uniform, min: -0.03 mm, max: 0.1 mm}\n";
   for (const Recording recording : {Recording::full, Recording::outcome}) {
@@ -474,7 +477,7 @@ TEST_F(SweepTest, ResumedSweepGivesTheContentOfAnUndisturbedOne) {
       }
       EXPECT_EQ(DatasetReader(path("out.h5")).content_sha256(), DatasetReader(path("whole.h5")).content_sha256());
       EXPECT_THAT(names(), ElementsAre("out.h5", "scene.yaml", "whole.h5"));
-      // It is there: nothing is run or written again.
+      // It is complete: nothing is run or written again.
       EXPECT_TRUE(run(rest).was_complete);
       std::filesystem::remove(path("out.h5"));
     }

@@ -1,4 +1,7 @@
-"""A sweep that is cut into shards and merged has the content digest of the undivided one. Arguments: the project's root, the program."""
+"""A sweep divided into shards and merged has the content digest of the undivided one.
+
+Arguments: the project's root, the program.
+"""
 
 import json
 import re
@@ -19,7 +22,8 @@ ROOT = Path(sys.argv.pop(1)).resolve()
 
 TRIALS = 21
 
-# What each of these adds to the file: outcomes alone, a control loop, a split of the scene's own, materials, trials of several costs, failures.
+# Variants of the file: outcomes alone, a control loop, the scene's own split, materials, trials of
+# several costs, failures.
 SWEEPS = {
     "stage": (),
     "outcome": ("--record", "outcome"),
@@ -27,7 +31,7 @@ SWEEPS = {
     "split": ("--set", "split={by: speed, shares: [0.4, 0.3, 0.3]}"),
     "materials": ("--set", "sweep={surface.material: [acrylic, felt, ptfe, rubber], trials: 3}"),
     "costs": ("--set", "sweep={duration: [200 ms, 300 ms, 400 ms], sensors.pad.bristles: [1, 6], trials: 2}"),
-    # The second cell is beyond what can be computed.
+    # The second cell exceeds the range of a float.
     "failures": ("--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e300}}]], trials: 3}"),
 }
 
@@ -73,7 +77,7 @@ class ShardsTest(unittest.TestCase):
         return shards
 
     def wait_for_a_trial(self, folder, process):
-        """Until `process` has written a part of a batch."""
+        """Waits until `process` has written a part of a batch."""
         while process.poll() is None:
             if any(path.stat().st_size > 100_000 for path in folder.glob("batch*")):
                 return
@@ -118,7 +122,8 @@ class ShardsTest(unittest.TestCase):
                 held += [int(name.removeprefix("demo_")) for name in file["data"]]
                 costs.append(sum(one["duration"] * one["sensors.pad.bristles"] for one in params))
         self.assertEqual(sorted(held), list(range(12)))
-        # 3 durations, 1 or 6 bristles, twice each: dealt out from the costliest down, two shards differ by no more than the costliest trial.
+        # 3 durations, 1 or 6 bristles, twice each: dealt out in order of falling cost, two shards
+        # differ by at most the costliest trial.
         self.assertLessEqual(max(costs) - min(costs), 0.4 * 6 + 1e-9)
 
     def test_a_shard_says_which_it_is(self):
@@ -135,7 +140,7 @@ class ShardsTest(unittest.TestCase):
         out = self.folder / "shard.h5"
         killed = subprocess.Popen([PROGRAM, "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "1/2"])
         self.wait_for_a_trial(self.folder / "shard.h5.partial", killed)
-        killed.terminate()  # what is finished is kept; kills at any instant are kill_test.py's
+        killed.terminate()  # finished batches are kept; kill_test.py kills at any instant
         self.assertNotEqual(killed.wait(), 0)
         self.assert_refused("another run", "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "2/2", "--resume")
         self.run_program("sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "1/2", "--resume")
@@ -179,7 +184,7 @@ class ShardsTest(unittest.TestCase):
 
     @staticmethod
     def first_digest(path):
-        """The number of a file's first trial, and its digest as it lies there."""
+        """Returns the number of a file's first trial, and its stored digest."""
         with h5py.File(path) as file:
             number = min(int(name.removeprefix("demo_")) for name in file["data"])
             return number, file[f"data/demo_{number}"].attrs["sha256"].encode()
@@ -215,7 +220,7 @@ class ShardsTest(unittest.TestCase):
         one, two = self.shards(2, "--record", "outcome")
         merged = self.folder / "merged.h5"
         size = one.stat().st_size + two.stat().st_size
-        limit = size // 4  # bytes a file may have: the disk is full
+        limit = size // 4  # bytes a file may have, as on a full disk
         self.run_program("merge", one, two, "-o", merged, status=2,
                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))  # fmt: skip
         self.assertEqual([path.name for path in self.folder.glob("merged*")], [])

@@ -1,4 +1,6 @@
-"""The sweep that tests of killed and divided sweeps share: three speeds times `trials`, some 10 ms each."""
+"""The sweep shared by tests of killed and divided sweeps: three speeds times `trials`, some 10 ms
+each.
+"""
 
 def scene_text(trials, duration="0.3 s", bristles=3):
     return f"""slipbench: 1

@@ -1,4 +1,4 @@
-// How the points of a unit sample a wave, against the sum of a row of points in closed form.
+// Sampling of a wave by the points of a unit, against the closed-form sum over a row of points.
 #include "tools/program/sweep/unit_sampling.h"
 
 #include <cmath>
@@ -21,7 +21,7 @@ PadLayout square(std::size_t edge) {
   return layout;
 }
 
-// sin(n x)/(n sin x): n points, x half the phase from one to the next.
+// sin(n x)/(n sin x): n points, with x half the phase between neighbours.
 double row(double n, double x) { return x == 0.0 ? 1.0 : std::abs(std::sin(n * x) / (n * std::sin(x))); }
 
 TEST(UnitSampling, IsTheProductOfTwoRows) {
@@ -37,7 +37,7 @@ TEST(UnitSampling, IsTheProductOfTwoRows) {
   }
 }
 
-// Of a wave of four pitches the fourth harmonic has the pitch as its wavelength.
+// For a wave of four pitches the fourth harmonic's wavelength is the pitch.
 TEST(UnitSampling, FindsTheHarmonicThatIsInPhase) {
   const PadLayout layout = square(4);
   const UnitSampling sampling = sampling_of(layout, layout.units[0], {2.0 * std::numbers::pi / (4.0 * pitch), 0.0});

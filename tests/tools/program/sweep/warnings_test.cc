@@ -1,4 +1,4 @@
-// What a scene may say and is hardly meant.
+// Valid scenes that are hardly intended.
 #include "tools/program/sweep/warnings.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace slipbench::testing {
 namespace {
 
 struct Warnings : FolderTest {
-  // Of a pad on a stage, whose lines 1 and 2 these are.
+  // Warnings for a pad on a stage, whose scene has these lines 1 and 2.
   std::vector<Warning> of(const std::string& text, const std::vector<Override>& overrides = {}) {
     std::ofstream(path("s.yaml")) << "slipbench: 1\nsensors: {pad: {type: papillarray}}\n" << text;
     SweepOptions sweep;
@@ -25,7 +25,7 @@ struct Warnings : FolderTest {
     sweep.limit = sweep.overrides.empty() ? 0 : 1;
     return scene_warnings(read_sweep(sweep, catalogues_), sweep);
   }
-  // What it is about, and then what it says without the folder.
+  // Subject and message of each warning, without the folder.
   std::vector<std::string> told(const std::string& text, const std::vector<Override>& overrides = {}) {
     std::vector<std::string> lines;
     for (const Warning& warning : of(text, overrides)) {
@@ -54,9 +54,9 @@ TEST_F(Warnings, PillarPressedBeyondItsHeight) {
   EXPECT_THAT(told("motion: {compression: 4.2 mm}\n"), IsEmpty());
 }
 
-// Three points 4/3 mm apart span a wave of 4 mm, and their sum is 0: of its third harmonic they are
-// in phase. Two points 2 mm apart do the same to 4 mm and are in phase for 2 mm itself, where the
-// face of 4 mm would read nothing. Across the ridges a grid turned by 90 degrees is the same.
+// Three points 4/3 mm apart span a wave of 4 mm, and their sum is 0; they are in phase for its
+// third harmonic. Two points 2 mm apart also cancel 4 mm and are in phase for 2 mm, which a face of
+// 4 mm would average to 0. Across the ridges a grid turned by 90 degrees is equal.
 TEST_F(Warnings, TextureThatTheTaxelsPointsDoNotSample) {
   const auto of_taxels = [&](const std::string& keys, const std::string& texture) {
     return told("effects: [{texture: {" + texture + "}}]\n", {{"sensors", "{skin: {type: taxels, width: 4 mm, " + keys + "}}"}});
@@ -134,7 +134,8 @@ TEST_F(Warnings, ConverterAtAnEndInMostSamples) {
   EXPECT_THAT(most.front().text, HasSubstr("in 51 of 100 samples"));
 }
 
-// A body of a microgram on springs of kilonewtons a metre moves at more than a million radians a second, and steps are to follow that.
+// A body of a microgram on springs of kilonewtons per metre vibrates at more than a million radians
+// a second, which steps must resolve.
 TEST_F(Warnings, StepsThatTakeTenMinutes) {
   const std::vector<Warning> found = of("box: {mass: 1e-9 kg}\n");
   const auto steps = std::ranges::find(found, "time_step", &Warning::about);

@@ -137,7 +137,7 @@ TEST(Describe, ExamplesNameTheEntryWhereItsKindBelongs) {
   EXPECT_EQ(scene_example(item("hum"), catalogues), "sensors:\n  pad:\n    type: pad\n    electronics:\n      - hum\n");
 }
 
-// Its own numbers are bare, as MuJoCo writes them: where they have a unit the meaning says so.
+// Its numbers have no units, as in MuJoCo: the meaning states them.
 TEST(Describe, ContactIsTheScenesOwnKey) {
   const std::string text = page("contact");
   EXPECT_THAT(text, HasSubstr("contact  part of fidelity mujoco_contact\n  MuJoCo's own contact friction"));
@@ -176,7 +176,8 @@ TEST(Describe, JsonHoldsEverythingDeclared) {
 
 TEST(List, ShowsNamesAndSummariesByKind) {
   const std::vector<CatalogueItem> items = catalogue_items(small_catalogues());
-  // Names are padded to the longest, seven characters: the scene's own key `contact` is there whatever the catalogues hold.
+  // Names are padded to the longest, seven characters: the scene's own key `contact` is always
+  // there.
   EXPECT_EQ(list_text(items, catalogue_kinds(), Style(false), 100), R"(effects  scene key effects
   creep    The tip creeps under load.
 

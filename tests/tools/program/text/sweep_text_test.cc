@@ -16,7 +16,7 @@ const std::vector<SensorAbout> sensors{{"twopad", 2.0, {"A", "B"}}};
 TrialSummary small_trial() {
   SensorSummary sensor;
   sensor.name = "pad";
-  // A slipping unit's margin has its rounding.
+  // A slipping unit's margin has rounding.
   sensor.units = {{.touch_time = 0.25,
                    .micro_onset_time = 1.2,
                    .onset_time = 1.25,
@@ -61,7 +61,7 @@ TEST(Summary, TrialShowsEveryUnit) {
             "  gross slip at 1.2500 s, 50.0 ms after the first micro-slip\n");
 }
 
-// Up to 40 units each has a row; of 41 those that touch, and the others are counted.
+// Up to 40 units have a row each; of 41 the touching ones do, and the others are counted.
 TEST(Summary, OfManyUnitsThoseThatTouchAreShown) {
   for (const std::size_t units : {40U, 41U}) {
     TrialSummary trial = small_trial();
@@ -80,7 +80,7 @@ TEST(Summary, OfManyUnitsThoseThatTouchAreShown) {
   }
 }
 
-// 20 samples in contact: recalls 3/4, 2/3 and 12/13, and 2 + 1 + 12 of 16 that slip are seen.
+// 20 samples in contact: recalls 3/4, 2/3 and 12/13; 2 + 1 + 12 of 16 slipping ones are detected.
 DetectorSummary small_detector() { return {"ratio", "pad", {{{4, 1, 0, 0}, {0, 3, 1, 0}, {0, 1, 2, 0}, {0, 0, 1, 12}}}}; }
 
 TEST(Summary, SaysWhoseConverterWasAtItsEnd) {
@@ -97,7 +97,7 @@ TEST(Summary, SaysWhoseConverterWasAtItsEnd) {
 
 constexpr const char* small_figures = "; recall of slip 93.8 %, balanced accuracy 78.0 % (any constant answer: 33.3 %)\n";
 
-// A constant answer has the balanced accuracy of 1 in 3 states.
+// A constant answer has a balanced accuracy of 1 in 3 states.
 TEST(Summary, TrialSaysHowTheDetectorDid) {
   TrialSummary trial = small_trial();
   trial.detector = small_detector();
@@ -133,8 +133,8 @@ TEST(Summary, CallsTheOracleWhatItIs) {
   EXPECT_THAT(sweep_text(summary, Style(false)), HasSubstr("\n  oracle (truth) "));
 }
 
-// Six trials with `ratio`: two see their slip, after 10 and 30 ms, one alarms before it, one misses it; of two that do not slip one alarms. One
-// trial with another detector.
+// Six trials with `ratio`: two detect their slip, after 10 and 30 ms, one alarms before it, one
+// misses it; of two without slip one alarms. One trial with another detector.
 SweepSummary detector_sweep() {
   SweepSummary summary;
   summary.trials.assign(7, small_trial());
@@ -149,7 +149,7 @@ SweepSummary detector_sweep() {
   };
   see(0, 0.01);
   see(2, 0.03);
-  // As an early one shows slip at once when it begins, 0.4 ms after: no delay.
+  // An early alarm still on when slip begins, 0.4 ms after: no delay.
   summary.trials[1].outcome.false_alarm_time = 0.166;
   summary.trials[1].outcome.detection_time = 1.2504;
   summary.trials[1].outcome.detection = Detection::early;
@@ -162,7 +162,8 @@ SweepSummary detector_sweep() {
   return summary;
 }
 
-// Recalls of ratio over its trials: (4 3 + 40)/(4 4 + 40), 2/3 and 12/13, whose mean is 0.8394; of slip 15/16.
+// Recalls of ratio over its trials: (4 3 + 40)/(4 4 + 40), 2/3 and 12/13, with a mean of 0.8394; of
+// slip 15/16.
 TEST(Summary, SweepSaysHowEachDetectorDid) {
   EXPECT_THAT(
       sweep_text(detector_sweep(), Style(false)),
@@ -195,7 +196,7 @@ TEST(Summary, JsonSaysTheSameOfEachDetector) {
   EXPECT_TRUE(nlohmann::ordered_json::parse(scores[1].dump()).at("median_delay_s").is_null());
 }
 
-// A grasp by `type` and step_on_slip; of an ideal 2 N.
+// A grasp by `type` and step_on_slip, with an ideal force of 2 N.
 TrialSummary small_grasp(const std::string& type, bool dropped, const std::string& params = "{}") {
   TrialSummary trial = small_trial();
   trial.params = params;
@@ -246,8 +247,8 @@ TEST(Summary, BoxThatIsNotLiftedIsNotHeld) {
               HasSubstr("turned 1.00 deg; lifted by 99.8 mm; grip force up to"));
 }
 
-// Ten of ten with one detector, one of two with another; all or none of n are certain to p^n = 0.025, one of two to
-// 1 - (1 - p)^2 = 0.025.
+// Ten of ten with one detector, one of two with another; the bounds for all or none of n solve p^n
+// = 0.025, for one of two 1 - (1 - p)^2 = 0.025.
 TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
   SweepSummary summary;
   for (int i = 0; i < 10; ++i) summary.trials.push_back(small_grasp("truth", false, R"({"detector.ratio": null})"));
@@ -276,7 +277,7 @@ TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
   EXPECT_EQ(json.at(1).at("median_reaction_time_s").dump(), "null");
 }
 
-// 30 thresholds, each drawn once: one row says more than 30 of one trial.
+// 30 thresholds, each drawn once: one row is more useful than 30 with one trial each.
 TEST(Summary, ManySweptParametersShareARow) {
   SweepSummary summary;
   for (int i = 0; i < 30; ++i)
@@ -320,7 +321,7 @@ TEST(Summary, SweepShowsHowManyTrialsReachedEachStageAndWhen) {
 
 TEST(Summary, UnitsThatSlipTogetherShareARank) {
   TrialSummary trial = small_trial();
-  trial.sensors[0].units[1].onset_time = 1.25 + 1e-12;  // the same instant but for rounding
+  trial.sensors[0].units[1].onset_time = 1.25 + 1e-12;  // the same instant up to rounding
   EXPECT_THAT(trial_text(trial, sensors, Style(false)),
               AllOf(HasSubstr("1.2500 s      1  1.25 mm"), HasSubstr("1.2500 s      1  0.00 mm")));
 }
@@ -340,7 +341,7 @@ TEST(Summary, SceneShowsWhatIsMoved) {
   scene.friction = {0.5, 0.25};
   scene.motion.name = "stage";
   scene.motion.parameters.set("speed", 0.0040123456);
-  scene.motion.parameters.set("stop", std::numeric_limits<double>::infinity());  // never: not worth a word
+  scene.motion.parameters.set("stop", std::numeric_limits<double>::infinity());  // never, so not shown
   EXPECT_EQ(
       scene_text(scene, catalogues, Style(false), 100),
       "A test\n  surface: glass (plane), mu_static 0.5, mu_kinetic 0.25\n  motion:  stage, speed 4.012 mm/s\n  effects: none\n\n");
@@ -351,7 +352,7 @@ TEST(Summary, SpeedIsSimulatedTimeOverRealTime) {
   summary.trials.resize(100);
   summary.simulated = 400.0;
   summary.computed = 0.25;
-  // Of the command 400/2, of the steps 400/0.25.
+  // 400/2 for the command, 400/0.25 for the steps.
   EXPECT_EQ(speed_text(summary, 2.0), "400 s simulated in 2 s: 200 x real time, 50 trials/s; one core steps at 1.6k x real time");
   summary.trials.resize(1);
   EXPECT_EQ(speed_text(summary, 2.0), "400 s simulated in 2 s: 200 x real time; one core steps at 1.6k x real time");

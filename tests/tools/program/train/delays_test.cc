@@ -34,7 +34,7 @@ TEST_F(DelaysTest, AFrameAtTheOnsetIsNotBeforeIt) {
 }
 
 TEST_F(DelaysTest, TheFirstCallDecides) {
-  using Counts = std::array<std::size_t, 6>;  // seen, early, missed, false alarms; of those that slip; all
+  using Counts = std::array<std::size_t, 6>;  // detected, early, missed, false alarms; trials with slip; all trials
   const auto told = [&](const std::vector<PadState>& called, double onset) {
     Delays one;
     one.add(time, called, onset);

@@ -58,8 +58,9 @@ TEST_F(SequencesTest, LabelsAndOnsetFollowTheRule) {
   EXPECT_LT(micro.onset, strict.onset);
 }
 
-// In 0.1 s the pad goes 0.1 or 1.6 mm, less than any and more than every pillar needs: with mu 0.5 and k_n/k_t 1.2/0.65 a tip compressed
-// by 0.6 mm lets go after 0.55 mm. Both stop; only what has slipped stays so.
+// In 0.1 s the pad goes 0.1 or 1.6 mm, less than any and more than every pillar needs: with mu 0.5
+// and k_n/k_t 1.2/0.65 a tip compressed by 0.6 mm lets go after 0.55 mm. Both stop; only what has
+// slipped stays so.
 TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
   const std::string file = dataset({{"sweep.motion.speed", "[1 mm/s, 16 mm/s]"},
                                     {"motion.stop", "0.1 s"},
@@ -100,8 +101,9 @@ TEST_F(SequencesTest, KnowTheMotion) {
   }
 }
 
-// With a faster sensor beside the pad the bodies have that one's times. It samples at k/100 s and 0.1 ms before; the motion begins
-// between the two, so that frame k is the first to move only where its own time is known again among the bodies'.
+// With a faster sensor beside the pad the bodies have that one's times. It samples at k/100 s and
+// 0.1 ms before; the motion begins between the two, so that frame k is the first to move only where
+// its own time is known again among the bodies'.
 TEST_F(SequencesTest, MotionIsThatOfTheFramesOwnTime) {
   std::string starts;
   for (int k = 21; k <= 36; ++k) starts += (k == 21 ? "" : ", ") + std::to_string(10 * k - 1) + ".95 ms";
@@ -124,7 +126,8 @@ TEST_F(SequencesTest, OtherRatesOfTheDevice) {
               AllOf(HasSubstr("b.h5: trial 0: sensor pad samples at 250 Hz"), HasSubstr("a multiple of the detector's 100 Hz")));
 }
 
-// Two pads with 4 N at mu 0.12 hold 2 4 0.12 = 0.96 N of the 1.96 N that the box weighs: it slips when it is lifted.
+// Two pads with 4 N at mu 0.12 hold 2 4 0.12 = 0.96 N of the 1.96 N that the box weighs: it slips
+// when it is lifted.
 TEST_F(SequencesTest, GraspIsOneCondition) {
   SweepOptions options;
   options.scene_path = project_file("scenes/grasp/learn.yaml");
@@ -193,8 +196,8 @@ TEST(Bootstrap, EveryConditionTrainsAsOftenAsItHasItems) {
 }
 
 TEST(Bootstrap, LeavesTheShareOfTheClosedForm) {
-  // Each of 10 items is missed by 10 draws with probability 0.9^10 = 0.34868. 300 draws of 200 items: the standard error is at most
-  // sqrt(0.349 0.651 / 60,000) = 0.0019.
+  // Each of 10 items is missed by 10 draws with probability 0.9^10 = 0.34868. 300 draws of 200
+  // items: the standard error is at most sqrt(0.349 0.651 / 60,000) = 0.0019.
   const std::vector<std::size_t> conditions = mixed_conditions();
   std::size_t tested = 0;
   for (std::size_t draw = 0; draw < 300; ++draw) tested += 200 - bootstrap(conditions, 1, draw).distinct();

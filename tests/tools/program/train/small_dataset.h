@@ -1,4 +1,4 @@
-// A dataset that is made in a tenth of a second.
+// A dataset made in a tenth of a second.
 #pragma once
 
 #include <fstream>
@@ -10,7 +10,8 @@
 
 namespace slipbench::testing {
 
-// 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, twelve draws of direction and friction each.
+// 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, with twelve draws of
+// direction and friction each.
 inline constexpr const char* small_scene = R"(slipbench: 1
 description: short slides
 duration: 0.4 s

@@ -25,14 +25,14 @@ hd::Model small_model(hd::Encoding encoding = hd::Encoding::graph_spatial_tempor
   return model;
 }
 
-// All pillars lean by `lean` of their 1 mm of compression.
+// All pillars lean by `lean` times their 1 mm of compression.
 Displacements leaning(float lean) {
   Displacements frame{};
   for (std::size_t p = 0; p < 9; ++p) frame[3 * p] = 1e-3F * lean, frame[3 * p + 2] = 1e-3F;
   return frame;
 }
 
-// `rows` frames by chance that all touch.
+// `rows` random frames in which all touch.
 Sequence random_sequence(std::size_t trial, std::size_t rows) {
   RandomStream random(1, trial, "test");
   Sequence sequence;
@@ -82,8 +82,9 @@ TEST(Encode, NamesTheTrialThatDoesNotFit) {
               mentions({"trial 7", "0.02 s"}));
 }
 
-// Three classes whose vectors differ in 120 bits of 200, with five more turned in each sample. By a single pass the prototypes differ in those 120.
-// Sums that begin at 0 are 0 together: no bit can have one sign in all three, so that over the pairs 400 bits differ, but for ties.
+// Three classes whose vectors differ in 120 bits of 200, with five more flipped in each sample.
+// With a single pass the prototypes differ in those 120. Sums that begin at 0 add up to 0: no bit
+// can have one sign in all three, so 400 bits differ over the pairs, except ties.
 TEST(Fit, EpochsKeepPrototypesApart) {
   hd::Model model = small_model(hd::Encoding::spatial, false);
   const hd::Memories memories = hd::generate(model, 1);
@@ -114,7 +115,7 @@ TEST(Fit, EpochsKeepPrototypesApart) {
   EXPECT_NE(apart(5, 2), few);  // another order
 }
 
-// What the loop would be told by the engine, by either code path.
+// The engine's result in the loop, with either code path.
 TEST(Classifier, SaysWhatTheEngineSays) {
   const std::vector<Sequence> sequences{random_sequence(0, 300)};
   for (const bool context : {true, false}) {
@@ -144,7 +145,8 @@ TEST(Classifier, GivesTiesToTheHigherClass) {
   EXPECT_EQ(Classifier(model, memories).classify(samples[0]), gross);
 }
 
-// The lean alone says the class, so that every query of a class equals its prototype and every test frame is called right.
+// The lean alone determines the class, so that every query of a class equals its prototype and
+// every test frame is right.
 TEST(CrossValidation, IsPerfectWhereTheClassIsInTheFrame) {
   std::vector<Sequence> sequences;
   for (std::size_t trial = 0; trial < 12; ++trial) {
@@ -166,7 +168,7 @@ TEST(CrossValidation, IsPerfectWhereTheClassIsInTheFrame) {
   }
 }
 
-// Sequence k gives 2^k samples, so that the number of tested samples says which sequences were tested.
+// Sequence k gives 2^k samples, so the number of tested samples shows which sequences were tested.
 TEST(CrossValidation, TestsTheSequencesThatDidNotTrainAndNoOther) {
   std::vector<Sequence> sequences;
   std::vector<std::size_t> conditions;
@@ -203,7 +205,7 @@ struct TrainTest : SmallDatasetTest {
     HdTraining training;
     training.dataset = data;
     training.model = small_model();
-    training.all = true;  // of the 24 trials, whatever their masks
+    training.all = true;  // all 24 trials, ignoring their masks
     training.jobs = jobs;
     training.output = path(folder);
     return training;
@@ -241,7 +243,7 @@ TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
   EXPECT_THAT(refusal_of([&] { train_hd(training); }), mentions({"0", "24 slip", "paper"}));
 }
 
-// A pad that is pressed on and never moved does not slip: any answer of "non-slip" would be right.
+// A pad that is pressed and never moved does not slip: "non-slip" would always be right.
 TEST_F(TrainTest, RefusesDataWithoutASlip) {
   HdTraining training = options(dataset({{"sweep.motion.speed", "[0 mm/s]"}}), "memories", 1);
   EXPECT_THAT(refusal_of([&] { train_hd(training); }), mentions({"0 slip", "paper"}));
@@ -269,8 +271,8 @@ TEST_F(TrainTest, TeachesThePublishedCoresBundleAndEpochs) {
   EXPECT_NE(files_of("core")[0], files_of("paper")[0]);
 }
 
-// Shares of 1/2, 1/4 and 1/4 of 24 trials: 12 teach, and of the others nothing is seen, neither by
-// the draws nor by what is saved.
+// Shares of 1/2, 1/4 and 1/4 of 24 trials: 12 are for training, and the others influence neither
+// the draws nor the saved model.
 TEST_F(TrainTest, LearnsFromThePartTrainAlone) {
   const std::string data = dataset({{"split", "{by: trial, shares: [0.5, 0.25, 0.25]}"}});
   HdTraining training = options(data, "part", 1);
@@ -293,8 +295,8 @@ TEST_F(TrainTest, LearnsFromThePartTrainAlone) {
   EXPECT_NE(files_of("all")[0], files_of("part")[0]);
 }
 
-// The memory that ships for any surface. Its prototypes stand apart, and one bit in a hundred turned, as in a worn memory, changes few answers
-// to trials that did not teach.
+// The memory shipped for any surface. Its prototypes differ clearly, and flipping one bit in a
+// hundred, as in a worn memory, changes few answers on trials not used for training.
 TEST_F(TrainTest, TheShippedMemoryIsNoRuleOfAFewBits) {
   hd::SavedModel saved = hd::load(SLIPBENCH_SOURCE_DIR "/detectors/hd/memories/learn_gst_hd");
   std::vector<hd::Hypervector>& prototypes = saved.memories.associative;
@@ -328,7 +330,7 @@ TEST_F(TrainTest, TheShippedMemoryIsNoRuleOfAFewBits) {
   EXPECT_LT(changed, whole.size() / 25);
 }
 
-// The dataset is not there: what is refused first is what was looked at first.
+// The dataset does not exist: the error shows what is checked first.
 TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
   std::ofstream(path("own.html")) << "years of work";
   EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html", 1)); }), mentions({"own.html", "folder"}));

@@ -1,4 +1,6 @@
-"""A trial of every shipped scene holds, and one of each effect. Arguments: the project's root, the program."""
+"""A trial of every shipped scene, and one of each effect, verifies. Arguments: the project's root,
+the program.
+"""
 
 import json
 import subprocess
@@ -10,7 +12,7 @@ from pathlib import Path
 PROGRAM = Path(sys.argv.pop(2)).resolve()
 ROOT = Path(sys.argv.pop(1)).resolve()
 STAGE = ROOT / "scenes/papillarray/stage.yaml"
-# What a scene needs beside the effect.
+# Settings that the effect needs.
 WITH = {"asperities": ["effects=[inertia, asperities]"], "roughness": ["effects=[roughness]", "time_step=auto"]}
 
 
@@ -28,7 +30,7 @@ class ScenesTest(unittest.TestCase):
         datasets = json.loads(result.stdout)["datasets"]
         for dataset in datasets:
             self.assertEqual([], dataset["failures"], dataset["file"])
-            for check in dataset["checks"]:  # contact: of scenes with bodies alone
+            for check in dataset["checks"]:  # contact: only for scenes with bodies
                 self.assertTrue(check["checked"] > 0 or (check["check"] == "contact" and check["left_out"]), dataset["file"])
         self.assertEqual(result.returncode, 0)
         return datasets
@@ -45,7 +47,7 @@ class ScenesTest(unittest.TestCase):
             path = run(self.folder / f"{name}.h5", STAGE, "--set", *WITH.get(name, [f"effects=[{name}]"]))
             (dataset,) = self.expect_to_hold([path])
             (cone,) = (check for check in dataset["checks"] if check["check"] == "cone")
-            exempt = name not in ("elastic_skin", "lean", "texture", "roughness", "viscoelastic")  # which change no friction
+            exempt = name not in ("elastic_skin", "lean", "texture", "roughness", "viscoelastic")  # these change no friction
             self.assertEqual(exempt, any(name in why for why in cone["left_out"]), name)
 
 

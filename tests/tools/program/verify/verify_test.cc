@@ -14,7 +14,8 @@
 namespace slipbench::testing::verify_test {
 namespace {
 
-// Pressed until 0.46 s, then moved sideways at 4 mm/s: all pillars slip from some 0.6 s on, as `sliding` says.
+// Pressed until 0.46 s, then moved sideways at 4 mm/s: all pillars slip from some 0.6 s on, see
+// `sliding`.
 const std::string scene_text = R"(slipbench: 1
 duration: 0.9 s
 time_step: 1 ms
@@ -31,7 +32,7 @@ struct VerifyTest : FolderTest {
     static const TrialRecord record = run_trial(parsed(scene_text), 0, Recording::full).record;
     return record;
   }
-  // A dataset of trials 0 to 2, of which 1 is changed.
+  // Writes a dataset of trials 0 to 2, with trial 1 changed.
   std::string write(const std::function<void(TrialRecord&)>& change, bool complete = true,
                     std::uint64_t limit = DatasetWriter::default_shard_limit) {
     SweepWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, limit);
@@ -43,7 +44,7 @@ struct VerifyTest : FolderTest {
     }
     return complete ? (writer.commit(), path("a.h5")) : writer.keep().front();
   }
-  // What fails: "cone: trial 1, labels/pad/force, sample 3: ...".
+  // Returns the failed checks: "cone: trial 1, labels/pad/force, sample 3: ...".
   std::vector<std::string> failures(const std::function<void(TrialRecord&)>& change) {
     const Verified verified = verify_datasets({write(change)});
     std::vector<std::string> list;
@@ -73,11 +74,12 @@ LabelRecord& labels_of(TrialRecord& record) { return record.sensors[0].labels; }
 TEST_F(VerifyTest, SoundDatasetHolds) {
   EXPECT_THAT(failures([](TrialRecord&) {}), IsEmpty());
   const LabelRecord& labels = sound().sensors[0].labels;
-  ASSERT_EQ(labels.state.at(pressed), 1U);  // the samples that the tests below change are what they take them for
+  ASSERT_EQ(labels.state.at(pressed), 1U);  // the samples changed by the tests below are in the expected states
   ASSERT_EQ(labels.state.at(sliding), 3U);
 }
 
-// Two level plates that lie half over each other, under a pad that is 0.3 mm deep: the middle pillar presses with k_n d = 7100 N/m x 0.3 mm.
+// Two level plates that overlap by half, under a pad 0.3 mm deep: the middle pillar presses with
+// k_n d = 7100 N/m x 0.3 mm.
 const std::string plates_text = R"(slipbench: 1
 duration: 0.7 s
 time_step: 1 ms
@@ -115,7 +117,7 @@ TEST(VerifyContact, AnElementPressesOnOneSurface) {
               ElementsAre(HasSubstr("unit 4: has let go, and element 4 is still 0.3 mm deep in what it touched")));
 }
 
-// A dataset of one trial of the scene.
+// Verifies a dataset of one trial of the scene.
 Verified verified_run(const std::string& path, const std::string& text) {
   const Scene scene = parsed(text);
   DatasetWriter writer(path, {"1.2.3", text, "{}", scene.seed, "slipbench run a.yaml"});
@@ -124,8 +126,8 @@ Verified verified_run(const std::string& path, const std::string& text) {
   return verify_datasets({path});
 }
 
-// By a rate law the bristles that slip bear up to mu g(w) f_n, more than mu_static f_n, while
-// others of their pillar stick: a pillar that slips in part has a margin below 0
+// With a rate law slipping bristles carry up to mu g(w) f_n, more than mu_static f_n, while others
+// of their pillar stick: a partly slipping pillar has a margin below 0
 // (ViscousFriction.PartOfAUnitThatSlipsBearsMoreThanStaticFriction).
 TEST_F(VerifyTest, PillarsThatSlipInPartUnderARateLawHold) {
   const Verified verified = verified_run(
@@ -136,8 +138,7 @@ TEST_F(VerifyTest, PillarsThatSlipInPartUnderARateLawHold) {
   EXPECT_TRUE(verified.holds) << verified.datasets.dump(1);
 }
 
-// What slips to all sides alike has no direction: a dome that is pressed straight spreads at its
-// rim.
+// Slip to all sides alike has no direction: a dome pressed straight spreads at its rim.
 TEST_F(VerifyTest, SlipWithoutTranslationHasNoDirection) {
   const Verified dome = verified_run(
       path("a.h5"),
@@ -156,7 +157,8 @@ TEST_F(VerifyTest, SlipWithoutTranslationHasNoDirection) {
       HasSubstr("values: labels/pad/slip_direction 48: is 0.5 rad, and the units that slip have a mean velocity of 0 m/s"));
 }
 
-// The points of a unit meet a sphere's faces of several directions, whose margins add up to no margin of the unit's force.
+// A unit's points touch a sphere in several directions, and their margins do not combine to a
+// margin of the unit's force.
 TEST_F(VerifyTest, UnitsOfSeveralPointsOnASphereHold) {
   const std::string text =
       "slipbench: 1\nduration: 1 s\nsurface: {shape: sphere, radius: 20 mm}\nmotion: {compression: 0.6 mm, start: 0.5 s}\n"
@@ -224,7 +226,7 @@ TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
   EXPECT_TRUE(partial.holds);
   EXPECT_FALSE(partial.datasets.at(0).at("complete"));
   std::filesystem::remove_all(path("a.h5.partial"));
-  const std::string first = write([](TrialRecord&) {}, true, 100'000);  // a trial takes more: a file each
+  const std::string first = write([](TrialRecord&) {}, true, 100'000);  // a trial takes more, so each gets a file
   const Verified verified = verify_datasets({path("a-0002.h5"), first, path("none.h5")});
   EXPECT_TRUE(verified.holds);
   EXPECT_FALSE(verified.readable);

@@ -1,9 +1,8 @@
-"""`slipbench view --rerun` with the test's own Python.
+"""Tests `slipbench view --rerun` with the test's own Python: rerun_test.py PROGRAM.
 
-    rerun_test.py PROGRAM
-
-A module of the test stands in for rerun-sdk, which takes 700 MB, and writes down what it is sent. Where the real one is there too, a recording is saved
-by it and read back."""
+A module of the test replaces rerun-sdk, which takes 700 MB, and records what it is sent. If the
+real one is installed, too, it saves a recording, which is read back.
+"""
 
 import importlib.util
 import json
@@ -23,7 +22,7 @@ motion: {kind: stage, gap: 0.1 mm, compression: 1 mm, approach_speed: 20 mm/s, s
 sensors: {pad: {type: papillarray, rate: 1 kHz}}
 sweep: {motion.speed: [8 mm/s, 16 mm/s], trials: 4}
 """
-# Rerun as far as it is used. A call of anything else, such as log(), which sends a row, fails.
+# Rerun as far as it is used. Any other call, such as log(), which sends a row, fails.
 STAND_IN = """
 import atexit, json, os
 said = []
@@ -83,11 +82,11 @@ class Rerun(unittest.TestCase):
         self.assertEqual((timeline, rows, first, columns["shape"], columns["type"]), ("trial_time", 500, 0.0, [500, 27], "float64"))
         self.assertAlmostEqual(last, 0.499, places=9)
         self.assertEqual(sent["labels/pad/state"][4]["shape"], [500, 1])
-        # The stage's pad does not turn: the real part, which is stored first and sent last, is 1 or -1.
+        # The stage's pad does not turn: the real part, stored first and sent last, is 1 or -1.
         pose = sent["truth/surface/pose"][4]
         self.assertEqual(pose["translation"], [500, 3])
         self.assertEqual([abs(part) for part in pose["first_turn"]], [0.0, 0.0, 0.0, 1.0])
-        # Every array with rows in time once, and nothing else.
+        # Every array with rows in time is sent once, and nothing else.
         self.assertEqual(len(sent), sum(one[0] == "columns" for one in said))
         self.assertFalse([name for name in sent if "events" in name or name.endswith("/t")])
         self.assertEqual([path.name for path in self.folder.glob("slipbench-rerun-*")], [], "what Python read is left behind")
@@ -107,7 +106,7 @@ class Rerun(unittest.TestCase):
 
     def test_follows_a_run(self):
         self.use(STAND_IN)
-        # A run that takes seconds: two speeds, 2400 draws each, so that there is more than one batch.
+        # A run of seconds: two speeds, 2400 draws each, so that there is more than one batch.
         run = subprocess.Popen([PROGRAM, "sweep", "scene.yaml", "--trials", "2400", "--jobs", "1", "-o", "a.h5", "--quiet"], cwd=self.folder)
         self.addCleanup(run.wait)
         end = time.monotonic() + 60

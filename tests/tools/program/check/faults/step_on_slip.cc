@@ -1,4 +1,5 @@
-// A copy of the controller step_on_slip as a shared library, with a fault planted by the build: FAULT names one of Fault.
+// A copy of the controller step_on_slip as a shared library with a planted fault: FAULT names one
+// of Fault.
 #include <cstddef>
 #include <cstring>
 #include <deque>
@@ -11,10 +12,10 @@ enum class Fault {
   none,
   never_tightens,  // on slip
   late,            // acts 200 ms later on slip
-  stuck_sensor,    // sees for ever what it saw when the preset force was reached
+  stuck_sensor,    // keeps the sample from when the preset force was reached
   wrong_sign,      // opens on slip
   overshoots,      // 20 counts on slip: beyond the force limit
-  latches,         // slip once seen is seen for ever
+  latches,         // slip seen once is seen for ever
 };
 constexpr Fault fault = Fault::FAULT;
 
@@ -22,7 +23,7 @@ constexpr std::size_t late_by = 10;  // periods of 20 ms
 
 class Controller {
  public:
-  // `first`, `units`: where the frame holds the forces {units, 3}.
+  // `first`, `units`: place of the forces {units, 3} in the frame.
   Controller(std::size_t first, std::size_t units) : first_(first), units_(units) {}
 
   slipbench_grip_command update(const slipbench_control_input& input) {
@@ -53,7 +54,7 @@ class Controller {
   }
 
   std::size_t first_, units_;
-  double held_ = 0.0;  // N, seen last
+  double held_ = 0.0;  // N, last value
   bool latched_ = false;
   std::deque<bool> line_;
 };

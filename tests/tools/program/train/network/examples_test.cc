@@ -24,7 +24,7 @@ network::Input signal_frames() {
   return input;
 }
 
-// Their spectra from 50 to 600 Hz: 12 bins. The floor is that of rounding to whole counts.
+// Spectra from 50 to 600 Hz: 12 bins. The floor is that of rounding to whole counts.
 network::Input spectra() {
   network::Input input = signal_frames();
   input.window = 200;
@@ -36,7 +36,7 @@ network::Input spectra() {
   return input;
 }
 
-// 450 samples of a piezo_skin that sticks: frames of 200 end with the samples 199, 299 and 399.
+// 450 samples of a sticking piezo_skin: frames of 200 end with the samples 199, 299 and 399.
 SensorRecord skin(std::size_t samples = 450) {
   SensorRecord sensor;
   sensor.name = "skin";
@@ -60,8 +60,8 @@ Example example(const SensorRecord& sensor, LabelRule labels, const TrialRecord&
   return example_of(record, sensor, options);
 }
 
-// A sine of 300 Hz has six whole periods in a frame: its variance a^2/2 is all in the bin of 300 Hz, 50 Hz wide. Silence is that of rounding,
-// 1/12 counts^2 over 5 kHz.
+// A sine of 300 Hz has six whole periods in a frame: its variance a^2/2 is all in the bin of 300
+// Hz, 50 Hz wide. Silence has the level of rounding, 1/12 counts^2 over 5 kHz.
 TEST(PiezoFrames, OfASineAreOneBin) {
   SensorRecord sensor = skin();
   constexpr double amplitude = 40.0, rounding = 1.0 / 12.0 / 5000.0;
@@ -77,7 +77,7 @@ TEST(PiezoFrames, OfASineAreOneBin) {
   }
 }
 
-// By each rule slip begins elsewhere; a frame has the label of its last sample.
+// Each rule has another beginning of slip; a frame has the label of its last sample.
 TEST(Example, LabelsAFrameByItsEnd) {
   SensorRecord sensor = skin();
   set(sensor.labels.state_micro, 250, 450, PadState::incipient);
@@ -94,7 +94,8 @@ TEST(Example, LabelsAFrameByItsEnd) {
   EXPECT_TRUE(std::isnan(example(sensor, LabelRule::strict).onset));
 }
 
-// Slip from 150 to 250, then rest, contact lost from 380 on, touched again from 390 on: the frames end in slip, in rest, and in a new contact.
+// Slip from 150 to 250, then rest, contact lost from 380 on, touched again from 390 on: the frames
+// end in slip, in rest, and in a new contact.
 TEST(Example, LatchesOrMasksRestAfterASlip) {
   SensorRecord sensor = skin();
   set(sensor.labels.state_micro, 150, 250, PadState::incipient);
@@ -109,8 +110,8 @@ TEST(Example, LatchesOrMasksRestAfterASlip) {
   EXPECT_THAT(example(sensor, LabelRule::tightened, grasp).frames.label, ElementsAre(1, 0, 0));
 }
 
-// Four units at the corners of a square of 2 mm: all go along, turn about the middle, or do both, the turn slower at the rim than what they go
-// along by, or faster.
+// Four units at the corners of a square of 2 mm: all translate, turn about the middle, or do both,
+// with a rim speed below or above the translation.
 TEST(Example, TellsTranslationFromRotation) {
   SensorRecord sensor = skin(200);
   sensor.labels.k_normal.assign(4, 1.0);
@@ -132,10 +133,10 @@ TEST(Example, TellsTranslationFromRotation) {
   EXPECT_EQ(label(0.0, 0.0, 1.0), 2);
   EXPECT_EQ(label(0.0, -1e-3, 0.9), 1);  // 0.9 mm/s at the rim
   EXPECT_EQ(label(0.0, -1e-3, 1.1), 2);
-  EXPECT_EQ(label(0.0, 0.0, 0.0), masked);  // by the label it slips, and nothing moves
+  EXPECT_EQ(label(0.0, 0.0, 0.0), masked);  // slipping by its label, but nothing moves
 }
 
-// By what the motion was told; without contact there is no direction. Samples 0 to 249 touch nothing.
+// By the commanded motion; without contact there is no direction. Samples 0 to 249 have no contact.
 TEST(Example, HasTheDirectionOfItsMotion) {
   SensorRecord sensor = skin();
   set(sensor.labels.state_micro, 0, 250, PadState::no_contact);
@@ -158,7 +159,7 @@ TEST(Example, HasTheDirectionOfItsMotion) {
   EXPECT_EQ(label("0", "-0.66", "0"), "aw");
   EXPECT_EQ(label("0", "0", "0"), "t");
   EXPECT_THROW(label("0", "0", "null"), InputError);
-  TrialRecord imported;  // says its class, and nothing of the truth
+  TrialRecord imported;  // has its class, but no truth
   imported.params = R"({"object": "pen", "class": "cw"})";
   sensor.labels.state_micro.clear();
   sensor.labels.truth = false;
@@ -171,7 +172,8 @@ TEST(Example, HasTheDirectionOfItsMotion) {
   EXPECT_EQ(example_of(imported, sensor, options).object, R"(object="pen")");
 }
 
-// By `latched`, 600 samples of which 100 touch nothing, then: all stick, a whole unit slips, more than half slip, all stick again.
+// By `latched`: 600 samples, the first 100 without contact; then all stick, a whole unit slips,
+// more than half slip, all stick again.
 TEST(Example, SlipsInItsDirectionFromWhereMoreThanHalfDoes) {
   SensorRecord sensor = skin(600);
   set(sensor.labels.state_micro, 0, 600, PadState::non_slip);
@@ -194,7 +196,7 @@ TEST(Example, SlipsInItsDirectionFromWhereMoreThanHalfDoes) {
 
 TEST(Example, KeepsAtMostSoManyOfAClass) {
   SensorRecord sensor = skin(2200);                                 // 21 frames
-  set(sensor.labels.state_micro, 1200, 2200, PadState::incipient);  // those that end with 1299 to 2199: ten
+  set(sensor.labels.state_micro, 1200, 2200, PadState::incipient);  // frames that end with 1299 to 2199: ten
   ExampleOptions options;
   options.input = spectra();
   options.at_most = 4;
@@ -218,7 +220,7 @@ TEST(Example, OtherSensorsAreRefused) {
   EXPECT_THAT(refusal_of([&] { example(unlabelled, LabelRule::micro); }), mentions({"0 states", "micro", "450 samples"}));
 }
 
-// A recording has its set's own labels alone, and a rate that is a little off.
+// A recording has only its set's own labels, and a rate that is slightly off.
 TEST(Example, OfARecordingIsByItsOwnLabels) {
   SensorRecord recording = skin();
   recording.labels.state_micro.clear();
@@ -253,7 +255,8 @@ std::vector<Example> trials(std::size_t count) {
   return all;
 }
 
-// Of 20 trials a fifth judges, of the other 16 a fifth validates, rounded up: 4 and 4. Half of them touch.
+// Of 20 trials a fifth is for judging, and of the other 16 a fifth for validation, rounded up: 4
+// and 4. Half of them touch.
 TEST(SplitExamples, DealsTrialsOutWithAndWithoutContact) {
   const std::vector<Example> all = trials(20);
   const std::vector<Part> parts = split_examples(all, Split::trial, 0.2, 1);
@@ -267,7 +270,8 @@ TEST(SplitExamples, DealsTrialsOutWithAndWithoutContact) {
   EXPECT_EQ(std::ranges::count(split_examples(all, Split::trial, 0.0, 1), Part::judges), 0);
 }
 
-// Ten experiments, each made twice: 2 judge and of the other 8 a fifth validates, rounded up, and both of a pair are in the same part.
+// Ten experiments, each done twice: 2 are for judging and a fifth of the other 8 for validation,
+// rounded up; both of a pair are in one part.
 TEST(SplitExamples, KeepsTwinsTogether) {
   std::vector<Example> all = trials(20);
   for (std::size_t i = 0; i < 20; ++i) {
@@ -280,7 +284,8 @@ TEST(SplitExamples, KeepsTwinsTogether) {
   EXPECT_EQ(std::ranges::count(parts, Part::validates), 4);
 }
 
-// Eight classes of five trials each: a fifth of 40 judges, 8, and a fifth of 32 validates, 7. Each part has its share of each class, none twice.
+// Eight classes of five trials each: a fifth of 40, 8, is for judging, and a fifth of 32, 7, for
+// validation. Each part has its share of each class, without repetition.
 TEST(SplitExamples, DealsEachClassOut) {
   std::vector<Example> all = trials(40);
   for (std::size_t i = 0; i < 40; ++i) {
@@ -298,7 +303,7 @@ TEST(SplitExamples, DealsEachClassOut) {
   }
 }
 
-// What judges is never learnt: one of three materials, one of four octaves of speed.
+// Test groups are never trained on: one of three materials, one of four octaves of speed.
 TEST(SplitExamples, HoldsAWholeGroupOut) {
   const std::vector<Example> all = trials(24);
   for (const Split split : {Split::material, Split::speed}) {
@@ -314,7 +319,7 @@ TEST(SplitExamples, HoldsAWholeGroupOut) {
   }
 }
 
-// Both sensors of a trial are on one side, and what is turned only learns.
+// Both sensors of a trial are on one side, and turned copies are for training only.
 TEST(SplitExamples, KeepsATrialTogether) {
   std::vector<Example> all = trials(10);
   for (std::size_t i = 0; i < 10; ++i) {
@@ -325,14 +330,13 @@ TEST(SplitExamples, KeepsATrialTogether) {
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(parts[10 + i], parts[i] == Part::learns ? Part::learns : Part::left_out);
 }
 
-// Of 20 trials in parts of 10, 0 and 10 a fifth of the first ten validates, 2. Ten more without a
-// part are dealt out as ever: a fifth judges, 2.
+// Of 20 trials in parts of 10, 0 and 10, a fifth of the first ten, 2, is for validation. Ten more
+// without a part are dealt out as usual: a fifth, 2, is for judging.
 TEST(SplitExamples, KeepsToThePartsOfADataset) {
   std::vector<Example> all = trials(20);
   for (Example& example : all) example.part = example.trial % 2 == 0 ? "train" : "test";
   all[3].part = "none";
-  std::vector<Part> parts =
-      split_examples(all, Split::object, 0.0, 1);  // nothing is known of objects, and nothing is divided by them
+  std::vector<Part> parts = split_examples(all, Split::object, 0.0, 1);  // no objects are known, and nothing is divided by them
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(parts[i] == Part::judges, i % 2 == 1 && i != 3) << i;
   EXPECT_EQ(parts[3], Part::left_out);
   EXPECT_EQ(std::ranges::count(parts, Part::validates), 2);

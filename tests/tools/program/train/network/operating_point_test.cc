@@ -11,7 +11,7 @@ namespace {
 
 constexpr double period = 0.1;  // s: 600 frames a minute
 
-// 100 frames of hold at .2, in which every tenth is at .9 alone, and 20 of slip at .8.
+// 100 frames of hold at .2, every tenth a single one at .9, and 20 frames of slip at .8.
 std::vector<SlipSeries> spiky() {
   SlipSeries series;
   for (int t = 0; t < 120; ++t) {
@@ -21,7 +21,8 @@ std::vector<SlipSeries> spiky() {
   return {series};
 }
 
-// 10 alarms in 10 s of hold are 60 a minute. A frame that is masked is nobody's, and an alarm that began in it is not false.
+// 10 alarms in 10 s of hold are 60 per minute. A masked frame counts nowhere, and an alarm that
+// began in it is not false.
 TEST(AlarmCounts, AreOfAlarmsThatBeginInHold) {
   std::vector<SlipSeries> series = spiky();
   EXPECT_EQ(counts_at(series, period, 0.5, {}).false_alarms, 10U);
@@ -32,7 +33,8 @@ TEST(AlarmCounts, AreOfAlarmsThatBeginInHold) {
   EXPECT_TRUE(std::isnan(counts_at({}, period, 0.5, {}).alarms_per_minute(period)));
 }
 
-// Above .8 nothing is slip, so no threshold holds the alarms down: two frames in a row do, at the price of the slip's first.
+// Above .8 nothing is slip, so no threshold limits the alarms: two consecutive frames do, at the
+// cost of the slip's first frame.
 TEST(OperatingPoint, TakesFramesInARowWhereNoThresholdWillDo) {
   const OperatingPoint point = best_point(spiky(), period, 1.0);
   EXPECT_EQ(point.alarm.on, 2U);
@@ -49,8 +51,10 @@ TEST(OperatingPoint, HasNoMoreAlarmsThanAreBorneAndUsesThem) {
             balanced_slip_accuracy(counts_at(spiky(), period, none.threshold, none.alarm).frames));
 }
 
-// 60 frames of hold at .1, slip at .6, .6, .9, .9, and another 60 of hold with a spike of .7. At .5 the first slip is seen at once (credit 1) and the spike
-// is the only alarm in 12 s of hold, 5 a minute: 1/5 less 1/120. At .8, between .7 and .9, the slip is seen .2 s late, T/(T + .2 s) = 1/3, without an alarm.
+// 60 frames of hold at .1, slip at .6, .6, .9, .9, and another 60 of hold with a spike of .7. At .5
+// the first slip is detected at once (credit 1) and the spike is the only alarm in 12 s of hold, 5
+// per minute: 1/5 minus 1/120. At .8, between .7 and .9, the slip is detected .2 s late, T/(T + .2
+// s) = 1/3, without an alarm.
 TEST(OperatingPoint, OfTheGreatestScoreWeighsDelayAgainstAlarms) {
   SlipSeries slip{std::vector<double>(60, 0.1), std::vector<std::uint8_t>(60, 0)};
   SlipSeries hold = slip;
@@ -61,21 +65,22 @@ TEST(OperatingPoint, OfTheGreatestScoreWeighsDelayAgainstAlarms) {
   EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).score(period), 1.0 / 5.0 - 1.0 / 120.0);
   EXPECT_DOUBLE_EQ(counts_at(series, period, 0.8, {}).score(period), 1.0 / 3.0);
   const OperatingPoint point = best_point(series, period, std::nullopt);
-  // Two frames in a row at .5 pass the spike by and see the slip .1 s late, which earns 1/2.
+  // Two consecutive frames at .5 skip the spike and detect the slip .1 s late, which earns 1/2.
   EXPECT_EQ(point.alarm.on, 2U);
   EXPECT_DOUBLE_EQ(counts_at(series, period, point.threshold, point.alarm).score(period), 0.5);
-  slip.probability[59] = 0.9;  // said before it slips: nothing is earned
+  slip.probability[59] = 0.9;  // reported before it slips: nothing is earned
   EXPECT_LT(counts_at(std::vector{slip}, period, 0.8, {}).score(period), 0.0);
 }
 
-// Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of hold; the one nearer to 1/2 is kept.
+// Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of
+// hold; the threshold nearer to 1/2 is used.
 TEST(OperatingPoint, MostAccurateIsTheMiddleNearestToAHalf) {
   const std::vector<SlipSeries> series{{{0.1, 0.2, 0.3, 0.7}, {0, 1, 0, 1}}};
   EXPECT_DOUBLE_EQ(most_accurate_point(series, period).threshold, 0.5);
   EXPECT_EQ(most_accurate_point(series, period).alarm.on, 1U);
   const std::vector<SlipSeries> hold{{{0.1, 0.2}, {0, 0}}};
   EXPECT_EQ(best_point(hold, period, 1.0).threshold, 0.5);
-  const std::vector<SlipSeries> snapshots{{{0.3}, {0}}, {{0.4}, {1}}};  // which last no time
+  const std::vector<SlipSeries> snapshots{{{0.3}, {0}}, {{0.4}, {1}}};  // without duration
   EXPECT_DOUBLE_EQ(best_point(snapshots, period, 1.0).threshold, 0.35);
 }
 
