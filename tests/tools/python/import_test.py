@@ -221,7 +221,8 @@ class Tables(ImportTest):
         for name, (text, map, message) in cases.items():
             with self.subTest(name):
                 self.assertIn(message, self.refused(map, self.write("a.csv", text)))
-        # 40,000 letters without a number: the search takes time in proportion to them, and the message has few of them.
+        # 40,000 letters without a number: the search takes time in proportion to them, and the
+        # message has few of them.
         message = self.refused(MAP % "", self.write("a.csv", ("a" * 40_000 + "\n") * 50))
         self.assertRegex(message, r"has no column 'f1'; found: a{60}…; read with one column between the cells")
 
@@ -232,7 +233,8 @@ class Tables(ImportTest):
         recordings, warnings = self.read(MAP % ", missing: gap", path)
         pad = recordings[0].sensors["pad"]
         np.testing.assert_array_equal(np.asarray(pad.force)[:, 0], [0, 1, 2, 5, 6, 7, 9])
-        # Rows 3 and 4 (lines 5, 6) between 0.02 s and 0.05 s; row 8 (line 10) between 0.07 s and 0.09 s.
+        # Rows 3 and 4 (lines 5, 6) between 0.02 s and 0.05 s; row 8 (line 10) between 0.07 s and
+        # 0.09 s.
         self.assertIn(
             f"{path}: 3 of 10 samples have missing values and are left out: 2 at {path}:5, 0.03 s from 0.02 s on; "
             f"1 at {path}:10, 0.02 s from 0.07 s on",

@@ -23,7 +23,8 @@ from slipbench.learning._fit import answers_to_all
 from slipbench.learning.biotac import drawn_graph
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
-# 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, twelve draws of direction and friction each.
+# 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, twelve draws of direction
+# and friction each.
 SMALL = """slipbench: 1
 duration: 0.4 s
 time_step: 1 ms
@@ -117,7 +118,8 @@ class TrainingTest(unittest.TestCase):
 
 
 class Training(TrainingTest):
-    # 24 trials: 5 judge, 4 of the other 19 validate (a fifth, rounded up). 0.4 s are ten stacks of 40 rows, so 15 trials are 150 frames.
+    # 24 trials: 5 judge, 4 of the other 19 validate (a fifth, rounded up). 0.4 s are ten stacks of
+    # 40 rows, so 15 trials are 150 frames.
     def test_the_file_says_what_it_has_seen(self):
         steps = []
         trained = self.train(progress=lambda member, report: steps.append(report.step))
@@ -257,7 +259,8 @@ class Training(TrainingTest):
         script = "import sys, slipbench; assert 'torch' not in sys.modules and callable(slipbench.train)"
         subprocess.run([sys.executable, "-c", script], check=True)
 
-    # A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all of its frames can be told.
+    # A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all
+    # of its frames can be told.
     def test_slip_gru_learns_from_a_few_trials(self):
         found = learning.find_recipe("slip_gru")
         few = dataclasses.replace(found, training=dataclasses.replace(found.training, steps=60, validate_every=10, batch=8))
@@ -270,8 +273,9 @@ class Training(TrainingTest):
         self.assertEqual((frames["sensor"], frames["rate"], frames["window"], frames["stride"]), ("taxels", 500, 5, 5))
         self.assertEqual((frames["spans"], len(frames["scale"])), ([5, 10, 20, 40, 80], 1))
 
-    # A skin at 100 Hz has one sample in 10 ms, of which spans take 2, 3, 4, 8 and 16; markers at 50 Hz 2, 3, 4, 5 and 8. The
-    # floor is a thousandth of the greatest value of the first trial. Counts of the skin less those at rest are its field.
+    # A skin at 100 Hz has one sample in 10 ms, of which spans take 2, 3, 4, 8 and 16; markers at 50
+    # Hz 2, 3, 4, 5 and 8. The floor is a thousandth of the greatest value of the first trial.
+    # Counts of the skin less those at rest are its field.
     def test_slip_gru_reads_three_axes_of_counts_and_of_markers(self):
         for sensor, rate, channel, spans in (({"type": "magnetic_skin", "noise": 2.2}, 100, "field", [2, 3, 4, 8, 16]),
                                              ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", [2, 3, 4, 5, 8]),
@@ -285,7 +289,8 @@ class Training(TrainingTest):
                     largest = np.abs(opened[0].sensors["pad"][channel][:]).max()
                 self.assertAlmostEqual(frames["floor"] / largest, 1e-3, 9)
 
-    # In the loop of a grasp: the network sees all frames, at the rate of the skin, and its answers reach the controller.
+    # In the loop of a grasp: the network sees all frames, at the rate of the skin, and its answers
+    # reach the controller.
     def test_slip_gru_of_a_magnetic_skin_runs_in_a_grasps_loop(self):
         scene = slipbench.Scene.load("magnetic_skin/creep.yaml").set({"duration": "5 s"})
         data = str(self.folder / "creep.h5")
@@ -388,7 +393,8 @@ class Recipes(unittest.TestCase):
                     learning.write_detector(path, members, INPUTS[name], described)
                     self.assertLess(learning.check_engine(path, members, frames), 1e-5)
 
-    # Weights and biases. A GRU of u units has 3 u (inputs + u + 2), in PyTorch two biases; Table I prints 3.6k, 51k and 23k.
+    # Weights and biases. A GRU of u units has 3 u (inputs + u + 2), in PyTorch two biases; Table I
+    # prints 3.6k, 51k and 23k.
     def test_networks_have_the_papers_parameters(self):
         counts = {name: sum(one.numel() for one in learning.RECIPES[name].network(INPUTS[name], 2).parameters())
                   for name in ("piezo_mlp", "piezo_mlp_128", "piezo_fft_gru", "papillarray_gru")}
@@ -407,7 +413,8 @@ class Recipes(unittest.TestCase):
         some[0, 0, 0, 0] += 1.0
         self.assertFalse(torch.allclose(network(some.flatten(2))[0], logits, atol=1e-6))
 
-    # Rows of the adjacency of a node with d neighbours: 1/sqrt((d + 1)(d_j + 1)). E1 has one neighbour, E2, which has two.
+    # Rows of the adjacency of a node with d neighbours: 1/sqrt((d + 1)(d_j + 1)). E1 has one
+    # neighbour, E2, which has two.
     def test_the_graph_is_normalised(self):
         graph = drawn_graph()
         self.assertEqual(tuple(graph.shape), (24, 24))
@@ -430,7 +437,8 @@ class Pieces(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "scaling: 'none'"):
             learning.scale_of(frames, "none")
 
-    # Of history 3, 600 frames have 598 answers: 256, 256 and 86 of one sequence. 100 frames have 98, so 2 x 98 answers go together, and a third would make 294.
+    # Of history 3, 600 frames have 598 answers: 256, 256 and 86 of one sequence. 100 frames have
+    # 98, so 2 x 98 answers go together, and a third would make 294.
     def test_windows_go_through_256_at_a_time(self):
         class Recording(Own):
             def forward(self, frames):
@@ -448,14 +456,16 @@ class Pieces(unittest.TestCase):
             for one, logits in zip(sequences, together):
                 np.testing.assert_allclose(logits, learning.answers(network, one), atol=1e-6)
 
-    # Each seed of CUDA's generator would be kept in a list, with a stack trace, until CUDA is first used.
+    # Each seed of CUDA's generator would be kept in a list, with a stack trace, until CUDA is first
+    # used.
     def test_a_training_seeds_no_generator_of_cuda(self):
         sequences = [(np.zeros((8, 1), np.float32), np.array([0, 1] * 4, np.uint8))]
         with mock.patch("torch.cuda.manual_seed_all") as seeded:
             learning.fit(Own(1, 2), sequences, [], learning.Training(steps=3, batch=2, clip=4), classes=2)
         seeded.assert_not_called()
 
-    # One sequence of five frames, whose last three are slip: clips of two answers begin at frame 0 to 3; a class is drawn in each.
+    # One sequence of five frames, whose last three are slip: clips of two answers begin at frame 0
+    # to 3; a class is drawn in each.
     def test_clips_are_drawn_around_a_class(self):
         frames = np.arange(5, dtype=np.float32)[:, None]
         clips = learning.Clips([(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(batch=200, clip=2, balance="drawing"), 1, 2)

@@ -1,5 +1,7 @@
-"""The BioTac paper's tables: figures of answers by hand, what networks are trained on, grasps and touches of hand-made
-trials, and what networks are shown of them. Argument: the program, which is not used.
+"""The BioTac paper's tables: figures of answers by hand, training data, grasps and touches.
+
+Grasps and touches are those of artificial trials, with the networks' inputs. Argument: the program,
+which is not used.
 """
 
 import math
@@ -34,7 +36,7 @@ def five():
 
 class Figures(unittest.TestCase):
     def test_answers_are_probabilities_and_classes(self):
-        # Odds 1 : 2 : 1, so that all classes but the first have 3/4.
+        # Odds 1 : 2 : 1, so all classes but the first together have 3/4.
         [answer] = zip(*validation.answers_of(np.array([7]), np.array([2], np.uint8),
                                               np.log([[1.0, 2.0, 1.0]]).astype(np.float32)),
                        strict=True)
@@ -46,20 +48,21 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(figures["accuracy"], 2 / 5, delta=1e-12)
         self.assertAlmostEqual(figures["balanced_accuracy"], (1 / 2 + 1 / 2 + 0) / 3, delta=1e-12)
         self.assertAlmostEqual(figures["precision"], 2 / 3,
-                               delta=1e-12)  # of three called slip one holds; which slip does not matter
+                               delta=1e-12)  # of three called slip one holds; the kind of slip does not matter
         self.assertAlmostEqual(figures["recall"], 2 / 3, delta=1e-12)
         self.assertAlmostEqual(figures["f1"], 4 / 6, delta=1e-12)
-        self.assertAlmostEqual(figures["auc"], 5 / 6, delta=1e-12)  # of six pairs .4 against .6 alone is wrong
+        self.assertAlmostEqual(figures["auc"], 5 / 6, delta=1e-12)  # of six pairs only .4 against .6 is wrong
         none = five().chosen(np.zeros(5, bool))
         self.assertTrue(all(math.isnan(one) for one in validation.figures_of(none).values()))
         self.assertTrue(math.isnan(validation.figures_of(five().chosen(np.arange(1)))["auc"]))
 
     def test_scores_are_means_of_folds(self):
-        # Examples 0 and 1 are fold 0: accuracy 1/2, no slip. The others: 1/3. With 0 and 2 alone: 1 and 1.
+        # Examples 0 and 1 are fold 0: accuracy 1/2, no slip. The others: 1/3. Only 0 and 2: 1 and
+        # 1.
         fold = np.array([0, 0, 1, 1, 1])
         scores = validation.scores_of(five(), fold)
         self.assertAlmostEqual(scores["accuracy"][0], 0.5 * (1 / 2 + 1 / 3), delta=1e-12)
-        self.assertAlmostEqual(scores["recall"][0], 2 / 3, delta=1e-12)  # of the second fold alone
+        self.assertAlmostEqual(scores["recall"][0], 2 / 3, delta=1e-12)  # from the second fold alone
         self.assertTrue(math.isnan(scores["recall"][1]))
         some = validation.scores_of(five(), fold, np.array([True, False, True, False, False]))
         self.assertEqual(validation.cell(some["accuracy"]), "100.0 +- 0.0")
@@ -72,8 +75,8 @@ class Figures(unittest.TestCase):
 
 class TrainedOn(unittest.TestCase):
     def test_networks_are_trained_on_what_they_are_told(self):
-        # Two sets of +-1 that name the sign by opposite classes: a network of the other set alone is always wrong. Both
-        # together have five times as many of the other.
+        # Two sets of +-1 that assign opposite classes to the sign: a network of the other set alone
+        # is always wrong. Together there are five times as many of the other set.
         def signs(count, turned):
             positive = np.arange(count) % 2 == 0
             label = (positive != turned).astype(np.uint8)
@@ -105,7 +108,7 @@ class TrainedOn(unittest.TestCase):
             validation.folds_by_object(["a"], 1, 1)
 
     def test_a_network_sees_all_rows_of_a_window(self):
-        # 3 rows of 2 values: 6 weights and a bias a class; two answers to four rows.
+        # 3 rows of 2 values: 6 weights and a bias per class; two answers to four rows.
         from torch import zeros
         network = RowsNetwork(2, 7, 3)
         self.assertEqual(sum(one.numel() for one in network.parameters()), 7 * (6 + 1))
@@ -145,7 +148,7 @@ class GraspsOfTrials(unittest.TestCase):
         self.assertEqual(grasp.counts[1, 3], 1003.0)  # E4 of mf
 
     def test_a_simulated_one_is_the_last_row_before_the_lift(self):
-        # Three rows, 0 to 20 ms; the lift begins at 15 ms, so the second is the snapshot.
+        # Three rows, 0 to 20 ms; the lift begins at 15 ms, so the second row is the snapshot.
         grasp = grasps.grasp_of(
             three_fingers({
                 "model": "hand_45.xml",
@@ -176,8 +179,8 @@ class GraspsOfTrials(unittest.TestCase):
                 grasps.grasp_of(trial)
 
     def test_they_are_levelled_by_palm(self):
-        # Two counts 40 apart lie sqrt(1/2) from their mean, over their deviation 40 sqrt(1/2); equal ones, and one
-        # alone, at 0.
+        # Two counts 40 apart are sqrt(1/2) from their mean, in units of their deviation 40
+        # sqrt(1/2); equal counts, and a single one, are at 0.
         counts = np.full((3, 3, ELECTRODES), 100.0, np.float32)
         counts[1, 2, 23] = 140.0
         some = Grasps(counts, np.array(["a", "b", "c"]), np.array([0, 0, 1]), np.zeros(3, bool))
@@ -190,8 +193,8 @@ class GraspsOfTrials(unittest.TestCase):
                          2)  # the last palm is 45
 
     def test_they_are_shown_as_list_image_and_graph(self):
-        # Electrode e of finger f is 24 f + e. A node has the three fingers' values; in D3 E1 lies at the end of the
-        # first row of 7, E11 at its beginning.
+        # Electrode e of finger f is 24 f + e. A node has the three fingers' values; in D3 E1 is at
+        # the end of the first row of 7, E11 at its beginning.
         counts = np.arange(72, dtype=np.float32).reshape(1, 3, ELECTRODES)
         self.assertEqual(grasps.as_list(counts)[0, 0].tolist(), list(range(72)))
         self.assertEqual(grasps.as_graph(counts)[0, 0, [3 * 5, 3 * 5 + 2]].tolist(), [5.0, 48.0 + 5.0])
@@ -213,7 +216,8 @@ class GraspsOfTrials(unittest.TestCase):
 
 class Pictures(unittest.TestCase):
     def test_images_are_symmetric(self):
-        # E11 to E20 are E1 to E10 on the other side of the finger, E23 is E22; E21 and E24 lie in the middle.
+        # E11 to E20 are E1 to E10 on the other side of the finger, E23 is E22; E21 and E24 are in
+        # the middle.
         for name, layout in IMAGES.items():
             (_, columns), places = layout
 
@@ -238,7 +242,7 @@ class Pictures(unittest.TestCase):
 
 
 def climbing():
-    """Six rows; in the first nothing touches. Every electrode climbs by 2 a row."""
+    """Six rows, the first without contact. Every electrode rises by 2 per row."""
     return Touch((10.0 + 2.0 * np.arange(6)).repeat(ELECTRODES).reshape(6, ELECTRODES).astype(np.float32),
                  np.array([MASKED, 3, 3, 3, 3, 3], np.uint8), "a")
 
@@ -263,15 +267,15 @@ class Windows(unittest.TestCase):
         self.assertTrue((features[0] == [[12.0], [14.0]]).all())
 
     def test_they_come_to_deviations_and_slopes(self):
-        # 12, 14, 16, 18, 20: the squares about 16 sum to 40, over 4 that is 10.
+        # 12, 14, 16, 18, 20: the squared deviations from 16 sum to 40, over 4 that is 10.
         whole = climbing()
         touch = Touch(whole.counts[1:].copy(), whole.label[1:], "a")
-        touch.counts[:, 0] = 7.0  # E1 is still
+        touch.counts[:, 0] = 7.0  # E1 is constant
         [[figures]], _ = touches.windows_of(touch, Window(5, 5, figures="by_electrode"))
         self.assertEqual(len(figures), 2 * ELECTRODES)
         np.testing.assert_allclose(figures[[0, 1, ELECTRODES, ELECTRODES + 1]], [0.0, math.sqrt(10.0), 0.0, 2.0],
                                    rtol=1e-6)
-        touch.counts[2, 4] += 1.0  # 17 in the middle: mean 16.2, squares sum to 40 + .8^2 + 4 x .2^2 = 40.8
+        touch.counts[2, 4] += 1.0  # 17 in the middle: mean 16.2, squared deviations sum to 40 + .8^2 + 4 x .2^2 = 40.8
         [[figures]], _ = touches.windows_of(touch, Window(5, 5, figures="sorted"))
         self.assertEqual(figures[0], 0.0)
         self.assertAlmostEqual(figures[-1], math.sqrt(10.2), delta=1e-6)
@@ -302,7 +306,8 @@ class Imported(unittest.TestCase):
 
 class Rows(unittest.TestCase):
     def test_table_2_has_each_palm(self):
-        # Palm 0: one of two is right; palm 90: one of two; palm 45: the one is called another slip.
+        # Palm 0: one of two is right; palm 90: one of two; palm 45: the only one is called another
+        # slip.
         counts = np.zeros((5, 3, ELECTRODES), np.float32)
         some = Grasps(counts, np.array(list("abcde")), np.array([0, 0, 1, 1, 2]), np.zeros(5, bool))
         cells, figures = table2.palm_cells(five(), Examples(counts, np.zeros(5, np.uint8), np.zeros(5, np.int64)), some)

@@ -1,4 +1,8 @@
-"""What the studies in Python share: results as JSON, text, page and charts; intervals; the trials of a grid. Argument: the program."""
+"""Shared code of the Python studies: results as JSON, text, page and charts; intervals; grid
+trials.
+
+Argument: the program.
+"""
 
 import importlib.util
 import json
@@ -81,7 +85,7 @@ class Results(unittest.TestCase):
             names = [Path(name).name for name in page.write(str(output), "paper/table", sample())]
             self.assertEqual(names, ["r.html", "r.json", "r-1.svg", "r-1.png"])
             self.assertEqual(json.loads((Path(folder) / "r.json").read_text())["figures"]["a"], 1.25)
-            page.write(str(output), "paper/table", sample())  # its own files are replaced
+            page.write(str(output), "paper/table", sample())  # replaces its own files
             for name in ("r.json", "r-1.png"):
                 (Path(folder) / name).write_text("mine")
                 with self.assertRaisesRegex(InputError, name):
@@ -121,11 +125,12 @@ class Statistics(unittest.TestCase):
             statistics.clopper_pearson(3, 2)
 
     def test_area_counts_pairs(self):
-        # 2 and 4 against 1, 3 and 4: above 1; above 1 and 3, a tie with 4: 3.5 of 6 pairs.
+        # 2 and 4 against 1, 3 and 4: 2 is above 1; 4 is above 1 and 3, and ties with 4: 3.5 of 6
+        # pairs.
         self.assertAlmostEqual(statistics.auc([2, 4], [1, 3, 4]).value, 3.5 / 6)
-        # At 1 the interval is that of two pairs in one order.
+        # At 1 the interval is that of two pairs in the right order.
         self.assertEqual(statistics.auc([5, 6, 7], [1, 2]).interval, statistics.clopper_pearson(2, 2))
-        # Groups of two equal values are no more than one: as four values of their own.
+        # Groups of two equal values count as one value: the same as four separate values.
         alone, twice = statistics.auc([1, 3], [2, 0]), statistics.auc([1, 1, 3, 3], [2, 2, 0, 0], [0, 0, 1, 1], [2, 2, 3, 3])
         np.testing.assert_allclose(alone.interval, twice.interval)
         with self.assertRaises(ValueError):
@@ -138,7 +143,8 @@ class Statistics(unittest.TestCase):
         self.assertAlmostEqual(statistics.mean_sd([1, 3])[1], math.sqrt(2))
 
     def test_interval_of_a_median(self):
-        # All of six values are below the median with probability 1/64 < 2.5 %, at least five with 7/64: so the interval spans all six.
+        # All six values are below the median with probability 1/64 < 2.5 %, at least five with
+        # 7/64: so the interval spans all six.
         self.assertEqual(statistics.median_interval([6, 1, 2, 3, 4, 5]), (1.0, 6.0))
         self.assertTrue(math.isnan(statistics.median_interval([1, 2, 3, 4, 5])[0]))
 

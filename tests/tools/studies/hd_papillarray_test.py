@@ -1,5 +1,7 @@
-"""The hyperdimensional detector's tables: figures of the synthesis, and what is refused in them; the time of a frame. Argument: the program, which is not
-used.
+"""The hyperdimensional detector's tables: figures and refusals of the synthesis; the time of a
+frame.
+
+Argument: the program, which is not used.
 """
 
 import json
@@ -90,7 +92,7 @@ class Latency(unittest.TestCase):
 
     def test_texts(self):
         self.assertEqual([latency.time_text(value) for value in (42e-9, 0.42e-6, 4.63e-6)], ["42.0 ns", "420.0 ns", "4.63 us"])
-        # Two digits below 100, none after the point from there on.
+        # Two digits below 100, no decimals from 100 on.
         self.assertEqual([latency.factor_text(value) for value in (0.0123, 9.94, 1234.4)], ["0.012 x", "9.9 x", "1234 x"])
 
     def test_all_rows_beside_the_published_ones(self):

@@ -1,5 +1,7 @@
-"""The hyperdimensional detector's tables I to III: the same figures on any number of threads; the paper's estimates of a grasp in closed form; figures of
-results made by hand. Argument: the program, which is not used.
+"""The hyperdimensional detector's tables I to III: figures, thread independence, closed forms.
+
+The paper's estimates of a grasp are tested in closed form, figures on artificial results. Argument:
+the program, which is not used.
 """
 
 import json
@@ -16,7 +18,8 @@ from slipbench.bin import _core
 from slipbench_studies.hd_papillarray import grasp, table1, table2, table3
 from slipbench_studies.result import Options
 
-# 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, twelve draws of direction and friction each.
+# 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, with twelve draws of
+# direction and friction each.
 SMALL = """slipbench: 1
 description: short slides
 duration: 0.4 s
@@ -56,10 +59,10 @@ class Table1(unittest.TestCase):
             self.assertEqual({len(row) for row in table.rows}, {len(table.head)})
         main = one.tables[0]
         self.assertEqual((main.rows[3][0], main.head[1], main.head[4], main.rows[3][4]), ("CL-gstHDC", "recall of slip", "accuracy: paper", "91.78 +- 0.53"))
-        self.assertEqual(main.rows[4][2], "33.33")  # of a constant answer, in three classes
+        self.assertEqual(main.rows[4][2], "33.33")  # constant answer, in three classes
         self.assertIn("data.h5, made by: slipbench", one.setup[0])
         self.assertNotIn("scatter", one.figures)
-        # The model of the first row of the causes is that of the ablation.
+        # The model of the first row of the causes is the ablation's.
         self.assertEqual(one.figures["causes"]["as published"], one.figures["by_sequence"])
         self.assertEqual([figure.real for figure in one.real], [85.00, 86.42, 89.86, 91.78])
 
@@ -72,8 +75,9 @@ class Table1(unittest.TestCase):
             table1.study(Options(say=interrupt))
         self.assertEqual({path for path in Path(tempfile.gettempdir()).iterdir() if path not in before and (path / "hexapod.h5").exists()}, set())
 
-    # 40 frames a trial, those from number 14 on have a window behind them: 26 of 24 trials, fewer where frames at rest are left out. The stage moves from
-    # 0.2 s to the end, so nothing comes after its last motion.
+    # 40 frames per trial; those from number 14 on have a full window: 26 in each of 24 trials,
+    # fewer without frames at rest. The stage moves from 0.2 s to the end, so nothing follows its
+    # last motion.
     def test_frames_at_rest_are_left_out(self):
         def frames(before):
             sequences = _core.HdSequences(self.data, "paper")
@@ -100,7 +104,9 @@ class Table1(unittest.TestCase):
 
 
 def log(*rows):
-    """A log of two pillars, a row a sample: state, then tangential and normal force [N] of either pillar."""
+    """Returns a log of two pillars with one row per sample: state, then tangential and normal force
+    [N] of each pillar.
+    """
     force = [[[0.6 * t1, -0.8 * t1, n1], [t2, 0.0, n2]] for _, t1, n1, t2, n2 in (row + (0.0,) * (5 - len(row)) for row in rows)]
     return np.array(force, np.float32), np.array([row[0] for row in rows], np.uint8)
 
@@ -116,15 +122,16 @@ def ideal(*rows):
 # sum f_t / mean(f_t/f_n).
 class EstimatedForces(unittest.TestCase):
     def test_ideal_is_shear_over_the_mean_ratio(self):
-        # Equal ratios of 1/2: 2 / (1/2), the whole normal force. Then 1/2 and 1/8 on 1 N and 4 N: 1 / (5/16).
+        # Equal ratios of 1/2: 2 / (1/2), the whole normal force. Then 1/2 and 1/8 on 1 N and 4 N: 1
+        # / (5/16).
         self.assertAlmostEqual(ideal((INCIPIENT, 0.5, 1.0, 1.5, 3.0), (GROSS,), (GROSS,), REST, REST), 4.0, delta=1e-6)
         self.assertAlmostEqual(ideal((INCIPIENT, 0.5, 1.0, 0.5, 4.0), (GROSS,), (GROSS,), REST, REST), 3.2, delta=1e-6)
 
     def test_what_has_no_ratio_below_one_stays_in_the_sum_alone(self):
-        # A ratio of 2, and one without normal force, beside 1/2: (2 + 1)/(1/2).
+        # A ratio of 2, and one without normal force, together with 1/2: (2 + 1)/(1/2).
         for normal in (1.0, 0.0):
             self.assertAlmostEqual(ideal((INCIPIENT, 2.0, normal, 1.0, 2.0), (GROSS,), (GROSS,), REST, REST), 6.0, delta=1e-6)
-        # No shear is no ratio of 0: 1/(1/2).
+        # A pillar without shear does not count as a ratio of 0: 1/(1/2).
         self.assertAlmostEqual(ideal((INCIPIENT, 0.0, 3.0, 1.0, 2.0), (GROSS,), (GROSS,), REST, REST), 2.0, delta=1e-6)
 
     def test_a_window_needs_three_slips_of_four_and_an_incipient_one(self):
@@ -137,10 +144,12 @@ class EstimatedForces(unittest.TestCase):
             self.assertTrue(math.isnan(with_states(*states)))
 
     def test_windows_do_not_overlap_once_they_count(self):
-        # Rows 0 to 3 count; row 4, whose 1 N would be the least, begins a window that does not.
+        # Rows 0 to 3 count; row 4, whose 1 N would be the smallest, begins a window that does not
+        # count.
         rows = [(INCIPIENT, 1, 2), *[(GROSS, 1, 2)] * 3, (INCIPIENT, 0.5, 1)]
         self.assertAlmostEqual(ideal(*rows, *[REST] * 5), 2.0, delta=1e-6)
-        # With rows before them the first window is rows 1 to 4 only if rows 0 to 3 do not count: of those two slip.
+        # With rows before them the first window is rows 1 to 4 only if rows 0 to 3 do not count:
+        # two of those slip.
         rows = [REST, REST, *[(GROSS, 1, 2)] * 2, (INCIPIENT, 0.5, 1)]
         self.assertAlmostEqual(ideal(*rows, *[REST] * 5), 1.0, delta=1e-6)
 
@@ -210,7 +219,7 @@ class Table2(unittest.TestCase):
         only = ("as_recorded", "light", "heavy", "rubber", "hold_preset", "gst_hd")
         one = table2_of(*only)
         self.assertEqual(one, table2_of(*only, jobs=3))
-        # For either box its displacements and its forces. The paper has no force of the heavy box.
+        # Displacements and forces for each box. The paper has no force of the heavy box.
         self.assertEqual([len(table.rows) for table in one.tables], [3, 3, 3, 2])
         for table in one.tables:
             self.assertEqual({len(row) for row in table.rows}, {len(table.head)})
@@ -249,7 +258,8 @@ def figure(value):
     return {"value": value, "low": None, "high": None}
 
 
-# Ten trials: eight slip, of which five are seen, two early and one is missed; one of the two others has a false alarm.
+# Ten trials: eight slip, of which five are detected, two early, one missed; one of the two others
+# has a false alarm.
 GRU = {"all": {"trials": 10, "slipping": 8, "seen": 5, "early": 2, "missed": 1, "false_alarms": 1, "more": 0,
                "figures": {"balanced_slip_accuracy": figure(0.9), "auc": figure(0.95), "delay_median_s": figure(0.05), "delay_p10_s": figure(None),
                            "delay_p90_s": figure(0.1), "false_alarms_per_minute": figure(3.0)}}}
@@ -258,7 +268,7 @@ GRU = {"all": {"trials": 10, "slipping": 8, "seen": 5, "early": 2, "missed": 1, 
 class Table3(unittest.TestCase):
     def test_figures_are_plain_counts_of_the_trials(self):
         figures = table3.gru_figures(GRU)
-        self.assertEqual(table3.right_share(figures, False), 0.6)  # five seen, and one that is rightly quiet
+        self.assertEqual(table3.right_share(figures, False), 0.6)  # five detected, and one correctly quiet
         self.assertEqual(table3.right_share(figures, True), 0.8)
         self.assertEqual((figures["balanced_accuracy"], figures["delay_p10_s"], figures["delay_p90_s"]), (0.9, None, 0.1))
 

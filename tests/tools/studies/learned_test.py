@@ -1,5 +1,6 @@
-"""Learned detectors: the controls of their loop, which need no training, and the tables of how many trials they take. Argument: the program, which is
-not used.
+"""Learned detectors: the controls of their loop without training, and tables of required trials.
+
+Argument: the program, which is not used.
 """
 
 import math
@@ -12,7 +13,8 @@ from slipbench_studies.result import Options, Result
 
 
 class GraspLoop(unittest.TestCase):
-    # Two pads of 4 N hold 2 mu 4 N: 1.2 of 2.9 N at mu 0.15, 2.4 of 4.9 N at 0.3, 4 of 2 N at 0.5. The oracle's loop has no ceiling.
+    # Two pads of 4 N hold 2 mu 4 N: 1.2 of 2.9 N at mu 0.15, 2.4 of 4.9 N at 0.3, 4 of 2 N at 0.5.
+    # The oracle's loop has no ceiling.
     def test_never_tightening_drops_what_the_preset_force_cannot_hold(self):
         result = grasp_loop.study(Options(trials=2, only=("oracle", "never")))
         self.assertEqual([len(table.rows) for table in result.tables], [2] * 4)
@@ -61,7 +63,8 @@ class Scaling(unittest.TestCase):
         self.assertEqual([task.without.name for task in full[6:8]], ["friction", "load"])
         self.assertEqual(full[7].without.overrides, {"sweep.motion.compression": "[0.2 mm]"})
 
-    # With one draw, a scene's sweep has a trial for each cell of its grid, so its trials are the cells that are stated.
+    # With one draw a scene's sweep has one trial per cell of its grid, so its trials are the stated
+    # cells.
     def test_factors_are_of_their_scenes(self):
         for subject in scaling.SUBJECTS.values():
             self.assertEqual(scaling.Cell("", subject.scene).load().trials(1), subject.cells)

@@ -1,4 +1,7 @@
-"""The Myrmex paper's tables, of made-up trials: windows, splits and figures; the third sensor's rule and the true onset. Argument: the program, which is not used."""
+"""The Myrmex paper's tables on artificial trials: windows, splits, figures; true onset.
+
+Also the third sensor's rule. Argument: the program, which is not used.
+"""
 
 import math
 import sys
@@ -26,8 +29,9 @@ def windows(object_name, rotational, slips, rows):
 
 
 def trials():
-    """Six trials, two of an object: one slips, with ten stable windows up to 0.1 s before its onset at 1 s and three that slip, and one holds, with eight
-    stable windows. The latest five stable ones of the first are late.
+    """Six trials, two per object: one slips, with ten stable windows up to 0.1 s before its onset
+    at 1 s and three slipping ones; one holds, with eight stable windows. The latest five stable
+    windows of the first are late.
     """
     made = []
     for name in networks.OBJECTS:
@@ -50,7 +54,7 @@ class WindowsOfTrials(unittest.TestCase):
 
     def test_late_ones_are_those_of_the_last_half_second(self):
         one = windows("glass", False, True, [(0.0, to_onset, 0, True) for to_onset in (0.5, 0.501, 0.0, math.nan)])
-        self.assertEqual(one.late.tolist(), [True, False, False, False])  # the onset itself slips, and the last holds
+        self.assertEqual(one.late.tolist(), [True, False, False, False])  # the onset itself slips, and the last trial holds
 
     def test_balanced_windows_are_as_many_of_each_class(self):
         # Two objects translate, one turns: 6 and 3 windows, so three of each.
@@ -68,7 +72,7 @@ class WindowsOfTrials(unittest.TestCase):
 
     def test_balanced_windows_leave_out_turned_copies(self):
         some = trials()
-        some[2].turn[:] = 3  # the only trial that turns, which is then of no class
+        some[2].turn[:] = 3  # the only turning trial, which then belongs to no class
         self.assertEqual(networks.balanced_windows(some, "true", False, 1), [])
 
     def test_folds_leak_by_window_alone(self):
@@ -84,7 +88,8 @@ class WindowsOfTrials(unittest.TestCase):
         self.assertEqual(by_object, [place.trial // 2 for place in places])  # two trials of an object
 
     def test_what_is_told(self):
-        # Taxel i has 100 i + k in bin k: its static value is 100 i, the mean over 144 of them 100 x 143/2.
+        # Taxel i has 100 i + k in bin k: its static value is 100 i, the mean over 144 taxels 100 x
+        # 143/2.
         one = windows("remote", True, True, [(1.25, 0.5, 0, True)])
         one.spectra[0] = 100.0 * np.arange(144)[:, None] + np.arange(32)
 
@@ -104,7 +109,8 @@ class WindowsOfTrials(unittest.TestCase):
 
 class Networks(unittest.TestCase):
     def test_networks_are_the_recipes_with_as_many_bins_as_are_told(self):
-        # conv 3x3 of 32 channels on 32 bins has (9 x 32 + 1) 32 parameters, on 28 bins (9 x 28 + 1) 32: 9 x 4 x 32 fewer.
+        # conv 3x3 of 32 channels on 32 bins has (9 x 32 + 1) 32 parameters, on 28 bins (9 x 28 + 1)
+        # 32: 9 x 4 x 32 fewer.
         def parameters(row, inputs):
             return sum(one.numel() for one in row.network(inputs).parameters())
 
@@ -133,7 +139,7 @@ class Networks(unittest.TestCase):
         one, none, every = (validations.queue(clock, split, count, last) for split, count, last in (("window", 3, 1), ("object", 0, 0), ("window", 3, 3)))
         validations.run("myrmex-tactile-cnn/table2")
         self.assertEqual([int(validations.figures(number).all.sum()) for number in (one, none, every)], [3, 0, 9])
-        self.assertEqual(validations.figures(every).stable["late"], (0, 0))  # these are judged where whole trials judge
+        self.assertEqual(validations.figures(every).stable["late"], (0, 0))  # judged where whole trials are judged
         self.assertTrue(math.isnan(table2.forward_ms(clock)))
 
 
@@ -148,7 +154,7 @@ def falling():
 
 
 def pad(states):
-    """An array of two taxels that carry 3 N and 1 N, one sample a second."""
+    """An array of two taxels that carry 3 N and 1 N, with one sample per second."""
     unit_state = np.array(states, np.uint8)
     touches = unit_state[:, 0] != DETACHED
     return Pad(np.arange(len(states), dtype=float), np.where(touches[:, None], 3000.0, 4095.0).repeat(2, axis=1).astype(np.float32),
@@ -157,7 +163,8 @@ def pad(states):
 
 class Onset(unittest.TestCase):
     def test_it_is_where_the_sum_leaves_its_level_for_good(self):
-        # At once without a threshold: the first sample below 100 is at 3.002 s. By 10 it lies below after 0.2 s.
+        # Immediately without a threshold: the first sample below 100 is at 3.002 s. It is below by
+        # 10 after 0.2 s.
         at_once = OnsetRule(0.0, 0.0)
         self.assertAlmostEqual(bench.decrease_onset(times(), falling(), at_once, 1.0, 2.0, 4.0), 3.002, delta=1e-9)
         self.assertAlmostEqual(bench.decrease_onset(times(), falling(), at_once, 1.0, 2.0, 4.0, 9.99), 3.2, delta=1e-9)
@@ -167,15 +174,19 @@ class Onset(unittest.TestCase):
         self.assertAlmostEqual(bench.decrease_onset(times(), dips, at_once, 1.0, 2.0, 4.0), 3.002, delta=1e-9)  # a dip is no onset
 
     def test_the_threshold_counts_the_noise_of_the_rest(self):
-        # +1 and -1 by turns: sd 1, by n - 1 of 500 samples sqrt(500/499). Three of them below 100 - 50 (t - 3) +- 1 for good: on the upper samples, 4.003
-        # below the line, so from 3.0801 s on; an even sample is an upper one, 3.082 s (k = 1541) a lower one before the next upper.
+        # +1 and -1 alternating: sd 1, with n - 1 of 500 samples sqrt(500/499). Permanently three of
+        # these below 100 - 50 (t - 3) +- 1: on the upper samples, 4.003 below the line, so from
+        # 3.0801 s on; even samples are upper ones, and 3.082 s (k = 1541) is a lower one before the
+        # next upper one.
         noisy = falling() + np.where(np.arange(2000) % 2 == 0, 1.0, -1.0)
         self.assertAlmostEqual(bench.decrease_onset(times(), noisy, OnsetRule(0.0, 3.0), 1.0, 2.0, 4.0), 3.082, delta=1e-9)
-        # A mean over two samples (3 ms hold two) is without noise, and that of a ramp is that of its middle: 1 ms late.
+        # A mean over two samples (3 ms hold two) has no noise, and for a ramp it is the value at
+        # the middle: 1 ms late.
         self.assertAlmostEqual(bench.decrease_onset(times(), noisy, OnsetRule(0.003, 3.0), 1.0, 2.0, 4.0, 10.0), 3.202, delta=1e-9)
 
     def test_the_backward_mean_leaves_out_what_is_a_window_old(self):
-        # 3 samples of 0.1 s lie within 0.3 s; 0.3 - 0.3 is 0 and 0.7 - 0.4 is less than 0.3 by rounding, which keeps it.
+        # 3 samples of 0.1 s are within 0.3 s; 0.3 - 0.3 is 0 and 0.7 - 0.4 is less than 0.3 by
+        # rounding, so it is kept.
         time = np.array([0.0, 0.1, 0.2, 0.3])
         self.assertEqual(bench.backward_mean(time, [1.0, 2.0, 3.0, 4.0], 0.3).tolist(), [1.0, 1.5, 2.0, 3.0])
         self.assertEqual(bench.backward_mean([0.4, 0.7], [1.0, 3.0], 0.3).tolist(), [1.0, 2.0 if 0.7 - 0.4 < 0.3 else 3.0])
@@ -183,14 +194,15 @@ class Onset(unittest.TestCase):
     def test_true_slip_begins_where_half_of_the_load_slips_for_good_on_both_pads(self):
         one = pad([(STICK, SLIP), (SLIP, STICK), (STICK, SLIP), (SLIP, STICK), (SLIP, SLIP), (SLIP, SLIP), (DETACHED, DETACHED)])
         other = pad([(STICK, STICK), (SLIP, SLIP), (SLIP, SLIP), (STICK, SLIP), (SLIP, STICK), (SLIP, SLIP), (SLIP, SLIP)])
-        # Both carry half or more on what slips at 1 s, and from 4 s on; contact is lost at 6 s.
+        # Slipping taxels carry at least half of both arrays' force at 1 s, and from 4 s on; contact
+        # is lost at 6 s.
         self.assertEqual(bench.true_slip(one, other, 0.0), SlipSpan(4.0, 5.0))
         self.assertTrue(math.isnan(bench.true_slip(pad([(STICK, STICK)]), pad([(SLIP, SLIP)]), 0.0).onset))
         self.assertEqual(bench.slipping_share(one.force, one.unit_state)[[0, 6]].tolist(), [0.25, 0.0])
-        # The other pad touches to the end, with 1,095 counts missing of each of its two taxels.
+        # The other pad touches to the end, with 1,095 counts missing at each of its two taxels.
         self.assertEqual(bench.contact_end(one, other, ContactGate(False, 0.0, 205.0)), 6.0)
         self.assertEqual(bench.contact_end(one, one, ContactGate(False, 0.0, 205.0)), 5.0)
-        self.assertEqual(bench.contact_end(one, other, ContactGate(False, 0.0, 1100.0)), 0.0)  # no taxel misses so much
+        self.assertEqual(bench.contact_end(one, other, ContactGate(False, 0.0, 1100.0)), 0.0)  # no taxel has so many missing
         self.assertEqual(bench.contact_end(one, one, ContactGate(True, 0.0, 1100.0)), 5.0)  # but both together
         # A mean of two samples: at 6 s of 2,190 and 0.
         self.assertEqual(bench.contact_end(one, one, ContactGate(True, 2.0, 1090.0)), 6.0)

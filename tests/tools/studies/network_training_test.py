@@ -1,4 +1,7 @@
-"""What studies that teach networks share: folds, networks that are kept. Argument: the program, which is not used."""
+"""Shared code of studies that train networks: folds, stored networks.
+
+Argument: the program, which is not used.
+"""
 
 import multiprocessing
 import os

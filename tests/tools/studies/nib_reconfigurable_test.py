@@ -1,5 +1,7 @@
-"""The nib pad's tables. Calibration: polynomial, split, reference. Reorientation: how a trial ended. Release: errors, spectra, laws of friction. Argument: the program,
-which is not used.
+"""The nib pad's tables: calibration, reorientation and release.
+
+Calibration: polynomial, split, reference. Reorientation: outcome of a trial. Release: errors,
+spectra, laws of friction. Argument: the program, which is not used.
 """
 
 import math
@@ -28,13 +30,14 @@ class Calibration(unittest.TestCase):
         y = np.column_stack([2.0 + x[:, 0] - 3.0 * x[:, 1] * x[:, 2], 1e3 * x[:, 3] ** 2 - 40.0])
         fit = table1.QuadraticFit(x, y, np.arange(200), np.arange(200, 300))
         error = np.abs(fit.predict(x[300:]) - y[300:]).max(axis=0)
-        # The least ridge, 1e-8 on columns of size 1, moves a coefficient by that share.
+        # The least ridge, 1e-8 on columns of size 1, changes a coefficient by that share.
         self.assertLess(error[0], 1e-6)
         self.assertLess(error[1], 1e-3)
         self.assertEqual(fit.ridge[0], 1e-8)
 
     def test_noise_takes_the_largest_ridge(self):
-        # 90 coefficients on 120 rows of noise: least squares has some 2.1 sd, the mean alone 1.0. The rows that choose see that.
+        # 90 coefficients on 120 rows of noise: least squares has some 2.1 sd, the mean alone 1.0.
+        # The validation rows show that.
         x, y = normals(2000, 12, "inputs"), normals(2000, 6, "noise")
         fit = table1.QuadraticFit(x, y, np.arange(120), np.arange(120, 1000))
         self.assertEqual(fit.ridge[0], 1.0)
@@ -48,7 +51,7 @@ class Calibration(unittest.TestCase):
             everything = np.concatenate(parts)
             self.assertEqual(len(np.unique(everything)), 550)
             self.assertLess(everything.max(), 1000)
-            if in_time:  # the last fifth judges; of the 800 before it the last quarter chooses
+            if in_time:  # the last fifth is for judging; of the 800 before it the last quarter is for validation
                 for part, (first, end) in zip(parts, pairwise([0, 600, 800, 1000]), strict=True):
                     self.assertTrue(first <= part.min() and part.max() < end)
         with self.assertRaises(ValueError):
@@ -57,24 +60,27 @@ class Calibration(unittest.TestCase):
     def test_the_wrench_is_about_the_pads_origin(self):
         tips = [[-2e-3, 1e-3, 0], [5e-3, 1e-3, 0]]
         force, displacement = [[0, 0, 2], [0.5, -1, 3]], [[0, 0, 0], [1e-3, 0, 2e-3]]  # so that the second acts at (6, 1, 2) mm
-        # (-2, 1, 0) x (0, 0, 2) = (2, 4, 0); (6, 1, 2) x (0.5, -1, 3) = (3 + 2, 1 - 18, -6 - 0.5), in mN m.
+        # (-2, 1, 0) x (0, 0, 2) = (2, 4, 0); (6, 1, 2) x (0.5, -1, 3) = (3 + 2, 1 - 18, -6 - 0.5),
+        # in mN m.
         np.testing.assert_allclose(table1.wrench_on_pad(tips, force, displacement), [0.5, -1, 5, 7e-3, -13e-3, -6.5e-3], atol=1e-15)
 
     def test_the_reference_is_averaged_as_si(self):
         scene = Scene.load("nib_pad/calibrate_uniform.yaml").set({"duration": "3 s"})
         recording = table1.recording_of(next(iter(scene.sweep(record="contact", seed=1))), 0.5)
-        # An image takes 30 ms: 100 in 3 s, of which 16 are complete by 0.5 s and tell the reading at rest.
+        # An image takes 30 ms: 100 in 3 s; 16 of them are complete by 0.5 s and give the unloaded
+        # reading.
         self.assertEqual(len(recording.si), 84)
         for row in range(4, 84):
             np.testing.assert_allclose(recording.averaged[row], recording.wrench[row - 4:row + 1].mean(axis=0), atol=1e-12)
         self.assertGreater(recording.wrench[:, 2].max(), 1.0)
-        # Before the pad touches, readings are those at rest up to noise and drift.
+        # Before the pad touches, readings are the unloaded ones plus noise and drift.
         self.assertLess(np.abs(recording.si[0]).max(), 5 * 1.5)
 
 
 class Bench(unittest.TestCase):
     def test_spectra_have_a_sine_where_it_is(self):
-        # Amplitude 3 in the middle of bin 5 of 150: 0.54 N A/2, less what the line takes of it (under 1 %).
+        # Amplitude 3 in the middle of bin 5 of 150: 0.54 N A/2, minus what the line removes (under
+        # 1 %).
         signal = 3.0 * np.cos(2 * np.pi * 5 * np.arange(210) / 150)
         found = bench.spectra(signal)
         self.assertEqual(found.shape, (3, 76))
@@ -103,8 +109,9 @@ class Bench(unittest.TestCase):
         for name in ("scene", "no_patches"):
             cell = table2.Cell(name, table2.SCENE, {"sweep": "{}"}, change=bench.LAWS[name].change)
             found[name] = bench.signature_of(bench.Trace(cell.load().run()), table2.START, False)
-        # White noise of 1.2 counts a cluster, 1.7 of their difference, has 8 of its 150 Hz below 8 Hz: 0.053 of the energy, 0.39 counts rms. Patches
-        # must make five times of either; without them little more than the noise is left.
+        # White noise of 1.2 counts per cluster, 1.7 for their difference, has 8 of its 150 Hz below
+        # 8 Hz: 0.053 of the energy, 0.39 counts rms. Patches must give five times either; without
+        # them little more than the noise is left.
         share = 8.0 / 150.0
         self.assertGreater(found["scene"].share, 5 * share)
         self.assertGreater(found["scene"].below, 5 * 1.2 * math.sqrt(2 * share))
@@ -118,7 +125,8 @@ class Bench(unittest.TestCase):
 
 class Release(unittest.TestCase):
     def test_errors_are_those_of_the_safe_runs(self):
-        # Safe: before 6 mm. Gross: below the force that the pull requires; the other safe one is early.
+        # Safe: before 6 mm. Gross: below the force that the pull requires; the other safe one is
+        # early.
         runs = pd.DataFrame([("paper", 4.0, 3.0, 1e-3), ("paper", 4.0, 6.0, 3e-3), ("paper", 4.0, 1.0, 7e-3), ("felt", 1.0, math.nan, math.nan)],
                             columns=["material", "required", "force", "way"])
         paper = table2.summary_of(runs[runs["material"] == "paper"])
@@ -129,7 +137,8 @@ class Release(unittest.TestCase):
         self.assertEqual(table2.summary_of(runs[runs["material"] == "felt"])["safe"], 0)
 
 
-# A row of a reorientation: speed commanded sideways and up, height of the arm, grip force, tilt of the box in degrees.
+# A row of a reorientation: commanded speed sideways and up, height of the arm, grip force, tilt of
+# the box in degrees.
 BEFORE, RISES = (0, 0, 0, 0, 90), (0, 0.01, 0.05, 4, 50)
 TOLD, AT_TARGET, UP = (0.01, 0, 0.06, 4, 30), (0.01, 0, 0.1, 4, 30), (0.01, 0, 0.1, 1, 10)
 STANDS, LIES, SLIPPED, LEANS = (0, 0, 0.1, 0, 0), (0, 0, 0.1, 0, 90), (0, 0.01, 0.06, 0, 85), (0, 0, 0.1, 0.2, 1)
@@ -148,7 +157,7 @@ class Reorientation(unittest.TestCase):
     def test_how_a_trial_ended(self):
         self.assertEqual(turn(BEFORE, RISES, TOLD, STANDS, standing=True).end, "standing")
         self.assertEqual(turn(BEFORE, RISES, SLIPPED, LIES).end, "lost")
-        self.assertEqual(turn(BEFORE, RISES, SLIPPED, AT_TARGET, LIES).end, "lost")  # though the arm goes on
+        self.assertEqual(turn(BEFORE, RISES, SLIPPED, AT_TARGET, LIES).end, "lost")  # although the arm continues
         self.assertEqual(turn(BEFORE, RISES, TOLD, LIES).end, "told_early")
         self.assertEqual(turn(BEFORE, RISES, AT_TARGET, LIES).end, "not_turned")
         self.assertEqual(turn(BEFORE, RISES, TOLD, UP, LIES).end, "fell")
@@ -182,7 +191,8 @@ class Reorientation(unittest.TestCase):
         cell, firm = one.figures["cells"]
         self.assertEqual((cell["name"], cell["published"], cell["trials"], sum(cell["ends"].values())), ("com_low", 11, 1, 1))
         self.assertIn("--set 'box.weight_place=[0 mm, 41.08 mm, 0 mm]'", cell["command"])
-        # With half of fl_slip the grip is firm enough for the decrements that turning takes: the box comes up, whatever becomes of it then.
+        # With half of fl_slip the grip is firm enough for the decrements of turning: the box turns
+        # up, whatever follows.
         self.assertLess(firm["median_least_tilt_rad"], table3.TURNED_UP)
 
 

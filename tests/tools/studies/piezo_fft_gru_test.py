@@ -1,5 +1,6 @@
-"""Slip against hold by one frame of the piezoelectric skin: frames of a made-up recording, and the curve from end to end with few recordings. Argument:
-the program, which is not used.
+"""Slip against hold by one frame of the piezoelectric skin: artificial frames, and the full curve.
+
+The curve is tested from end to end with few recordings. Argument: the program, which is not used.
 """
 
 import math
@@ -17,8 +18,11 @@ SAMPLES = 1000  # nine frames of 200, one every 100
 
 
 def frames(signal):
-    """Frames of a signal that is a function of time [s]. The tip is in contact from sample 150 on, slipping from 650 on but for the last; by the position from 600 on. The bench
-    presses until 300, slides from 600 on, at its speed of 20 mm/s from 700 on; 0.25 mm deep.
+    """Returns frames of a signal that is a function of time [s].
+
+    The tip is in contact from sample 150 on and slips from 650 on except the last sample; by the
+    position it slips from 600 on. The bench presses until 300, slides from 600 on, at its speed of
+    20 mm/s from 700 on; 0.25 mm deep.
     """
     number = np.arange(SAMPLES)
     t = 1e-4 * number
@@ -44,8 +48,8 @@ class Frames(unittest.TestCase):
             return np.flatnonzero(found[column]).tolist()
 
         # Frame k has the samples 100 k to 100 k + 199.
-        self.assertEqual(those("contact"), list(range(9)))  # sample 199 touches already
-        self.assertEqual(those("pressed"), [0, 1, 2])  # 299 is the last that presses
+        self.assertEqual(those("contact"), list(range(9)))  # contact by sample 199
+        self.assertEqual(those("pressed"), [0, 1, 2])  # 299 is the last one of the press
         self.assertEqual(those("slid"), [5, 6, 7, 8])
         self.assertEqual(those("at_speed"), [6, 7, 8])  # frame 5 ends with sample 699, at 10 of 20 mm/s
         self.assertEqual(those("slipped"), [5, 6, 7, 8])
@@ -56,18 +60,22 @@ class Frames(unittest.TestCase):
         self.assertEqual(found["still"][5], 0.0)
 
     def test_they_measure_the_band(self):
-        # A line of amplitude 4 in the middle of a bin has the power 4^2/2 however it is tapered: its density spreads over Hann's three bins, all within
-        # the band, and is divided by the taper's own power. A straight line takes nothing from it worth speaking of: it is at bin 6, where a line's share is small.
+        # A line of amplitude 4 in the middle of a bin has the power 4^2/2 with any taper: its
+        # density spreads over Hann's three bins, all within the band, and is divided by the taper's
+        # own power. The subtracted straight line removes almost nothing: the tone is at bin 6,
+        # where a line's share is small.
         tone = frames(lambda t: 100.0 + 4.0 * np.cos(2.0 * math.pi * 300.0 * t))
         np.testing.assert_allclose(tone["plain"], 8.0, atol=1e-3)
         np.testing.assert_allclose(tone["hann"], 8.0, atol=1e-3)
         np.testing.assert_allclose(tone["detrended"], 8.0, atol=0.05)
 
     def test_a_ramp_depends_on_the_spectrum(self):
-        # A ramp of 1,000 counts/s rises by D = 20 counts over a frame. Its harmonics k have the rms D/(sqrt(2) pi k): over 12 bins the power D^2/(2 pi^2)
-        # sum 1/k^2. Hann's taper makes y_k = x_k/2 - (x_k-1 + x_k+1)/4 of the harmonics x_k = 1/k, x_0 = 0: 3/8 of the first and -1/(2 k (k^2 - 1)) of
-        # the others, over the taper's power 3/8.
-        # Without its straight line nothing is left. (Samples instead of a line have 1/sin instead of 1/angle: at most pi 12/200, 0.6 % of the last.)
+        # A ramp of 1,000 counts/s rises by D = 20 counts over a frame. Its harmonics k have the rms
+        # D/(sqrt(2) pi k): over 12 bins the power D^2/(2 pi^2) sum 1/k^2. Hann's taper gives y_k =
+        # x_k/2 - (x_k-1 + x_k+1)/4 for the harmonics x_k = 1/k, x_0 = 0: 3/8 of the first and -1/(2
+        # k (k^2 - 1)) of the others, over the taper's power 3/8. With the straight line subtracted
+        # nothing is left. (Samples instead of a line have 1/sin instead of 1/angle: at most pi
+        # 12/200, 0.6 % of the last.)
         ramp = frames(lambda t: 1000.0 * t)
         k = np.arange(1, 13)
         scale = 400.0 / (2.0 * math.pi**2)
@@ -89,7 +97,8 @@ class SlipAgainstHold(unittest.TestCase):
         self.assertEqual(len(levels), 6)
         for areas in levels.values():
             every, contact, air = areas["pooled"], areas["contact"], areas["air"]
-            # Slip is in each of the three, and a hold is in contact or in the air: the pooled area is the mean of both by their frames.
+            # All three groups have slip; hold is with or without contact: the pooled area is the
+            # mean of both, weighted by frames.
             self.assertEqual(every["slip_frames"], contact["slip_frames"])
             n, m = contact["hold_frames"], air["hold_frames"]
             self.assertEqual(every["hold_frames"], n + m)
@@ -102,7 +111,7 @@ class SlipAgainstHold(unittest.TestCase):
                 self.assertAlmostEqual(sum(cause[reading]["share_of_missing"] for cause in found), 1.0, delta=1e-9)
 
     def test_it_needs_two_recordings_of_each_kind_and_as_many_of_both(self):
-        for trials in (2, 5):  # of five, four would be run
+        for trials in (2, 5):  # five would run as four
             with self.assertRaisesRegex(InputError, f"--trials {trials}: .*even numbers, 4 or more"):
                 slip_against_hold.study(Options(trials=trials))
 

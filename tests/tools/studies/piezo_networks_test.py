@@ -1,5 +1,7 @@
-"""The piezo paper's tables: recordings made by hand and simulated ones, what networks read of them, figures of answers
-and alarms that are counted by hand. Argument: the program, which is not used.
+"""The piezo paper's tables on artificial and simulated recordings: inputs, figures and alarms by
+hand.
+
+Argument: the program, which is not used.
 """
 
 import math
@@ -26,7 +28,7 @@ HOLD, SLIP = 0, 1
 
 
 def recording(values=((1.0,), (2.0,), (3.0,)), true=(0, 0, 1), position=(0, 1, 1), motors_only=False, **more):
-    """Frames of one value, the last slips; by the position the second does, too."""
+    """Frames of one value, of which the last slips; by the position the second slips, too."""
     count = len(values)
     frames = LabelledFrames(np.array(values, np.float32),
                             {"paper": np.array(position, np.uint8), "micro": np.array(true, np.uint8)})
@@ -59,8 +61,8 @@ class PaddedRecordings(unittest.TestCase):
         self.assertEqual(self.one(convolution, "micro"), ([[1], [1], [1], [2], [3]], [MASKED, MASKED, 0, 0, 1]))
 
     def test_that_have_seen_later_frames_judge_earlier_ones(self):
-        # A kernel of three frames, one of them later: each answer is for the middle frame. So the answer after frame k
-        # stands at k + 2, with the label of k - 1.
+        # A kernel of three frames, one of them later: each answer is for the middle frame. So the
+        # answer after frame k is at k + 2, with the label of k - 1.
         later = row(partial(published.PiezoTcn, channels=1, kernel=3, layers=1), later=1)
         self.assertEqual(self.one(later, "micro"), ([[1], [1], [2], [3], [3]], [MASKED, MASKED, 0, 0, 1]))
 
@@ -71,9 +73,9 @@ class PaddedRecordings(unittest.TestCase):
 
 
 class Figures(unittest.TestCase):
-    # Two folds. With contact: all right, and half of each right. Motors: 3 of 4 and 1 of 4 frames right.
-    # All, fold 1: slip 1/1, hold (1 + 3)/5 = 0.8; 90 %. Fold 2: slip 1/2, hold (1 + 1)/6; 41.7 %.
-    # [fold, group, true, called]
+    # Two folds. With contact: all right, and half of each right. Motors: 3 of 4 and 1 of 4 frames
+    # right. All, fold 1: slip 1/1, hold (1 + 3)/5 = 0.8; 90 %. Fold 2: slip 1/2, hold (1 + 1)/6;
+    # 41.7 %. [fold, group, true, called]
     counts = np.array([[[[1, 0], [0, 1]], [[3, 1], [0, 0]]], [[[1, 1], [1, 1]], [[1, 3], [0, 0]]]])
 
     def test_they_are_means_of_folds(self):
@@ -94,7 +96,8 @@ class Figures(unittest.TestCase):
 
 class Sizes(unittest.TestCase):
     def test_the_papers_has_200_epochs(self):
-        # 3,200 recordings: a fifth judges, a fifth of the others validates, 2,048 are 64 steps of 32 clips.
+        # 3,200 recordings: a fifth is for judging, a fifth of the others for validation; 2,048 are
+        # 64 steps of 32 clips.
         full = Size(3200, True)
         training = full.training(networks.GRU_32)
         self.assertEqual((training.steps, training.validate_every, training.batch, training.clip),
@@ -108,8 +111,8 @@ class Sizes(unittest.TestCase):
         self.assertEqual(usual.validated, 0.0)
 
     def test_architectures_have_the_parameters_that_are_printed(self):
-        # MLP 32: 12 x 32 + 32, three times 32 x 32 + 32, 32 x 2 + 2. GRU: three gates of (inputs + 32) x 32 and two
-        # biases of 32 each, four times.
+        # MLP 32: 12 x 32 + 32, three times 32 x 32 + 32, 32 x 2 + 2. GRU: three gates of (inputs +
+        # 32) x 32 and two biases of 32 each, four times.
         self.assertEqual(networks.MLP_32.parameters(12), 416 + 3 * 1056 + 66)
         self.assertEqual(networks.GRU_32.parameters(12), 3 * (44 * 32 + 64) + 3 * 3 * (64 * 32 + 64) + 66)
         self.assertEqual(
@@ -118,8 +121,8 @@ class Sizes(unittest.TestCase):
 
 
 def many():
-    """Ten recordings with a slip and ten without, of 40 frames. A frame that slips is greater by 1 than one that holds,
-    with noise of that size.
+    """Ten recordings with slip and ten without, of 40 frames. Slipping frames are greater by 1 than
+    holding ones, with noise of that size.
     """
     random = RandomStream(1, 0, "recordings")
     made = []
@@ -130,8 +133,8 @@ def many():
 
 
 class Validations(unittest.TestCase):
-    # Calls of a network depend on every bit of its weights where frames are near the threshold; here a third of them
-    # are.
+    # A network's answers depend on every bit of its weights if frames are near the threshold; here
+    # a third of them are.
     def calls(self, jobs, full=False, slip_alone=False):
         training = Training(steps=30, batch=8, clip=16, learning_rate=3e-3)
         gru = row(partial(published.PiezoGru, units=8, layers=1), training=training)
@@ -172,8 +175,8 @@ class Refusals(unittest.TestCase):
 
 
 def skin_trial(slips, params, **more):
-    """400 samples of a skin at 10 kHz, three frames. With a slip it is in contact, and slips from sample 250 on; by the
-    position from 350 on.
+    """400 samples of a skin at 10 kHz, three frames. With slip it is in contact, and slips from
+    sample 250 on; by the position from 350 on.
     """
     number = np.arange(400)
     touches = np.full(400, int(slips), np.uint8)
@@ -214,8 +217,8 @@ class Recordings(unittest.TestCase):
         self.assertEqual(one.inputs[1].features.shape, (3, 101))  # 0 to 5 kHz by 50 Hz
 
     def test_they_say_which_motors_run(self):
-        # The bench moves by 3 mm/s along the surface and 1 mm/s along the normal; from 0.03 s on a motor of 20 mm/s
-        # that moves nothing runs, too.
+        # The bench moves by 3 mm/s along the surface and 1 mm/s along the normal; from 0.03 s on an
+        # idle motor of 20 mm/s runs, too.
         body = SimpleNamespace(t=1e-4 * np.arange(400),
                                velocity=np.tile(np.array([-3e-3, 0, 1e-3, 9, 9, 9], np.float32), (400, 1)))
         trial = skin_trial(True, {"motion.idle_speed": 0.02, "motion.idle_start": 0.03}, bodies={"pad": body})
@@ -233,7 +236,7 @@ class Recordings(unittest.TestCase):
             bench.recording_of(imported, [PUBLISHED_SPECTRA])
 
     def test_frames_and_labels_are_those_of_training(self):
-        # `slipbench train` makes its examples by example_of(), also of the trials of a dataset.
+        # `slipbench train` makes its examples by example_of(), also for a dataset's trials.
         scene = slipbench.Scene.load(SCENE.removeprefix("scenes/"))
         inputs = [PUBLISHED_SPECTRA, SIGNAL_AT_100_HZ]
         with tempfile.TemporaryDirectory() as folder:
@@ -255,8 +258,8 @@ class Recordings(unittest.TestCase):
             networks.recordings_for(Options(seed=1), Size(2, False), [2.0], inputs)
 
     def test_other_motors_run_only_where_they_are_asked_for(self):
-        # At 0.89 s the tip stands still: it is pressed on by then (0.6 mm at 0.7 mm/s), and slides from 0.9 s on or
-        # later. What runs is another motor.
+        # At 0.89 s the tip is at rest: it is pressed by then (0.6 mm at 0.7 mm/s), and slides from
+        # 0.9 s on or later. Any running motor is another one.
         def running(others_too):
             found = [
                 one for one in bench.run_recordings([2.0], 30, [SIGNAL_AT_100_HZ], Options(seed=1), others_too)
@@ -275,7 +278,7 @@ TIME = 0.01 * np.arange(1, 7)  # s
 class AlarmDelay(unittest.TestCase):
     def test_it_is_of_the_alarm_that_is_on_or_of_the_next(self):
         for called, onset, expected in (
-            ((1, 0, 0, 0, 1, 1), 0.025, 0.025),  # the one of 0.01 is over
+            ((1, 0, 0, 0, 1, 1), 0.025, 0.025),  # the alarm of 0.01 has ended
             ((0, 1, 1, 1, 0, 1), 0.042, -0.022),  # on since 0.02
             ((1, 1, 1, 1, 0, 1), 0.042, -0.032),  # on since the first frame
             ((0, 0, 0, 1, 0, 0), 0.04, 0.0),
@@ -301,8 +304,8 @@ class AlarmDelay(unittest.TestCase):
                          ["15 (15 to 15)", "1 of 3", "1 of 3", "20 (16 to 24)", "20.0 +- 7.1, 25", "1 of 3"])
 
     def test_a_spread_is_in_closed_form(self):
-        # Values from 0 to 10 ms in steps of 1 ms: the 10 % quantile is 1 ms, the 90 % quantile 9 ms. The variance of
-        # n = 11 consecutive whole numbers is n (n + 1)/12 = 11.
+        # Values from 0 to 10 ms in steps of 1 ms: the 10 % quantile is 1 ms, the 90 % quantile 9
+        # ms. The variance of n = 11 consecutive integers is n (n + 1)/12 = 11.
         spread = delay.spread_of([1e-3 * k for k in range(10, -1, -1)])
         np.testing.assert_allclose(spread, [5e-3, 1e-3 * math.sqrt(11.0), 5e-3, 1e-3, 9e-3, 10e-3], atol=1e-12)
         self.assertEqual(spread.cell(), "5 (1 to 9)")

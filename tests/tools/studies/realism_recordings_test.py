@@ -1,4 +1,6 @@
-"""Figures of recordings of a uSkin and of a finger on a board: estimators on signals whose figures are known, and our scenes within their bars.
+"""Figures of a uSkin's and a finger's recordings: estimators on known signals, and our scenes'
+limits.
+
 Argument: the program, which is not used.
 """
 
@@ -16,7 +18,7 @@ TIME = np.arange(400) / RATE  # 10 s
 
 
 def hold(shear, level=1.0):
-    """A grip from 2 to 8 s whose taxels read z = 100 level, and shear [16, 2] of it."""
+    """A grip from 2 to 8 s whose taxels read a constant z = 100, times `shear` [16, 2]."""
     counts = np.zeros((len(TIME), 16, 3))
     grips = (TIME >= 2.0) & (TIME < 8.0)
     counts[grips] = 100.0 * np.concatenate([shear, np.ones((16, 1))], axis=1)
@@ -26,7 +28,8 @@ def hold(shear, level=1.0):
 
 class Uskin(unittest.TestCase):
     def test_estimators_of_a_grip(self):
-        # All taxels read (0.3, 0.4) of z: sums of 16 z over 16 z/2. One pattern has all of the power.
+        # All taxels read (0.3, 0.4) of z: sums of 16 z over 16 z/2. A single pattern has all the
+        # power.
         grip = hold(np.tile([0.3, 0.4], (16, 1)))
         self.assertAlmostEqual(uskin.normal_over_shear(grip), 2.0, 12)
         self.assertAlmostEqual(uskin.common_share([grip]), 1.0, 12)
@@ -39,20 +42,23 @@ class Uskin(unittest.TestCase):
         self.assertAlmostEqual(uskin.level_sd(hold(np.zeros((16, 2)), 1.0 + 0.1 * math.sqrt(2.0) * np.sin(2.0 * np.pi * TIME / 2.0))), 0.1, 12)
 
     def test_patterns_that_differ_share_the_power(self):
-        # Two recordings of the same length whose patterns are square to each other, 3 and 1 strong: the one has 9/10 of the power.
+        # Two recordings of equal length with orthogonal patterns of strength 3 and 1: the first has
+        # 9/10 of the power.
         one, other = np.zeros((16, 2)), np.zeros((16, 2))
         one[0, 0], other[5, 1] = 3.0, 1.0
         self.assertAlmostEqual(uskin.common_share([hold(one), hold(other)]), 0.9, 12)
 
     def test_noise_of_a_running_mean(self):
-        # White noise of sd 2.2 over six samples has 2.2/sqrt(6) = 0.898; 4,000 samples of 16 taxels, 667 of them independent: the median's sd is below 1 %.
+        # White noise of sd 2.2 over six samples has 2.2/sqrt(6) = 0.898; 4,000 samples of 16
+        # taxels, 667 of them independent: the relative sd of the median is below 1 %.
         noise = np.random.default_rng(1).normal(0.0, 2.2, (4000, 16, 3)) + np.linspace(0.0, 50.0, 4000)[:, None, None]
         for axis in uskin.noise_of(uskin.smoothed(noise)):
             self.assertAlmostEqual(axis, 2.2 / math.sqrt(6.0), delta=0.04)
 
     def test_creeping_boxes_are_within_the_bars(self):
-        # Ratio 4 to 10 (real 6.9), pattern 0.75 (0.88), level 0.05 to 0.2 (0.10), noise as measured; 10 % are left for a sd of 800 samples, six of which
-        # are one: 133 independent ones, 6 % a taxel, and the median of 16.
+        # Ratio 4 to 10 (real 6.9), pattern 0.75 (0.88), level 0.05 to 0.2 (0.10), noise as
+        # measured. A tolerance of 10 % allows for the sd over 800 samples, six of which count as
+        # one: 133 independent ones, 6 % per taxel, and the median of 16.
         ratio, share, level, _, x, y, z = (one.ours for one in uskin.figures(Options()))
         self.assertTrue(4.0 <= ratio <= 10.0, ratio)
         self.assertGreaterEqual(share, 0.75)
@@ -63,7 +69,8 @@ class Uskin(unittest.TestCase):
 
 class Fabric(unittest.TestCase):
     def test_waves_of_a_slide(self):
-        # 8 patterns at 20 mm/s, one a second: 100 + 40 cos + 10 cos of the second harmonic: sd sqrt(800 + 50) = 29.2, and 1/16 of the power.
+        # 8 patterns at 20 mm/s, one per second: 100 + 40 cos + 10 cos of the second harmonic: sd
+        # sqrt(800 + 50) = 29.2, and 1/16 of the power.
         phase = 2.0 * np.pi * np.arange(int(8 * RATE)) / RATE
         waves = fabric.waves_of(np.repeat((100.0 + 40.0 * np.cos(phase) + 10.0 * np.cos(2.0 * phase))[:, None], 16, axis=1), RATE, 20e-3)
         self.assertAlmostEqual(waves.level_sd, math.sqrt(850.0) / 100.0, 9)

@@ -1,4 +1,4 @@
-"""Figures of real devices beside ours. Argument: the program, which is not used."""
+"""Figures of real devices compared with ours. Argument: the program, which is not used."""
 
 import math
 import sys
@@ -15,8 +15,9 @@ from slipbench_studies.result import Options, RealFigure, Result
 
 class Hexapod(unittest.TestCase):
     def test_it_is_as_near_to_the_recordings_as_it_was_made(self):
-        # Bars of the published protocol: the memory that learnt from the recordings is right in 87, 90 and 78 % of the frames here, and the forces of
-        # pillars 1 to 8 are .034 N rms from theirs at most.
+        # Limits by the published protocol: the memory trained on the recordings is right in 87, 90
+        # and 78 % of the frames here, and the forces of pillars 1 to 8 differ by at most .034 N
+        # rms.
         figures = hexapod.figures(Options())
         for one, bar in zip(figures, (87.0, 90.0, 78.0), strict=False):
             self.assertGreaterEqual(one.ours, bar)
@@ -27,9 +28,11 @@ class Hexapod(unittest.TestCase):
 
 class PapillArray(unittest.TestCase):
     def test_axes_of_a_known_matrix(self):
-        # F = K d, without a constant: K comes back, and one stiffness leaves of FZ what shear that is independent of DZ adds to it. With DZ of
-        # 0.2 to 0.6 mm and shear of +-0.5 mm, FZ = 7 DZ + 2 DX: rms of 2 DX is 2*0.5/sqrt(3) = 0.577 N, of 7 DZ 7*sqrt((0.2^2 + 0.2*0.6 + 0.6^2)/3) =
-        # 2.914 N, so 0.577/sqrt(0.577^2 + 2.914^2) = 19.4 %. 20,000 snapshots: an error of 0.7 % of it, and some fall out below 0.5 N.
+        # F = K d, without a constant: K is recovered. A single stiffness leaves in FZ the share of
+        # shear that is independent of DZ. With DZ of 0.2 to 0.6 mm and shear of +-0.5 mm, FZ = 7 DZ
+        # + 2 DX: rms of 2 DX is 2*0.5/sqrt(3) = 0.577 N, of 7 DZ 7*sqrt((0.2^2 + 0.2*0.6 +
+        # 0.6^2)/3) = 2.914 N, so 0.577/sqrt(0.577^2 + 2.914^2) = 19.4 %. 20,000 snapshots: a
+        # relative error of 0.7 %, and some are dropped below 0.5 N.
         generator = np.random.default_rng(1)
         displacement = np.stack([generator.uniform(-0.5, 0.5, (20000, 2)), generator.uniform(-0.5, 0.5, (20000, 2)), generator.uniform(0.2, 0.6, (20000, 2))],
                                 axis=2)
@@ -39,8 +42,9 @@ class PapillArray(unittest.TestCase):
         self.assertAlmostEqual(axes.residual[0], 0.194, delta=0.01)
         self.assertLess(axes.residual[1], 1e-12)
         self.assertLess(axes.matrix_residual.max(), 1e-12)
-        # Over two pillars: rms of 2, 0, 0, 0 is 1; of 0.6 twice 0.424; of 0.3 twice 0.212. Scatter of 7 and 5 is sqrt(2)/6 = 23.6 %, of 4 and 2 47.1 %, of 4
-        # and 6 28.3 %, and the rms of the latter two 38.9 %.
+        # Over two pillars: rms of 2, 0, 0, 0 is 1; of 0.6 twice 0.424; of 0.3 twice 0.212. Scatter
+        # of 7 and 5 is sqrt(2)/6 = 23.6 %, of 4 and 2 47.1 %, of 4 and 6 28.3 %, and the rms of the
+        # latter two 38.9 %.
         np.testing.assert_allclose(papillarray.summary_of(axes)[[0, 1, 2, 5, 6]], [1.0, 0.424, 0.212, 23.57, 38.87], rtol=2e-3)
 
     def test_few_snapshots_are_refused(self):
@@ -52,7 +56,8 @@ class PapillArray(unittest.TestCase):
         self.assertAlmostEqual(papillarray.half_time([3.0, 1.0, 1.5, 2.2], [4.0, 0.0, 1.0, 2.4], 4.0), 2.0)
 
     def test_typical_electronics_are_like_the_real_device(self):
-        # Bars: 1.5 to 4 N/mm of coupling, 20 to 45 % of residual, and 3 % of the data sheet's filter.
+        # Limits: 1.5 to 4 N/mm of coupling, 20 to 45 % of residual, and 3 % for the data sheet's
+        # filter.
         figures = {one.what.split(",")[0]: one for one in papillarray.figures(Options())}
         self.assertEqual(len(figures), 9)
         coupling = figures["coupling of shear to FZ"].ours

@@ -58,9 +58,9 @@ TEST_F(SequencesTest, LabelsAndOnsetFollowTheRule) {
   EXPECT_LT(micro.onset, strict.onset);
 }
 
-// In 0.1 s the pad goes 0.1 or 1.6 mm, less than any and more than every pillar needs: with mu 0.5
-// and k_n/k_t 1.2/0.65 a tip compressed by 0.6 mm lets go after 0.55 mm. Both stop; only what has
-// slipped stays so.
+// In 0.1 s the pad moves by 0.1 or 1.6 mm, less and more than every pillar needs: with mu 0.5 and
+// k_n/k_t 1.2/0.65 a tip compressed by 0.6 mm slips after 0.55 mm. Both stop; only a slipped pad
+// stays slipped.
 TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
   const std::string file = dataset({{"sweep.motion.speed", "[1 mm/s, 16 mm/s]"},
                                     {"motion.stop", "0.1 s"},
@@ -77,13 +77,13 @@ TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
     if (k >= 12) {
       EXPECT_EQ(ever.onset, now.onset);
     }
-    // Nothing loses contact, so that the label never falls, and is never below that of the moment.
+    // Contact is never lost, so the label never falls, and is never below the current state's.
     EXPECT_TRUE(std::is_sorted(ever.label.begin(), ever.label.end()));
     EXPECT_TRUE(std::ranges::equal(ever.label, now.label, std::greater_equal<>()));
   }
 }
 
-// Turned about its centre the pad has eight judged pillars; the ninth never moves.
+// When the pad turns about its centre eight pillars are judged; the ninth never moves.
 TEST_F(SequencesTest, TheCentrePillarIsLeftOutInTurns) {
   const std::string file = dataset({{"sweep.motion.speed", "[0 mm/s]"}, {"motion.rotation", "90 deg/s"}, {"duration", "0.6 s"}});
   for (const Sequence& sequence : read_sequences(file, {SlipRule::has_slipped, {}}).sequences) {
@@ -96,14 +96,14 @@ TEST_F(SequencesTest, KnowTheMotion) {
   for (const Sequence& sequence : data.sequences) {
     EXPECT_EQ(sequence.motion.speed, sequence.trial < 12 ? 0.004 : 0.016);
     EXPECT_EQ(sequence.motion.compression, 0.6e-3);
-    // At rest until 0.2 s, the start of the motion; its first frame after that moves.
+    // At rest until 0.2 s, the start of the motion; the first frame after that moves.
     for (std::size_t k = 0; k < sequence.time.size(); ++k) EXPECT_EQ(sequence.moving[k], k > 20 ? 1 : 0) << k;
   }
 }
 
-// With a faster sensor beside the pad the bodies have that one's times. It samples at k/100 s and
-// 0.1 ms before; the motion begins between the two, so that frame k is the first to move only where
-// its own time is known again among the bodies'.
+// With a faster sensor next to the pad the bodies have the faster sensor's times. It samples at
+// k/100 s and 0.1 ms before; the motion begins between the two, so frame k is the first to move
+// only if its own time is found among the bodies' times.
 TEST_F(SequencesTest, MotionIsThatOfTheFramesOwnTime) {
   std::string starts;
   for (int k = 21; k <= 36; ++k) starts += (k == 21 ? "" : ", ") + std::to_string(10 * k - 1) + ".95 ms";
@@ -115,7 +115,7 @@ TEST_F(SequencesTest, MotionIsThatOfTheFramesOwnTime) {
   ASSERT_EQ(data.sequences.size(), 16U);
   for (std::size_t trial = 0; trial < 16; ++trial) {
     const std::vector<std::uint8_t>& moving = data.sequences[trial].moving;
-    // Before it is slid the pad is at rest along the surface.
+    // Before the slide the pad is at rest along the surface.
     EXPECT_EQ(std::ranges::find(moving, 1) - moving.begin(), 21 + static_cast<std::ptrdiff_t>(trial));
   }
 }
