@@ -10,7 +10,7 @@
 
 namespace slipbench {
 
-// What a controller is made from.
+// Inputs for making a controller.
 struct GripSource {
   std::vector<Channel> channels;        // content of the frames passed to update()
   double preset = 0.0;                  // N, force with which the box is taken: the scene's grip.preset

@@ -1,4 +1,4 @@
-// Scenes that tests begin with: those of the folder scenes, and texts.
+// Scenes for tests: shipped ones and texts.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace slipbench {
 
-// What the program knows.
+// Returns the program's catalogues.
 inline const Catalogues& catalogues() {
   static const Catalogues all = program_catalogues();
   return all;
 }
 
-// The file scenes/`path`, with values set.
+// Loads the file scenes/`path` with changed values.
 inline SceneFile shipped(const std::string& path, const std::vector<Override>& changes = {}) {
   SceneFile file = SceneFile::load(std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/" + path);
   for (const Override& change : changes) file.apply(change);

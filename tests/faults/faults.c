@@ -1,6 +1,6 @@
-// Preloaded into a program: makes its k-th call of a kind fail, over all processes that it starts,
-// and counts such calls. The environment says which:
-//   FAULT_UNDER   calls count that are about files below this folder
+// Preloaded into a program: makes its k-th call of a kind fail, counting over all processes that it
+// starts. The environment selects the calls:
+//   FAULT_UNDER   only calls on files below this folder count
 //   FAULT_KIND    write, sync, rename or open (for writing)
 //   FAULT_ERROR   the errno; 0: a write takes only half of its bytes
 //   FAULT_FROM, FAULT_TO   the first and the last call that fails, from 1 on
@@ -43,7 +43,7 @@ __attribute__((constructor)) static void begin(void) {
   calls = page;
 }
 
-// Whether a call of this kind is one that fails.
+// True if a call of this kind must fail.
 static int hit(const char *which) {
   if (calls == NULL || strcmp(which, kind) != 0) return 0;
   const long number = atomic_fetch_add(calls, 1) + 1;
@@ -52,7 +52,7 @@ static int hit(const char *which) {
   return 1;
 }
 
-// The folder itself, too, which is synced.
+// Includes the folder itself, which is synced.
 static int below(const char *path) {
   return path[0] != '/' || strncmp(path, under, under_length) == 0 ||
          (strlen(path) + 1 == under_length && strncmp(path, under, under_length - 1) == 0);
@@ -74,7 +74,7 @@ static int hit_path(const char *which, const char *path) { return calls != NULL 
 
 #define REAL(name) ((__typeof__(&(name)))dlsym(RTLD_NEXT, #name))
 
-// A write that is hit: it fails, or takes half.
+// A selected write: fails, or takes half.
 #define WRITE(call, half) (hit_file("write", descriptor) ? (error != 0 ? -1 : (half)) : (call))
 
 ssize_t write(int descriptor, const void *bytes, size_t size) {

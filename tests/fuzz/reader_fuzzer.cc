@@ -115,7 +115,7 @@ const Reader& chosen() {
   throw std::invalid_argument("SLIPBENCH_READER names no reader of tests/fuzz/reader_fuzzer.cc");
 }
 
-// Of this process.
+// A folder of this process alone.
 const fs::path folder = fs::temp_directory_path() / fmt::format("slipbench-fuzz-{}", ::getpid());
 
 // A sensor with the channels of imported ones.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The launcher without a machine to set up: a copy of it and of tools/setup in an empty tree, with stand-ins for what it calls.
-# Argument: the project's root.
+# Tests the launcher without setting up a machine: a copy of it and of tools/setup in an empty tree,
+# with stand-ins for the programs it calls. Argument: the project's root.
 # shellcheck disable=SC2016  # the stand-ins' bodies are expanded when they run
 set -euo pipefail
 unset SLIPBENCH_PRESET
@@ -23,11 +23,11 @@ stand_in() {
 # Runs the launcher with the stand-ins before the machine's own programs.
 launch() {
   status=0
-  # In a session of its own, without a terminal that sudo could ask at.
+  # In a separate session, without a terminal for sudo's prompt.
   PATH=$work/bin:$PATH setsid --wait "$work/tree/slipbench" "$@" >"$work/stdout" 2>"$work/stderr" || status=$?
 }
 
-# Neither root nor sudo: the one command to run, exit 2, nothing tried.
+# Neither root nor sudo: prints the one command to run, exits with 2, tries nothing.
 stand_in dpkg-query 'exit 1'
 stand_in id 'echo 1000'
 stand_in sudo 'exit 1'
@@ -38,7 +38,7 @@ grep -q 'apt-get install --yes --no-install-recommends g++ .*cmake' "$work/stder
 grep -q 'was called' "$work/stderr" && fail "apt-get is left alone without rights"
 [[ ! -s $work/stdout ]] || fail "set-up keeps off stdout"
 
-# Root: says what it installs, and does.
+# Root: prints what it installs, and installs it.
 stand_in id 'echo 0'
 stand_in apt-get "echo \"\$@\" >>'$work/apt'; exit 1"
 launch run scene.yaml
@@ -46,7 +46,8 @@ launch run scene.yaml
 grep -q '^slipbench: installing Debian packages: g++ .*cmake' "$work/stderr" || fail "set-up says what it installs"
 [[ $(<"$work/apt") == *update* ]] || fail "apt-get is called"
 
-# All installed: the program is built quietly and run in the caller's folder with the caller's words.
+# All installed: builds the program quietly and runs it in the caller's folder with the caller's
+# words.
 stand_in dpkg-query 'for word in "${@:4}"; do echo "$word installed"; done'
 export work
 stand_in python3 'mkdir -p "${@: -1}/bin"; printf "#!/bin/bash\necho \"\$*\" >>\"\$work/pip\"\n" >"${@: -1}/bin/pip"; cp "${@: -1}/bin/pip" "${@: -1}/bin/python"
@@ -61,19 +62,19 @@ grep -q '^slipbench: installing into build/venv: mujoco-core==4\.[0-9.]* numpy==
 [[ $(grep -c -E -- ' --require-hashes --only-binary :all: .*/requirements(-mujoco)?\.txt$' "$work/pip") == 2 ]] ||
   fail "pip takes only what the lists have a hash of"
 
-# Set-up once done is not done again; the build is asked each time.
+# Set-up runs only once; the build is checked each time.
 stand_in python3 'echo "python3 was called" >&2; exit 1'
 launch list
 [[ $status == 7 ]] || fail "a second call runs"
 [[ $(grep -vc build "$work/tree/calls") == 1 && $(grep -c build "$work/tree/calls") == 2 ]] || fail "configured once, built twice"
 
-# A change of the presets, or a package that came by another way, is configured for.
+# Configures again after a change of the presets, or of a package that came another way.
 touch -d '+1 minute' "$work/tree/CMakePresets.json"
 launch list
 [[ $(grep -vc build "$work/tree/calls") == 2 ]] || fail "changed presets are configured"
 rm "$work/tree/CMakePresets.json"
 
-# A build that fails shows its output on stderr, a line without its end too.
+# A failing build shows its output on stderr, including a last line without its end.
 stand_in cmake 'printf "a first "; sleep 2; echo part; printf "no end"; exit 1'
 launch list
 [[ $(grep -cE '^(a first part|no end)$' "$work/stderr") == 2 ]] || fail "no part of a line is lost"
@@ -93,7 +94,8 @@ launch demo now
 launch docs now
 [[ $status == 2 && $(<"$work/stderr") == "slipbench: docs takes no arguments, found: now" ]] || fail "docs takes no arguments"
 
-# What lasts is told: the step, how many there are, and what the command said last; at least every five seconds.
+# Long steps are reported at least every five seconds: the step, the number of steps, and the
+# command's last output.
 stand_in cmake 'echo "[1/9] Building"; sleep 7; echo "[9/9] Linking"'
 launch list
 grep -q 'step 5 of 5: build build/release: .* s, \[1/9\] Building' "$work/stderr" || fail "a step in a log says what is being done"
@@ -103,7 +105,8 @@ grep -q 'step 5 of 5: build build/release: done in [78] s' "$work/stderr" || fai
 SLIPBENCH_PRESET=debug launch test --all
 [[ $status == 2 ]] || fail "--all is of one preset"
 
-# The suite of the build, and what --all adds to it, go to ctest with the other words and its exit status.
+# The suite of the build, and what --all adds, are passed to ctest with the other words; its exit
+# status is returned.
 stand_in cmake true
 stand_in ctest 'echo "<$*>"; exit 3'
 launch test -R Field

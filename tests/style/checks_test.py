@@ -1,4 +1,7 @@
-"""Each check of tools/lint passes a clean tree and finds a violation planted in it. Arguments: the project's root, then unittest's."""
+"""Each check of tools/lint passes a clean tree and finds a planted violation.
+
+Arguments: the project's root, then unittest's.
+"""
 
 import json
 import shutil
@@ -24,7 +27,7 @@ CLEAN = {
 sys.path.insert(0, str(ROOT / "tools/lint"))
 from readmes import commands  # noqa: E402
 
-# What is planted: the check that finds it, where, the text, and words of the finding.
+# Planted violations: the check that finds each, its file and text, and words of the finding.
 VIOLATIONS = (
     ("include_rule", "sensors/pad/d.h", '\n#include "detectors/e.h"\n', ":2:", "sensors/pad/"),
     ("include_rule", "sensors/pad/d.h", '#include "sensors/skin/e.h"\n', "sensors/electronics/"),
@@ -90,7 +93,9 @@ class PlantedViolation(unittest.TestCase):
             [sys.executable, ROOT / "tools/lint" / f"{check}.py", self.tree, *arguments], capture_output=True, text=True, check=False)
 
     def assert_found(self, check, path, text, *words):
-        """The check is content with the clean tree, and no more once `text` stands in `path`; its finding holds `words`."""
+        """Expects the check to pass on the clean tree, and to fail once `text` is in `path`, with a
+        finding that contains `words`.
+        """
         before = self.run_check(check)
         self.assertEqual(before.returncode, 0, before.stdout + before.stderr)
         self.plant(path, text)
@@ -152,7 +157,7 @@ class ChecksTest(PlantedViolation):
         self.assertEqual(found("sim/core/a.h", '#include "sim/core/room/e.h"\n'), ["sim/core: includes lead back to it: sim/core -> sim/core/room -> sim/core"])
         back = '#include "sensors/pad/c.h"\n'
         self.assertEqual(found("sim/core/a.h", back), ["sensors/pad: includes lead back to it: sensors/pad -> sim/core -> sensors/pad"])
-        self.plant("sim/core/a.h", "\n")  # and now by way of a room, which leads back to the layer but not to the folder
+        self.plant("sim/core/a.h", "\n")  # through a subfolder whose include leads back to the layer, but not to the folder
         self.assertEqual(found("sim/core/lower/f.h", back), ["sensors: includes lead back to it: sensors -> sim/core -> sensors"])
         anew = "ARCHITECTURE.svg: not what the includes are; draw it with: tools/lint/rooms.py . --fix"
         self.assertEqual(found("sim/core/lower/f.h", '#include "sim/lowest/g.h"\n'), [anew])
@@ -191,7 +196,7 @@ class TidyTest(PlantedViolation):
         command = {"directory": str(build), "file": "../sim/core/d.cc", "command": "g++ -std=c++20 -o d.o -c ../sim/core/d.cc"}
         (build / "compile_commands.json").write_text(json.dumps([command]), encoding="utf-8")
         self.plant("sim/core/d.cc", faulty.replace("return s + t", "return t"))
-        for _ in range(2):  # the second time from memory
+        for _ in range(2):  # the second time from the cache
             clean = self.run_check("clang_tidy", build)
             self.assertEqual(clean.returncode, 0, clean.stdout + clean.stderr)
         self.plant("sim/core/d.cc", faulty)

@@ -65,8 +65,8 @@ void bundle_pillars(const FrameRows& rows, std::size_t words, Word* gs) {
 
 void bundle_graphs(const FrameRows& rows, const GraphRows& graphs, bool tie, std::size_t words, Word* gs) {
   for (std::size_t i = 0; i < words; i += Lanes::words) {
-    // Of 30 vectors at least 16, or 15 if ties count as one. With a tie counted as one more vector
-    // the result is bit 4 of the sum.
+    // Majority of 30 vectors: at least 16, or 15 if ties count as one. With a tie counted as one
+    // more vector the result is bit 4 of the sum.
     const PillarCount pillars = count_pillars(rows, i);
     const GraphCount corner = count_graph(rows.corner, graphs.corner, i);
     const GraphCount edge = count_graph(rows.edge, graphs.edge, i);

@@ -1,4 +1,4 @@
-// A made-up sensor with many sources, so that the statistics of a part can be taken over sources at
+// An artificial sensor with many sources, so that a part's statistics can be taken over sources at
 // one instant.
 #pragma once
 
@@ -13,8 +13,8 @@ namespace slipbench {
 
 inline constexpr std::size_t many = 20000;  // sources; standard error of a mean square: sqrt(2/many) = 1 %
 
-// Two values a source: value v < sources has the disturbances 1, value sources + v follows the same
-// source at three times as much.
+// Two values per source: value v < sources has the disturbances 1; value sources + v follows the
+// same source with three times the disturbances.
 inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0) {
   SignalModel model;
   model.rate = rate;
@@ -42,7 +42,7 @@ inline std::vector<Entry> electronics_entries() {
   return electronics_of("made up", parts);
 }
 
-// A part at its defaults, but for `scale` where it has one.
+// A part with its defaults, except `scale` if it has one.
 inline Named part(const std::string& name, double scale = 1.0) {
   const std::vector<Entry> entries = electronics_entries();
   const auto entry = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.name == name; });
@@ -53,7 +53,7 @@ inline Named part(const std::string& name, double scale = 1.0) {
 
 inline const ElectronicsKey default_key{.seed = 11, .trial = 3, .device = 0, .sensor_name = "pad"};
 
-// What a chain makes of the constant sample `input` at each of `times`.
+// Returns the output of a chain for the constant sample `input` at each of `times`.
 inline std::vector<std::vector<float>> outputs(const std::vector<Named>& parts, const SignalModel& model, float input,
                                                const std::vector<double>& times, const ElectronicsKey& key = default_key) {
   Electronics electronics(parts, model, key);

@@ -1,4 +1,4 @@
-// Impulses on slipping elements: their number, ringing and strength, and when there are none.
+// Impulses on slipping elements: their number, ringing and strength, and their absence.
 #include <cmath>
 #include <numbers>
 

@@ -197,8 +197,8 @@ TEST(SparseField, WakesInTimeHoweverItComes) {
   }
 }
 
-// Whether drawn or not, and whoever else reads the field, every unit of a lifted pad reads 0 and
-// touches nothing.
+// Whether the pad is drawn or not, and whichever other readers the field has, every unit of a
+// lifted pad reads 0 and touches nothing.
 TEST(SparseField, LooksChangeNoLabel) {
   const Target met = target(Shape::cylinder);
   for (const int looks : {0, 1, 2}) {

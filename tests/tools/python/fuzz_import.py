@@ -284,7 +284,7 @@ class Fuzzer:
             importer.add(file)
 
     def changed(self, kind, random):
-        """A seed of this kind with a few changes."""
+        """Returns a seed of this kind with a few changes."""
         seeds = self.seeds[kind]
         data = bytearray(random.choice(seeds))
         for _ in range(random.choice((1, 1, 2, 3, 6))):
@@ -319,8 +319,8 @@ class Fuzzer:
             keep: folder for the inputs that show a fault; None: they are not kept
 
         Returns:
-            The traceback of the first input for each place of a fault, and the number of inputs of each kind that
-            were read.
+            The traceback of the first input for each place of a fault, and the number of inputs of
+            each kind that were read.
         """
         faults, taken = {}, dict.fromkeys(kinds, 0)
         for kind in kinds:
@@ -346,7 +346,9 @@ class Fuzzer:
 
 
 def limit():
-    """Makes a runaway allocation a MemoryError, and ends the process with a traceback where an input takes too long."""
+    """Turns a runaway allocation into a MemoryError, and ends the process with a traceback if an
+    input takes too long.
+    """
     faulthandler.register(signal.SIGPROF, chain=True)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + MEMORY,) * 2)
@@ -407,7 +409,7 @@ def main(arguments):
 
 
 def search_with_atheris(fuzzer, arguments):
-    """Hands one kind of source to libFuzzer, which ends the process."""
+    """Passes one kind of source to libFuzzer, which ends the process."""
     kind = arguments.atheris
     corpus = arguments.keep / kind
     corpus.mkdir(exist_ok=True)

@@ -1,4 +1,7 @@
-"""The gallery has a picture of each folder of scenes, of the size that a page shows, and its script draws it. Argument: the project's root."""
+"""The gallery has a picture of each folder of scenes, in the displayed size, drawn by its script.
+
+Argument: the project's root.
+"""
 
 import subprocess
 import sys

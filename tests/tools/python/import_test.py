@@ -31,7 +31,7 @@ MAP = "{sensor: pad, type: own, time: {column: t}, " + CHANNELS + "%s}"
 
 
 def table(separator=",", decimal=".", quote="", end="\n", rows=ROWS, tail="", titles=("t", "f1", "f2")):
-    """A table of three columns as an instrument writes it."""
+    """Returns a table of three columns in an instrument's format."""
     lines = [separator.join(quote + title + quote for title in titles) + tail]
     lines += [separator.join(quote + cell.replace(".", decimal) + quote for cell in row) + tail for row in rows]
     return end.join(lines) + end
@@ -39,7 +39,7 @@ def table(separator=",", decimal=".", quote="", end="\n", rows=ROWS, tail="", ti
 
 @contextlib.contextmanager
 def printed(path):
-    """Gives what C++ and Python print meanwhile, as a function to be called afterwards."""
+    """Captures the output of C++ and Python; yields a function that returns it afterwards."""
     sys.stdout.flush()
     kept = os.dup(1)
     with path.open("wb") as file:
@@ -91,12 +91,12 @@ class ImportTest(unittest.TestCase):
         return list(data.values()), [warning["text"] for warning in json.loads(text())["warnings"]]
 
     def force(self, map, *sources):
-        """The only recording's values and stamps of the sensor `pad`."""
+        """Returns the values and stamps of the sensor `pad` in the only recording."""
         pad = self.read(map, *sources)[0][0].sensors["pad"]
         return np.asarray(pad.force), np.asarray(pad.t)
 
     def refused(self, map, *sources):
-        """The message of the refusal, after which nothing is left."""
+        """Returns the message of the refusal; nothing may be left."""
         with self.assertRaises(slipbench.InputError) as caught:
             self.read(map, *sources)
         self.assertFalse((self.folder / f"out_{self.count}.h5").exists())
@@ -221,8 +221,8 @@ class Tables(ImportTest):
         for name, (text, map, message) in cases.items():
             with self.subTest(name):
                 self.assertIn(message, self.refused(map, self.write("a.csv", text)))
-        # 40,000 letters without a number: the search takes time in proportion to them, and the
-        # message has few of them.
+        # 40,000 letters without a number: the search takes time proportional to their number, and
+        # the message has few of them.
         message = self.refused(MAP % "", self.write("a.csv", ("a" * 40_000 + "\n") * 50))
         self.assertRegex(message, r"has no column 'f1'; found: a{60}…; read with one column between the cells")
 
@@ -311,7 +311,7 @@ class Tables(ImportTest):
             )
 
     def test_tables_of_programs(self):
-        """LabVIEW, pandas, numpy, Instron and R; what they write around the numbers."""
+        """LabVIEW, pandas, numpy, Instron and R, with the text around the numbers."""
         want = [[0.5, 1.25], [0.6, 1.35], [0.7, 1.45]]
         lines = table("\t")
         head = "LabVIEW Measurement\t\nDecimal_Separator\t.\n***End_of_Header***\t\n\t\nX0\t0\t0\t\n***End_of_Header***\t\t\t\n"
@@ -377,7 +377,8 @@ class Tables(ImportTest):
         self.assertIn("found '1e400'", self.refused(MAP % "", self.write("a.csv", "t,f1,f2\n0,1e400,1\n1,2,3\n")))
 
     def test_the_rate_follows_from_the_digits_of_the_stamps(self):
-        """Steps of 1/77 s in ms, written in two ways: the rate is 77 Hz, not one of fewer digits."""
+        """Steps of 1/77 s in ms, written in two ways: the rate is 77 Hz, not one with fewer
+        digits."""
         milliseconds = [round(1000 * k / 77) for k in range(201)]
         for time, keys, cells in (
             (
@@ -447,7 +448,7 @@ class Layouts(ImportTest):
         )
 
     def test_labels_are_of_their_own_files(self):
-        """The name of a folder is not that of a file, and a row of a table is not that of two files."""
+        """A folder's name does not match a file, and a table's row does not match two files."""
         for name in ("slip_set/none_1.csv", "other/none_1.csv"):
             self.write(f"set/{name}", table())
         map = MAP % ", state: {file: '(slip|none)', values: {slip: 3, none: 1}, rule: the file}"
@@ -508,7 +509,7 @@ class Layouts(ImportTest):
             ),
         ):
             with self.subTest(keys):
-                if "labels.csv" in keys:  # beside the recordings
+                if "labels.csv" in keys:  # next to the recordings
                     self.write("set/slip/labels.csv", "file,label,object\ncup_1.csv,slip,cup\n")
                     self.write("set/none/labels.csv", "file,label,object\ncup_1,open,cup\n")
                 trials, _ = self.read(MAP % keys, *folders)
@@ -546,7 +547,7 @@ class Layouts(ImportTest):
         self.assertEqual([trial.params["file"] for trial in self.read(chosen, self.folder / "set")[0]], ["m1_bio.csv", "m2_bio.csv"])
         self.write("set/notes.txt", "a text of another kind")
         self.write("other.csv", table())
-        both = self.read(chosen, self.folder / "set", self.folder / "other.csv")[0]  # named by itself
+        both = self.read(chosen, self.folder / "set", self.folder / "other.csv")[0]  # named directly
         self.assertEqual(len(both), 3)
         self.assertIn(
             "set: no file matches files: '*.dat' of the map; found: m1_bio.csv, m1_cp.csv, m2_bio.csv, m2_cp.csv",
@@ -653,7 +654,7 @@ class Arrays(ImportTest):
         times = np.arange(300) / 100
         labels = (times > 1).astype(float)
         map = MAP.replace("f1, f2", "f1") % ", state: {column: l, values: {0: non_slip, 1: gross}, rule: a button}"
-        # 1,000 s in float32 are known to 6e-5 s, which 100 Hz fits.
+        # 1,000 s in float32 are exact to 6e-5 s, which is consistent with 100 Hz.
         np.savez(self.folder / "a.npz", t=np.float32(times + 1000), f1=times, l=labels)
         trial = self.read(map, self.folder / "a.npz")[0][0]
         self.assertEqual(trial.sensors["pad"].rate, 100.0)
@@ -692,7 +693,7 @@ class Arrays(ImportTest):
         map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [force]}}}"
         np.savez_compressed(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=np.arange(2000.0).reshape(2, 1000))
         data = bytearray((self.folder / "a.npz").read_bytes())
-        data[-1000:-600] = bytes(400)  # inside of the compressed force
+        data[-1000:-600] = bytes(400)  # inside the compressed force
         self.write("b.npz", bytes(data))
         self.assertIn("b.npz: cannot be read as arrays: ", self.refused(map, self.folder / "b.npz"))
         with mock.patch.object(arrays, "LARGEST", 1000):
@@ -742,7 +743,9 @@ class Bags(ImportTest):
     """Bags that rosbags has written."""
 
     def messages(self, ros):
-        """Types and 4 messages of a PapillArray: pillar p carries (p, 0, 2) N and is displaced by (0, 0, row) mm, 1 ms apart."""
+        """Returns types and 4 messages of a PapillArray: pillar p carries (p, 0, 2) N and is
+        displaced by (0, 0, row) mm, 1 ms apart.
+        """
         store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY)
         package = "papillarray_interfaces/msg"
         store.register(
@@ -770,7 +773,7 @@ class Bags(ImportTest):
         return store, f"{package}/SensorState", made
 
     def check(self, path):
-        """Both sensors of a bag by the program's own map."""
+        """Imports both sensors of a bag with the program's own map."""
         output = self.folder / f"{path.name}.h5"
         slipbench.import_recordings(path, output, map="papillarray_ros")
         with slipbench.open(output) as data:

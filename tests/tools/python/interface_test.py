@@ -15,7 +15,7 @@ del sys.argv[1]
 
 
 class OneInterface(unittest.TestCase):
-    """Each attribute of a simulated trial has the same value, shape and type in the stored one."""
+    """Each attribute of a simulated trial equals the stored one in value, shape and type."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,4 +1,7 @@
-"""Detectors of Python that misbehave: trials in processes of their own keep them apart. Argument: the program, which is not used."""
+"""Misbehaving detectors in Python: trials in separate processes contain the damage.
+
+Argument: the program, which is not used.
+"""
 
 import ctypes
 import os
@@ -12,7 +15,7 @@ from pathlib import Path
 
 import slipbench
 
-LIMIT = 2.0  # s, above what an honest trial takes on a machine that does much else
+LIMIT = 2.0  # s, above the time of an honest trial on a busy machine
 HONEST = False
 KEPT = []
 
@@ -34,7 +37,7 @@ def be_deaf():
 
 ENDED_BY = "its worker process was ended by "
 LATE = f"its worker process was still running after {LIMIT:g} s, the limit"
-# What is done, and what the message of the failed trial holds; None: nothing happens.
+# Each deed, and words in the failed trial's message; None: no failure.
 DEEDS = [
     (lambda: os._exit(0), "its worker process ended with status 0 before its work was done"),
     (lambda: ctypes.string_at(0), ENDED_BY + "SIGSEGV"),
@@ -56,7 +59,7 @@ DEEDS = [
 
 @slipbench.detector("misbehaves")
 class Misbehaves:
-    """Does what its parameter says in its hundredth update."""
+    """Does what its parameter names in its hundredth update."""
 
     parameters = {"deed": -1}
 

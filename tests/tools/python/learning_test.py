@@ -1,4 +1,7 @@
-"""Training in PyTorch: recipes, networks of one's own, files that a loop accepts, going on after a kill. Argument: the program."""
+"""Training in PyTorch: recipes, custom networks, files that a loop accepts, resuming after a kill.
+
+Argument: the program.
+"""
 
 import dataclasses
 import json
@@ -40,7 +43,7 @@ sweep:
   friction.scale: {draw: lognormal, median: 1, sd: 0.1}
   trials: 12
 """
-# Values a frame of each recipe's input, with the published sensors.
+# Values per frame of each recipe's input, with the published sensors.
 INPUTS = {
     "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_grasp": 5,
     "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
@@ -73,7 +76,7 @@ class BothWays(nn.Module):
 
 
 class Forgetful(nn.Module):
-    """A GRU that keeps its state to itself."""
+    """A GRU that does not return its state."""
 
     def __init__(self, inputs, classes):
         super().__init__()
@@ -84,7 +87,7 @@ class Forgetful(nn.Module):
 
 
 class Returns(nn.Module):
-    """Returns what `make` makes of logits."""
+    """Returns the result of `make` for logits."""
 
     def __init__(self, inputs, classes, make):
         super().__init__()
@@ -118,8 +121,8 @@ class TrainingTest(unittest.TestCase):
 
 
 class Training(TrainingTest):
-    # 24 trials: 5 judge, 4 of the other 19 validate (a fifth, rounded up). 0.4 s are ten stacks of
-    # 40 rows, so 15 trials are 150 frames.
+    # 24 trials: 5 are for judging, 4 of the other 19 for validation (a fifth, rounded up). 0.4 s
+    # are ten stacks of 40 rows, so 15 trials are 150 frames.
     def test_the_file_says_what_it_has_seen(self):
         steps = []
         trained = self.train(progress=lambda member, report: steps.append(report.step))
@@ -184,7 +187,7 @@ class Training(TrainingTest):
         with self.assertRaisesRegex(InputError, "split.h5.*every_trial=True, which divides"):
             self.train(dataset=data, every_trial=False, split="trial")
 
-    # Twice 24 trials: 10 judge, a fifth of the other 38, rounded up, validates.
+    # Twice 24 trials: 10 are for judging, a fifth of the other 38, rounded up, for validation.
     def test_several_datasets(self):
         trained = self.train(dataset=[self.data, self.write("more.h5", seed=6)])
         self.assertEqual(trained.parts, {"learns": 30, "validates": 8, "judges": 10})
@@ -223,7 +226,7 @@ class Training(TrainingTest):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
 
-    # The greatest seed: that of the second of two members wraps to 0.
+    # The greatest seed: the second of two members wraps to 0.
     def test_whole_numbers_of_numpy_are_taken(self):
         trained = self.train(short("papillarray_gru5", members=2), steps=np.int64(2), seed=np.uint64(2**64 - 1), turned=np.int8(0), held_out=np.float32(0.25))
         facts = trained.description["trained"]
@@ -260,7 +263,7 @@ class Training(TrainingTest):
         subprocess.run([sys.executable, "-c", script], check=True)
 
     # A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all
-    # of its frames can be told.
+    # of its frames can be classified.
     def test_slip_gru_learns_from_a_few_trials(self):
         found = learning.find_recipe("slip_gru")
         few = dataclasses.replace(found, training=dataclasses.replace(found.training, steps=60, validate_every=10, batch=8))
@@ -274,8 +277,8 @@ class Training(TrainingTest):
         self.assertEqual((frames["spans"], len(frames["scale"])), ([5, 10, 20, 40, 80], 1))
 
     # A skin at 100 Hz has one sample in 10 ms, of which spans take 2, 3, 4, 8 and 16; markers at 50
-    # Hz 2, 3, 4, 5 and 8. The floor is a thousandth of the greatest value of the first trial.
-    # Counts of the skin less those at rest are its field.
+    # Hz 2, 3, 4, 5 and 8. The floor is a thousandth of the greatest value of the first trial. The
+    # skin's counts minus the unloaded ones are its field.
     def test_slip_gru_reads_three_axes_of_counts_and_of_markers(self):
         for sensor, rate, channel, spans in (({"type": "magnetic_skin", "noise": 2.2}, 100, "field", [2, 3, 4, 8, 16]),
                                              ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", [2, 3, 4, 5, 8]),
@@ -320,7 +323,7 @@ class Training(TrainingTest):
 
 class Command(TrainingTest):
     def run_program(self, *words, **environment):
-        # PyTorch 2.6 leaves a temporary folder to the end of the interpreter, which warns of that.
+        # PyTorch 2.6 leaves a temporary folder until the interpreter ends, which warns about it.
         environment["PYTHONWARNINGS"] = "error,ignore::ResourceWarning"
         return subprocess.run([PROGRAM, "train", self.data, "--all", "--recipe", "papillarray_gru", "--steps", "4", *words], capture_output=True, text=True,
                               check=False, env=os.environ | environment)
@@ -413,7 +416,7 @@ class Recipes(unittest.TestCase):
         some[0, 0, 0, 0] += 1.0
         self.assertFalse(torch.allclose(network(some.flatten(2))[0], logits, atol=1e-6))
 
-    # Rows of the adjacency of a node with d neighbours: 1/sqrt((d + 1)(d_j + 1)). E1 has one
+    # Rows of the adjacency for a node with d neighbours: 1/sqrt((d + 1)(d_j + 1)). E1 has one
     # neighbour, E2, which has two.
     def test_the_graph_is_normalised(self):
         graph = drawn_graph()
@@ -437,8 +440,8 @@ class Pieces(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "scaling: 'none'"):
             learning.scale_of(frames, "none")
 
-    # Of history 3, 600 frames have 598 answers: 256, 256 and 86 of one sequence. 100 frames have
-    # 98, so 2 x 98 answers go together, and a third would make 294.
+    # With history 3, 600 frames have 598 answers: 256, 256 and 86 of one sequence. 100 frames have
+    # 98, so 2 x 98 answers are processed together, because a third sequence would make 294.
     def test_windows_go_through_256_at_a_time(self):
         class Recording(Own):
             def forward(self, frames):
@@ -456,16 +459,16 @@ class Pieces(unittest.TestCase):
             for one, logits in zip(sequences, together):
                 np.testing.assert_allclose(logits, learning.answers(network, one), atol=1e-6)
 
-    # Each seed of CUDA's generator would be kept in a list, with a stack trace, until CUDA is first
-    # used.
+    # Each seed of CUDA's generator would be stored in a list, with a stack trace, until CUDA is
+    # first used.
     def test_a_training_seeds_no_generator_of_cuda(self):
         sequences = [(np.zeros((8, 1), np.float32), np.array([0, 1] * 4, np.uint8))]
         with mock.patch("torch.cuda.manual_seed_all") as seeded:
             learning.fit(Own(1, 2), sequences, [], learning.Training(steps=3, batch=2, clip=4), classes=2)
         seeded.assert_not_called()
 
-    # One sequence of five frames, whose last three are slip: clips of two answers begin at frame 0
-    # to 3; a class is drawn in each.
+    # One sequence of five frames, whose last three are slip: clips of two answers begin at frames 0
+    # to 3; for each a class is drawn.
     def test_clips_are_drawn_around_a_class(self):
         frames = np.arange(5, dtype=np.float32)[:, None]
         clips = learning.Clips([(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(batch=200, clip=2, balance="drawing"), 1, 2)
@@ -478,7 +481,7 @@ class Pieces(unittest.TestCase):
         uniform = learning.Clips([(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(), 1, 2)
         np.testing.assert_allclose([float(one) for one in uniform.weights()], [5 / 4, 5 / 6], rtol=1e-6)  # all/(classes x count)
 
-    # A short sequence is a clip as a whole; its last frame is repeated and trains nothing (-100).
+    # A short sequence is one clip; its last frame is repeated without training (-100).
     def test_a_short_sequence_fills_its_clip(self):
         sequences = [(np.array([[1.0], [2.0]], np.float32), np.array([0, 1], np.uint8)), (np.zeros((4, 1), np.float32), np.array([0, 0, 1, 1], np.uint8))]
         features, classes = learning.Clips(sequences, learning.Training(batch=50, clip=9), 1, 2).draw(1, 0)
@@ -487,7 +490,7 @@ class Pieces(unittest.TestCase):
         self.assertEqual(features[shorter[0], :, 0].tolist(), [1, 2, 2, 2])
         self.assertEqual(classes[shorter[0]].tolist(), [0, 1, -100, -100])
 
-    # The first three of 25 successive frames of slip train, then the 10th and the 20th.
+    # The first three of 25 successive frames of slip are trained on, then the 10th and the 20th.
     def test_the_onset_of_a_slip_trains(self):
         labels = np.array([0] * 5 + [1] * 25, np.uint8)
         clips = learning.Clips([(np.zeros((30, 1), np.float32), labels)], learning.Training(batch=1, clip=30, onset_frames=3), 1, 2)

@@ -1,5 +1,8 @@
-"""slipbench.mujoco, in the package `mujoco` that is imported: attach_pad, named readings, the longest step. Arguments: the project's root, and the
-program attached_trace where it is of this MuJoCo."""
+"""slipbench.mujoco with the imported package `mujoco`: attach_pad, named readings, the longest
+step.
+
+Arguments: the project's root, and the program attached_trace if it was built for this MuJoCo.
+"""
 
 import math
 import re

@@ -1,5 +1,8 @@
-"""Writes mlp13.onnx, gru21.onnx, unit13.onnx and unit13_biotac.onnx beside this file: networks as a user would make them, by the
-`onnx` package of PyPI. Their weights are weight(i) one after the other, which networks.h repeats."""
+"""Writes mlp13.onnx, gru21.onnx, unit13.onnx and unit13_biotac.onnx next to this file.
+
+The networks are made as by a user, with the `onnx` package of PyPI. Their weights are weight(i) in
+order, which networks.h repeats.
+"""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-// A pad of two points that does everything right but for what its parameter `fault` says.
+// A pad of two points that is correct except for the fault named by its parameter `fault`.
 #include <cmath>
 #include <csignal>
 #include <cstring>

@@ -231,7 +231,7 @@ TEST(Masks, NeverCutAMaterialInTwo) {
   EXPECT_EQ(masks.test.size(), 10U);
 }
 
-// 20 % of 10 groups are 2, 0 % are none.
+// 10 groups: 20 % are 2, 0 % are 0.
 TEST(Masks, FollowTheScenesRule) {
   const std::vector<std::string> speeds{"1", "2", "3", "4", "5", "6", "7", "8", "9", "10"};
   const Masks masks = split_trials(trials_of(30, speeds), 7, SplitRule{"speed", {0.8, 0.0, 0.2}});

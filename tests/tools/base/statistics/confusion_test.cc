@@ -30,7 +30,7 @@ Confusion always(PadState answer, const StateCounts& counts) {
   return confusion;
 }
 
-// Of k occurring states the answer's own has recall 1 and the others 0, for any sample counts.
+// If k states occur, the answer's own has recall 1 and the others 0, for any sample counts.
 TEST(Confusion, AConstantAnswerHasABalancedAccuracyOfOneInK) {
   for (const PadState answer : {PadState::non_slip, PadState::incipient, PadState::gross}) {
     EXPECT_DOUBLE_EQ(balanced_accuracy(always(answer, {3, 970, 2, 28})), 1.0 / 3.0);

@@ -181,7 +181,7 @@ TEST(Judged, ProbabilitiesAndStuckFractions) {
   const Judgement result = judged(0, truth(), replayed);
   EXPECT_EQ(result.negatives, std::vector<double>{0.1});
   EXPECT_EQ(result.positives, std::vector<double>{0.7});
-  // Of nine samples in contact: seven in which all stick, one half, one none.
+  // Nine samples in contact: all stick in seven, half in one, none in one.
   EXPECT_EQ(result.stuck_frames, 9U);
   EXPECT_NEAR(result.stuck_error, 7.0 * 0.25 + 0.25 + 0.75, 1e-12);
   EXPECT_THROW(judged(0, truth(), seen({stick})), std::logic_error);

@@ -1,5 +1,5 @@
-// What each format stores, always without truth; a simulated trial through `export` and `import`;
-// damaged and wrong sources.
+// Stored content of each format, always without truth; a simulated trial through `export` and
+// `import`; damaged and wrong sources.
 #include <cmath>
 
 #include <fmt/format.h>

@@ -65,7 +65,7 @@ TEST(DetectorInTrial, WarnsWhenTheRatioIsPassed) {
   for (std::size_t truth = 0; truth < 4; ++truth) EXPECT_EQ(sum(control.confusion[truth]), labels.state_count[truth]);
 }
 
-// Of 1800 samples at rest a share of 2 % is flipped to slip, some of them single: the first one
+// A share of 2 % of 1800 samples at rest is flipped to slip, some of them single: the first one
 // decides, although the oracle detects the slip at once.
 TEST(DetectorInTrial, ThatWithdrewItsAlarmIsEarlyToo) {
   const TrialRecord record = run_trial(stage_scene({{"detector", "{type: truth, flip: 0.02}"}}), 0, Recording::full).record;

@@ -1,5 +1,6 @@
 #!/bin/sh
-# shipped_memories.sh PROGRAM SOURCE_DIR: the commands of detectors/hd/memories/README.md give the bytes that are there, seen.txt apart.
+# shipped_memories.sh PROGRAM SOURCE_DIR: the commands of detectors/hd/memories/README.md reproduce
+# the stored bytes, except seen.txt.
 set -eu
 program=$1
 cd "$2"

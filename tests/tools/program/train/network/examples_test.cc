@@ -255,7 +255,7 @@ std::vector<Example> trials(std::size_t count) {
   return all;
 }
 
-// Of 20 trials a fifth is for judging, and of the other 16 a fifth for validation, rounded up: 4
+// A fifth of 20 trials is for judging, and a fifth of the other 16 for validation, rounded up: 4
 // and 4. Half of them touch.
 TEST(SplitExamples, DealsTrialsOutWithAndWithoutContact) {
   const std::vector<Example> all = trials(20);
