@@ -197,8 +197,8 @@ TEST(SparseField, WakesInTimeHoweverItComes) {
   }
 }
 
-// Whether the pad is drawn or not, and whichever other readers the field has, every unit of a
-// lifted pad reads 0 and touches nothing.
+// Every unit of a lifted pad reads 0 and touches nothing, however often the pad is drawn and other
+// labels are read between the steps.
 TEST(SparseField, LooksChangeNoLabel) {
   const Target met = target(Shape::cylinder);
   for (const int looks : {0, 1, 2}) {

@@ -26,7 +26,7 @@ described = importlib.util.spec_from_file_location("robots", FOLDER / "robots.py
 robots = importlib.util.module_from_spec(described)
 described.loader.exec_module(robots)
 
-# What the example needs of a Panda: two coupled slides, the drive, the names.
+# The parts of a Panda that the example needs: two coupled slides, the drive, the names.
 HAND = """<mujoco model="stand-in"><option integrator="implicitfast"/><worldbody><body name="hand" pos="0 0 0.5" quat="0 1 0 0">
   <body name="left_finger" pos="0 0 0.06"><joint name="finger_joint1" type="slide" axis="0 1 0" damping="1"/>
     <geom type="box" pos="0 0.005 0.04" size="0.01 0.005 0.02" mass="0.03"/></body>

@@ -220,8 +220,8 @@ TEST(Calibration, BothEndsBelongToIt) {
 using Values = std::vector<double>;
 using Groups = std::vector<std::size_t>;
 
-// Of 3 x 2 pairs (3,1) (3,2) (2,1) are in order and (2,2) is a tie; (1,1) is a tie and (1,2) is
-// reversed: 3 + 2/2 = 4 of 6.
+// 3 x 2 pairs: (3,1) (3,2) (2,1) are in order, (2,2) and (1,1) are ties and (1,2) is reversed, so
+// 3 + 2/2 = 4 of 6.
 TEST(Auc, CountsPairsAndHalvesTies) {
   const Auc found = auc(Values{1.0, 2.0, 3.0}, Values{2.0, 1.0});
   EXPECT_DOUBLE_EQ(found.value, 4.0 / 6.0);

@@ -330,7 +330,7 @@ TEST(SplitExamples, KeepsATrialTogether) {
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(parts[10 + i], parts[i] == Part::learns ? Part::learns : Part::left_out);
 }
 
-// Of 20 trials in parts of 10, 0 and 10, a fifth of the first ten, 2, is for validation. Ten more
+// 20 trials in parts of 10, 0 and 10: a fifth of the first ten, 2, is for validation. Ten more
 // without a part are dealt out as usual: a fifth, 2, is for judging.
 TEST(SplitExamples, KeepsToThePartsOfADataset) {
   std::vector<Example> all = trials(20);
