@@ -60,8 +60,8 @@ TEST(Features, WaitForTheFirstWholeImage) {
 }
 
 // A tone of A counts at 4 Hz: means of 0.25 N A/2 over 0 to 6 Hz and 0.115 N A/2 over 6 to 8 Hz
-// (stft_test), N = 150. The line removes at most some percent of a cosine that is not even about
-// the window's middle.
+// (TakesTheMeanOfABand), N = 150. The line removes at most some percent of a cosine that is not
+// even about the window's middle.
 TEST(Features, HaveTheBandsOfBothModes) {
   FeatureReader features = reader();
   NibFrames frames;
