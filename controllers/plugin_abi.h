@@ -51,7 +51,7 @@ struct slipbench_controller {
   char refusal[SLIPBENCH_REFUSAL_SIZE];  // one line that says why this scene is refused; `update` is then null
 };
 
-// The two symbols that a library exports. slipbench_make_controller is called once per trial;
+// The two symbols that a library exports. slipbench_make_controller is called once per trial.
 // `controller` comes without functions.
 SLIPBENCH_EXPORT extern const struct slipbench_abi slipbench_controller_abi;  // = SLIPBENCH_CONTROLLER_BUILD
 SLIPBENCH_EXPORT void slipbench_make_controller(const struct slipbench_source* source, struct slipbench_controller* controller);

@@ -61,10 +61,11 @@ DetectorKind gst_hd_rtl_detector();
 // Value of the parameter `model` of `network` if no network is named.
 inline constexpr const char* no_network = "none";
 
-// A neural network from an ONNX file. One estimate per sample, updated when a frame is complete;
-// no_contact until the network has run once. Feature "slip_probability". Throws SceneValueError at
-// detector.model for a file that is not such a network (network::load_engine) or reads another
-// sensor. update() throws InputError if the network returns a value that is not a number.
+// A neural network from an ONNX file. One estimate per sample, updated when a frame is
+// complete; no_contact until the network has run once. Feature "slip_probability". Throws
+// SceneValueError at detector.model for a file that is not such a network (network::load_engine) or
+// reads another sensor. update() throws InputError if the network returns a value that is not a
+// number.
 DetectorKind network_detector();
 
 // A custom detector from a shared library: detectors/plugin_abi.h. `source.sensors` must hold all

@@ -44,7 +44,7 @@ struct slipbench_detector {
   char refusal[SLIPBENCH_REFUSAL_SIZE];  // one line that says why this scene is refused; `update` is then null
 };
 
-// The two symbols that a library exports. slipbench_make_detector is called once per trial;
+// The two symbols that a library exports. slipbench_make_detector is called once per trial.
 // `detector` comes without functions.
 SLIPBENCH_EXPORT extern const struct slipbench_abi slipbench_detector_abi;  // = SLIPBENCH_DETECTOR_BUILD
 SLIPBENCH_EXPORT void slipbench_make_detector(const struct slipbench_source* source, struct slipbench_detector* detector);

@@ -65,8 +65,8 @@ class SlidingSpectrum {
   std::size_t missing_;   // samples until the next spectrum
 };
 
-// A taxel has index 3*row + column, rows from north (+y) to south, columns from west (-x) to east;
-// its electrodes are in the order W, N, E, S.
+// A taxel has index 3*row + column, rows from north (+y) to south, columns from west (-x) to
+// east; its electrodes are in the order W, N, E, S.
 inline constexpr std::size_t taxels = 9;
 inline constexpr std::size_t electrodes = 4;
 

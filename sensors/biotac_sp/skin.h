@@ -74,11 +74,11 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor,
 // Effective dent of the skin over each electrode, w [m]:
 //   w_e = sum_i d_i (G_ei + S q_i . grad G_ei) - B sum_i d_i A_i / sum_i A_i
 //   G_ei = A_i ((1 - a) g(r_ei)/g_max + a h(r_ei)/h_max),  g = exp(-r^2/(2 l^2)),  h = exp(-r/L)
-// d_i: depth of element i in the object; q_i: drag of its tip along the surface; A_i: its area;
-// r_ei: distance from the skin over electrode e. g_max: largest over e of sum_i A_i g(r_ei), h_max
-// likewise, so that no electrode feels more than a dent of the whole skin. S: `stretch`; grad:
-// along the skin, as a dragged dent moves towards or away from the electrode. B: `swell`, as the
-// fluid displaced by a dent lifts the skin elsewhere.
+// d_i: depth of element i in the object; q_i: drag of its tip along the surface; A_i: its
+// area; r_ei: distance from the skin over electrode e. g_max: largest over e of sum_i A_i g(r_ei),
+// h_max likewise, so that no electrode feels more than a dent of the whole skin. S: `stretch`.
+// grad: along the skin, as a dragged dent moves towards or away from the electrode. B: `swell`, as
+// the fluid displaced by a dent lifts the skin elsewhere.
 struct Kernel {
   double near;       // m, l
   double far;        // m, L

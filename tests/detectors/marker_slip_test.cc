@@ -21,10 +21,10 @@ PadState told(Detector& detector, const std::array<float, 8>& moved, float depth
   return detector.update({0.0, values}).state;
 }
 
-// A shift by (300, 100) um and a turn that moves the corners by 50 um along x and y each are rigid;
-// picture rows run down. With one marker 100 um less along x, its residual from the best motion is
-// 100 (1 - 1/4 - 50^2/20,000) um = 62.5 um, and the others' are below 38 um; with 70 um less it is
-// 44 um.
+// A shift by (300, 100) um and a turn that moves the corners by 50 um along x and y each are
+// rigid. Picture rows run down. With one marker 100 um less along x, its residual from the best
+// motion is 100 (1 - 1/4 - 50^2/20,000) um = 62.5 um, and the others' are below 38 um; with 70 um
+// less it is 44 um.
 TEST(MarkerDeviation, TellsMarkersThatLeaveTheRigidMotion) {
   const auto deviation = detector(marker_deviation_detector());
   EXPECT_EQ(told(*deviation, {}, 0.5e-4F), PadState::no_contact);

@@ -2,8 +2,8 @@
 // Contact Mechanics, 1985, ch. 4 and 7). At the depth d, with E* = 4 G and mu:
 // - Hertz: a = sqrt(R d), N = (16/3) G sqrt(R) d^1.5, p = p0 sqrt(1 - r^2/a^2), p0 = 3 N/(2 pi
 //   a^2); the second moment of p is (2/5) a^2 N.
-// - Cattaneo and Mindlin: all slides from delta_f = 3 mu N (2 - nu)/(16 G a) = 9 mu N/(32 G a) on;
-//   before that T = mu N [1 - (1 - delta/delta_f)^1.5], and the stuck disc has the radius c = a
+// - Cattaneo and Mindlin: all slides from delta_f = 3 mu N (2 - nu)/(16 G a) = 9 mu N/(32 G a)
+//   on; before that T = mu N [1 - (1 - delta/delta_f)^1.5], and the stuck disc has the radius c = a
 //   sqrt(1 - delta/delta_f).
 // - Mindlin and Deresiewicz: unloading from (delta*, T*) follows T* - 2 T((delta* - delta)/2), so a
 //   full cycle between -delta* and delta* takes 8 Int_0^delta* T dx - 4 T* delta*, Int_0^x T = mu N

@@ -89,8 +89,8 @@ INSTANTIATE_TEST_SUITE_P(Stability, MassStiffnessFriction,
 
 class MassStiffnessStep : public ::testing::TestWithParam<std::tuple<double, double, double>> {};
 
-// Refused exactly if h > 0.75/omega of the fastest mode, computed here from the masses and springs;
-// otherwise correct. The step in the message is rounded down to three digits.
+// Refused exactly if h > 0.75/omega of the fastest mode, computed here from the masses and
+// springs; otherwise correct. The step in the message is rounded down to three digits.
 TEST_P(MassStiffnessStep, IsRightOrRefusedWithTheLimit) {
   const auto [mass, stiffer, step] = GetParam();
   BoxOnPad box = box_of(mass, stiffer, 0.5);

@@ -45,8 +45,8 @@ struct Passes {
   // gs = [graphs + pillars], ties to `tie`.
   void (*bundle_graphs)(const FrameRows& rows, const GraphRows& graphs, bool tie, std::size_t words, Word* gs);
 
-  // Row r of `gs`, `stride` words apart, = [graphs of frame r + pillars of the frames 0 to r];
-  // without `graphs` the pillars alone.
+  // Row r of `gs`, `stride` words apart, = [graphs of frame r + pillars of the frames 0 to r].
+  // Without `graphs` the pillars alone.
   void (*bundle_core)(const CoreWindow& window, const GraphRows* graphs, bool tie, std::size_t words, std::size_t stride,
                       Word* gs);
 

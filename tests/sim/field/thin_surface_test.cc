@@ -105,8 +105,8 @@ TEST(ThinSurface, AFrictionlessWayThroughACardGivesNoWork) {
 }
 
 TEST(ThinSurface, ColumnsEndAtTheirHeight) {
-  // Pressed in further than its height, the pillar is no longer a spring and its force vanishes;
-  // this is reported.
+  // Pressed in further than its height, the pillar is no longer a spring and its force vanishes.
+  // This is reported.
   Field field(pillar(), Box{{20e-3, 20e-3, 0.5e-3}}, {0.5, 0.5});
   bool lost = false;
   press(field, 0.5e-3, height + 0.2e-3, [&](double depth) {

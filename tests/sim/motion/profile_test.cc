@@ -95,8 +95,8 @@ TEST(Profile, ReversalCrossesZeroAtTheLimit) {
 }
 
 TEST(Profile, ChangeToTheVelocityJustReachedHoldsIt) {
-  // Reversing from 1/16 m/s at 1/4 m/s^2 from t = 1 the velocity is exactly 0 at t = 1.25;
-  // commanded to 0 there, it must stay 0.
+  // Reversing from 1/16 m/s at 1/4 m/s^2 from t = 1 the velocity is exactly 0 at t = 1.25.
+  // Commanded to 0 there, it must stay 0.
   Profile profile(0.0);
   profile.change_velocity(0.0, 0.0625, inf);
   profile.change_velocity(1.0, -0.0625, 0.25);

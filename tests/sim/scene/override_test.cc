@@ -174,8 +174,8 @@ TEST(Override, ChangesTheSweepItself) {
   EXPECT_EQ(plan(catalogues, {{"sweep", "{}"}}).size(), 1u);
 }
 
-// Typed values are never dropped: a typed sweep below a typed value applies to it, in either order;
-// one value can be typed only once.
+// Typed values are never dropped: a typed sweep below a typed value applies to it, in either order.
+// One value can be typed only once.
 TEST(Override, KeepsASweepThatWasTyped) {
   const Catalogues catalogues = test_catalogues();
   const Override whole{"motion", "{start: 1 s}"};

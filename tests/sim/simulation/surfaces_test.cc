@@ -57,8 +57,8 @@ TEST(Surfaces, BoxHasItsSize) {
 }
 
 TEST(Surfaces, CylinderLiesAlongItsAngle) {
-  // Radius 30 mm: at the distance s from its highest line the gap is sqrt(s^2 + 30^2) - 30 mm;
-  // along the line it is zero up to the end at half its length.
+  // Radius 30 mm: at the distance s from its highest line the gap is sqrt(s^2 + 30^2) - 30 mm.
+  // Along the line it is zero up to the end at half its length.
   for (const double angle : {0.0, 0.5, -1.2}) {
     const PlacedSurface cylinder = placed("cylinder", {{"angle", angle}, {"length", 80e-3}});
     const Eigen::Vector3d along(std::cos(angle), std::sin(angle), 0.0), across(-std::sin(angle), std::cos(angle), 0.0);

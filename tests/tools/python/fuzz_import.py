@@ -44,7 +44,7 @@ with instrumented:
     import numpy as np
     import pyarrow as pa
     import pyarrow.parquet
-    import rosbags.highlevel  # imported before bags.py does, so that it is instrumented
+    import rosbags.highlevel  # noqa: F401  imported before bags.py does, so that it is instrumented
     import slipbench
     from rosbags.rosbag1 import Writer as Writer1
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer as Writer2

@@ -2,12 +2,12 @@
 //
 // The recipe (sim/mujoco/articulated/articulated.h) determines the expected deviations:
 // - trailing: a sticking tip keeps 1/(1 + 2/(0.8 x 0.5)) = 1/6 of its velocity from step to step,
-//   so it follows a drive that jumps to its speed 1/6 + 1/36 + ... = 0.2 steps late;
+//   so it follows a drive that jumps to its speed 1/6 + 1/36 + ... = 0.2 steps late
 // - damping: ratio 0.3 with a tip of 0.01 g adds c v to a sticking pillar's force, c = 0.6 sqrt(k_t
 //   m). Slip comes c/k_t early, 85 us at 500 N/m, and the ringing after it decays by e^-10 in
-//   10/(0.3 sqrt(k_t/m)) = 5 ms;
+//   10/(0.3 sqrt(k_t/m)) = 5 ms
 // - recruiting: slip in the main solve presses slightly harder, 0.3 % at 100 mm/s and proportional
-//   to the speed (measured).
+//   to the speed (measured)
 #include <cmath>
 #include <functional>
 #include <limits>

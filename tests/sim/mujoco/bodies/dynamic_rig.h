@@ -52,8 +52,8 @@ class ModelFolder {
 // A bench with its scene and sensors.
 class DynamicRig {
  public:
-  // `text`: a scene without its first line; `name`: path of the scene, for relative paths in it;
-  // `layout`: replaces every sensor's own.
+  // `text`: a scene without its first line; `name`: path of the scene, for relative paths in
+  // it; `layout`: replaces every sensor's own.
   explicit DynamicRig(const std::string& text, const std::string& name = "scene.yaml",
                       const DynamicSimulationOptions& options = {}, const PadLayout* layout = nullptr)
       : scene_(parsed(SceneFile::from_text("slipbench: 1\n" + text, name))) {

@@ -25,8 +25,8 @@ inline std::string held_box(const std::string& more) {
          more;
 }
 
-// A block of 1 kg on vertical and horizontal guides, with a pad under it on the plane z = 0;
-// gravity from the model.
+// A block of 1 kg on vertical and horizontal guides, with a pad under it on the plane z = 0.
+// Gravity is the model's.
 inline std::string guided_block(const std::string& options) {
   return "<mujoco><option " + options +
          "/><worldbody><body name='block'><joint name='height' type='slide' axis='0 0 1'/><joint name='travel' type='slide' axis='1 0 0'/><geom type='box' pos='0 0 0.01' size='0.02 0.02 0.01' mass='1'/><site name='sole'/></body></worldbody><actuator><motor name='push' joint='travel'/></actuator></mujoco>";

@@ -186,8 +186,8 @@ TEST(PluginImplicit, AgreesWithTheExplicitForceAtAShortStep) {
   EXPECT_NEAR(fall("implicit") / explicitly, 1.0, 4e-3);
 }
 
-// Mean force on a box of 5 g [N] from a pad that presses with 1 N and slides over it at 20 mm/s;
-// the box lies on a table with MuJoCo's own contact.
+// Mean force on a box of 5 g [N] from a pad that presses with 1 N and slides over it at 20 mm/s.
+// The box lies on a table with MuJoCo's own contact.
 Eigen::Vector3d drag(double stiffness, double dt, const std::string& solver) {
   const bool implicit = solver == "implicit";
   const double tau = 0.4 / std::sqrt(9.0 * 3000.0 * stiffness / 0.005);

@@ -65,7 +65,7 @@ inline std::string log_header(int sensors, bool printed = false) {
   return fmt::format("{}\n", fmt::join(names, ","));
 }
 
-// One sensor's 81 cells: pillar p is displaced by (p, 0.25, 0.5) mm and carries (p, 0, 2) N;
+// One sensor's 81 cells: pillar p is displaced by (p, 0.25, 0.5) mm and carries (p, 0, 2) N.
 // `states` are the pillars' states.
 inline std::vector<std::string> log_cells(const std::vector<int>& states, bool active = true) {
   std::vector<std::string> cells;

@@ -131,8 +131,8 @@ TEST(ShippedScenes, NibPadReorientationHasThePublishedBox) {
   EXPECT_EQ(scene.controller->name, "reorient");
 }
 
-// Seven classes on four objects, eight recordings each: in slip.yaml the site depends on the class;
-// in slip_random_site.yaml it does not.
+// Seven classes on four objects, eight recordings each: in slip.yaml the site depends on the
+// class, in slip_random_site.yaml it does not.
 TEST(ShippedScenes, BiotacSlipsInSevenWays) {
   for (const bool random : {false, true}) {
     const TrialPlan plan(shipped(random ? "biotac_sp/slip_random_site.yaml" : "biotac_sp/slip.yaml"), catalogues(), 0, 1);
@@ -269,8 +269,8 @@ TEST(ShippedScenes, MyrmexHasThePublishedTrialsOfWhichSomeFallAndSomeHold) {
   EXPECT_NEAR(duration, 662.8, 0.05) << "as published, to a tenth of a second";
   EXPECT_EQ(kinds, (std::map<bool, int>{{false, 32}, {true, 32}}));
   // With squeeze in [3, 7] mm and opening in [1, 8] mm, uniform: P(opening >= squeeze) = 3/7,
-  // P(opening <= squeeze/2) = 3/14, so of 32 trials 13.7 and 6.9 are expected, sd 2.8 and 2.3;
-  // three sd are allowed.
+  // P(opening <= squeeze/2) = 3/14, so of 32 trials 13.7 and 6.9 are expected, sd 2.8 and 2.3.
+  // Three sd are allowed.
   for (const bool turned : {false, true}) {
     EXPECT_GE(fall[turned], 6) << turned;
     EXPECT_GE(hold[turned], 1) << turned;
