@@ -102,8 +102,8 @@ def figures(options: Options) -> list[RealFigure]:
     """
     [[slide]] = run_grid([Cell("slide.yaml", SCENE)], options, lambda _, trial: _read(trial))
     return [
-        RealFigure("pac while it slides at 25 mm/s, log spectrum, 17 to 1,048 Hz: rms difference from the materials' mean, dB", REAL_MATERIALS,
-                   rms_difference(slide.spectrum), f"{FITTED}; the real figure is that of a single material"),
+        RealFigure("log spectrum of pac, 17 to 1,048 Hz: rms difference, dB", REAL_MATERIALS, rms_difference(slide.spectrum),
+                   f"from the mean of ten materials; {FITTED}; the real figure is that of a single material"),
         RealFigure("sd of pac, rectified, counts", REAL_PAC_SD, slide.pac_sd, FITTED),
         RealFigure("sd of pdc, counts", REAL_PDC_SD, slide.pdc_sd, FITTED),
     ]
