@@ -312,9 +312,13 @@ const Scene& read_contact(const Attributes& attributes, const Catalogues& known)
   std::vector<std::string> texts{attributes.name()};
   for (const char* attribute : {"seed", "material", "friction", "effects", "sensor"}) texts.push_back(attributes.text(attribute));
   return scenes.find(std::move(texts), [&] {
-    Catalogues catalogues = known;
-    if (!attributes.has("sensor")) catalogues.sensors = {{table_type, "", "", "", {}}};
-    return read_scene(scene_tree(attributes), catalogues, nullptr);
+    // Made once, because a copy of all catalogues costs more than reading a pad.
+    static const Catalogues of_tables = [&] {
+      Catalogues catalogues = known;
+      catalogues.sensors = {{table_type, "", "", "", {}}};
+      return catalogues;
+    }();
+    return read_scene(scene_tree(attributes), attributes.has("sensor") ? known : of_tables, nullptr);
   });
 }
 

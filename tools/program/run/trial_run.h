@@ -375,9 +375,7 @@ class TrialRun {
   // run_trial().
   std::span<const Tick> step();
   // Runs the whole trial. Throws as run_trial().
-  void run() {
-    while (!finished()) step();
-  }
+  void run();
   // For a grasp commanded from outside: advances to the next instant at which a pad has a tick.
   // Returns true if loop().awaiting() needs a command at that instant: then call loop().command()
   // and this function again, which continues at the same instant. Throws as run_trial().
@@ -395,6 +393,8 @@ class TrialRun {
   // Advances to the next instant and passes its ticks to the loop.
   std::span<const Tick> advance();
   void observe(std::span<const Tick> ticks);
+  // Body of step(), inlined into run().
+  std::span<const Tick> next();
 
   Scene scene_;
   std::vector<std::unique_ptr<Sensor>> sensors_;
