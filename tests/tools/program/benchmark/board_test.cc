@@ -206,8 +206,9 @@ TEST(Protocol, ControlsAreToldTheBest) {
 TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
   const auto seed = [](const std::string& scene) { return SceneFile::load(project_file(scene)).root().find("seed")->text; };
   std::set<std::string> learnt;
-  for (const char* scene : {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/nib_pad", "learn/biotac_sp",
-                            "learn/biotac_stage", "learn/grasp", "learn/disturbed"})
+  for (const char* scene :
+       {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/nib_pad", "learn/biotac_sp", "learn/biotac_stage",
+        "learn/grasp", "learn/disturbed", "learn/taxels", "learn/magnetic_skin", "learn/gel_markers"})
     learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the networks that ship
   for (const Protocol& protocol : protocols()) {
     for (const Lesson& lesson : protocol.lessons) learnt.insert(seed(lesson.scene));
