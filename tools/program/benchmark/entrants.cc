@@ -32,20 +32,19 @@ namespace fs = std::filesystem;
 
 // Detectors of the catalogue that need a file of the user's.
 constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
-// Networks that ship. `sensor`: the type that it reads. `threshold`: empty for that of the file; otherwise
-// chosen in loops for this file.
+// Networks that ship, and the type of sensor that each reads.
 struct ShippedNetwork {
-  const char *name, *path, *sensor, *threshold;
+  const char *name, *path, *sensor;
 };
 constexpr std::array<ShippedNetwork, 8> shipped_networks{
-    {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray", ""},
-     {"papillarray_slip, loops", "scenes/learn/papillarray_slip.onnx", "papillarray", "0.97"},
-     {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin", ""},
-     {"piezo_grasp", "scenes/learn/piezo_grasp.onnx", "piezo_skin", ""},
-     {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad", ""},
-     {"nib_grasp", "scenes/learn/nib_grasp.onnx", "nib_pad", ""},
-     {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp", ""},
-     {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp", ""}}};
+    {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray"},
+     {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
+     {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin"},
+     {"piezo_grasp", "scenes/learn/piezo_grasp.onnx", "piezo_skin"},
+     {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad"},
+     {"nib_grasp", "scenes/learn/nib_grasp.onnx", "nib_pad"},
+     {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp"},
+     {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp"}}};
 constexpr const char* no_engine = "OpenVINO, which runs a network, is missing: see slipbench doctor";
 constexpr const char* no_training =
     "a network is trained by the Python package slipbench and PyTorch, one of which is missing: `slipbench describe slip_gru` "
@@ -179,11 +178,8 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
 
 std::vector<Entrant> shipped_entrants() {
   std::vector<Entrant> entrants;
-  const auto add = [&entrants](const std::string& word, const std::string& name, const std::string& threshold = "",
-                               const std::string& reads = "") {
-    std::vector<Override> parameters;
-    if (!threshold.empty()) parameters.push_back({"threshold", threshold});
-    Entrant entrant = given_entrant(word, parameters);
+  const auto add = [&entrants](const std::string& word, const std::string& name, const std::string& reads = "") {
+    Entrant entrant = given_entrant(word, {});
     entrant.name = name;
     entrant.kind = Kind::shipped;
     entrant.reads = reads;
@@ -195,8 +191,7 @@ std::vector<Entrant> shipped_entrants() {
   }
   add("learn_gst_hd", "gst_hd, learn_gst_hd");
   if (network::engine_available()) {
-    for (const ShippedNetwork& network : shipped_networks)
-      add(project_file(network.path), network.name, network.threshold, network.sensor);
+    for (const ShippedNetwork& network : shipped_networks) add(project_file(network.path), network.name, network.sensor);
   }
   return entrants;
 }
