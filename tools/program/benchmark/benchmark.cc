@@ -136,10 +136,8 @@ eval::Replayed as_true(const eval::Truth& truth) {
 // Measures use the truth, so they have no rank.
 bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::known_signal; }
 
-// Controls have no rank under a disturbance: never to report slip has the best specificity.
-bool is_ranked(const Entrant& entrant, const Held& held) {
-  return !is_measure(entrant) && !(entrant.kind == Kind::control && !held.disturbance.empty());
-}
+// Disturbed recordings have no ranks: never to report slip has the best specificity.
+bool is_ranked(const Entrant& entrant, const Held& held) { return !is_measure(entrant) && held.disturbance.empty(); }
 
 // `stuck`: the same trial without slip; nullptr if no entrant needs it.
 Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule,
@@ -213,7 +211,8 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
       seated = true;
       break;
     }
-    if (!seated) board.left_out.push_back({entrant->name, why, true});
+    const bool reads_another = entrant->kind == Kind::shipped && entrant->reads != first.sensors[readers.front()].type;
+    if (!seated) board.left_out.push_back({entrant->name, why, reads_another});
   }
 }
 
@@ -284,22 +283,30 @@ Json row_json(const Board& board, const Seat& seat) {
   const Interval interval = score_interval(parts, board.held);
   std::vector<eval::Judgement> judgements;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    if (parts[k].judged) judgements.push_back(seat.answers[k].judgement);
+    const eval::Judgement& judgement = seat.answers[k].judgement;
+    // By slip-3 a slip that earns nothing is neither missed nor seen late.
+    const bool too_small =
+        board.held.by_distance && !seat.answers[k].grasp && !parts[k].credited && !std::isnan(judgement.slip_time);
+    if (parts[k].judged && !too_small) judgements.push_back(judgement);
   }
+  const bool has_score = board.held.disturbance.empty() || score.judged > 0;
   Json row = {{"rank", nullptr},
               {"detector", seat.entrant->name},
               {"kind", kind_word(seat.entrant->kind)},
               {"sensor", seat.sensor_name},
               {"parameters", seat.entrant->parameters},
               {"sha256", seat.entrant->sha256},
-              {"score", {{"value", score.value}, {"low", or_null(interval.low)}, {"high", or_null(interval.high)}}},
+              {"score",
+               {{"value", has_score ? Json(score.value) : Json(nullptr)},
+                {"low", has_score ? or_null(interval.low) : Json(nullptr)},
+                {"high", has_score ? or_null(interval.high) : Json(nullptr)}}},
               {"credit", score.credit},
               {"false_alarms_per_minute", score.alarms_per_minute},
               {"said", score.said},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (board.held.needless) row["needless"] = score.needless;
   if (!board.held.disturbance.empty()) {
-    row["specificity"] = score.judged > 0 ? Json(score.specificity) : Json(nullptr);
+    row["specificity"] = has_score ? Json(score.specificity) : Json(nullptr);
     row["judged"] = score.judged;
   }
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
@@ -341,7 +348,8 @@ Json groups_json(const Board& board) {
         const std::vector<Part> all = parts_of(board, seat);
         std::vector<Part> of_group;
         for (const std::size_t k : trials) of_group.push_back(all[k]);
-        scores.push_back(score_of(of_group, board.held).value);
+        const Score score = score_of(of_group, board.held);
+        scores.push_back(score.judged > 0 ? Json(score.value) : Json(nullptr));
       }
       list.push_back({{"name", name}, {"trials", trials.size()}, {"scores", std::move(scores)}});
     }
@@ -411,9 +419,13 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
 
 // The simulated trials of the sets that share a scene.
 struct HeldTrials {
-  HeldTrials(std::span<const Held> sharing, std::size_t asked, const Catalogues& catalogues)
-      : read(read_sweep(sweep_of(sharing.front()), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {
-    for (const Held& held : sharing) readers.insert(held.readers.begin(), held.readers.end());
+  // `protocol`: all sensors that some set of it reads are recorded, so that a recording's digest does not
+  // depend on which sensors are judged.
+  HeldTrials(const Held& first, std::size_t asked, const Protocol& protocol, const Catalogues& catalogues)
+      : read(read_sweep(sweep_of(first), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {
+    for (const Held& held : protocol.held_out) {
+      if (held.scene == first.scene) readers.insert(held.readers.begin(), held.readers.end());
+    }
   }
 
   static SweepOptions sweep_of(const Held& held) {
@@ -515,9 +527,9 @@ std::string set_name(const Held& held) {
 }
 
 // Judges the sets that share the trials of one scene.
-std::vector<Json> sets_json(std::span<const Held> sharing, const std::vector<Entrant>& entrants, const Options& options,
-                            const Catalogues& catalogues) {
-  const HeldTrials trials(sharing, options.asked.trials, catalogues);
+std::vector<Json> sets_json(std::span<const Held> sharing, const Protocol& protocol, const std::vector<Entrant>& entrants,
+                            const Options& options, const Catalogues& catalogues) {
+  const HeldTrials trials(sharing.front(), options.asked.trials, protocol, catalogues);
   const TrialRecord first = trials.recorded(trials.numbers.front());
   std::vector<Board> boards;
   for (const Held& held : sharing) {
@@ -652,7 +664,7 @@ Json benchmark(const Options& options) {
                        [&asked](const Held& held) { return asked.sensor.empty() || held.sensor == asked.sensor; });
   for (auto held = asked_for.begin(); held != asked_for.end();) {
     const auto next = std::find_if(held, asked_for.end(), [&held](const Held& other) { return other.scene != held->scene; });
-    for (Json& set : sets_json({held, next}, entrants, options, catalogues)) {
+    for (Json& set : sets_json({held, next}, protocol, entrants, options, catalogues)) {
       for (const Missing& one : missing) {
         if (set.at("sensor") == one.sensor)
           set["left_out"].push_back({{"detector", one.name}, {"why", one.why}, {"reads_another", false}});

@@ -45,7 +45,7 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why,
 //               reads_another}], by}] in the protocol's order,
 //               transfer last; with `domain` and `disturbance` where the protocol has them
-//     rows      the best first: {rank (null for measures, and for controls under a disturbance),
+//     rows      the best first: {rank (null for measures and under a disturbance),
 //               detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
 //               false_alarms_per_minute, said, figures (eval::summary_json())},
 //               real recordings: with windows: {length_s, slipping, sticking, recall, specificity},

@@ -1,6 +1,7 @@
 #include "tools/program/benchmark/benchmark.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <utility>
 #include <vector>
@@ -51,7 +52,7 @@ std::string drawing(const Json& set) {
     svg.text("small end", left - 8.0, y + 4.0, row.at("detector").get<std::string>());
     if (!score.at("low").is_null())
       svg.line(detects ? "s0" : "s1", across.at(score.at("low").get<double>()), y, across.at(score.at("high").get<double>()), y);
-    svg.dot(detects ? "s0" : "s1", across.at(score.at("value").get<double>()), y, 4.0);
+    if (!score.at("value").is_null()) svg.dot(detects ? "s0" : "s1", across.at(score.at("value").get<double>()), y, 4.0);
     y += line;
   }
   svg.text("middle", 0.5 * (left + right), foot + 32.0, "score");
@@ -195,14 +196,20 @@ std::string overview_html(const Json& sets) {
 constexpr const char* opening =
     "Scores of slip detectors with 95 % intervals by trial. 100 is the best possible score; a detector that never reports slip has 0.";
 
-constexpr const char* rule =
-    "Open recordings: score = credit × min(1, limit / false alarms a minute) − share of the time without slip in which slip is reported. The credit of a "
-    "recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at the alarm; before "
-    "slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. Early alarms count as false alarms. "
-    "Disturbed recordings: the score is the share of the recordings without an alarm. "
+// One paragraph for each kind of set.
+constexpr std::array rules{
+    "Open recordings: score = credit × min(1, limit / false alarms a minute) − share of the time without slip in which slip is reported. Early alarms count "
+    "as false alarms.",
+    "The credit of a recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at "
+    "the alarm; before slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. By slip-3 a recording is judged from its "
+    "motion on, and one that slips by less than least_slip_distance has no credit to earn and is not in the columns beside the score.",
+    "Disturbed recordings: the score is the share of the recordings without an alarm. They have no ranks.",
     "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 with the least force "
-    "that holds the box, and 0 from force_ratio times that force on or if the box is dropped or not lifted. Boxes that the preset force holds have no credit; "
-    "from slip-2 on the mean needless force on them is subtracted: 0 for the force without tightening, 1 from force_ratio times that force on.";
+    "that holds the box, and 0 from force_ratio times that force on or if the box is dropped or not lifted.",
+    "Boxes that the preset force holds have no credit; from slip-2 on the mean needless force on them is subtracted: 0 for the force without tightening, 1 "
+    "from force_ratio times that force on.",
+    "Oracle: reports a slip at its first instant. Signal known: reports a slip when the difference that it makes to every value stands out from the sensor's "
+    "noise by three standard deviations."};
 
 }  // namespace
 
@@ -285,10 +292,12 @@ std::string board_page(const Json& result) {
   const std::vector<std::vector<std::string>> constants{
       {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
       {"half_slip_distance", fmt::format("{:g} mm", ms * protocol.at("half_slip_distance_m").get<double>())},
+      {"least_slip_distance", fmt::format("{:g} mm", ms * protocol.at("least_slip_distance_m").get<double>())},
       {"limit", fmt::format("{:g} false alarms a minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};
-  body += page::section_html("How the score is made", rule, page::table_html({{"", ""}, constants}));
+  const std::vector<std::string> rules_list(rules.begin(), rules.end());
+  body += page::section_html("How the score is made", "", page::list_html(rules_list) + page::table_html({{"", ""}, constants}));
   std::vector<std::vector<std::string>> machine;
   for (const auto& [key, value] : result.at("machine").items())
     machine.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});

@@ -28,16 +28,19 @@ Noise noise_of(const std::vector<double>& values, std::size_t touching) {
     if (t > 0) product += (values[t] - mean) * (values[t - 1] - mean);
   }
   if (square > 0.0) noise.correlation = std::clamp(product / square, 0.0, 1.0);
-  std::vector<double> added;
+  // Second differences, because the load changes the level and, slowly, its slope. Their variance in
+  // noise of one pole is 2 (3 - phi)/(1 + phi) times that of what a sample adds.
+  std::vector<double> second;
   double step = std::numeric_limits<double>::infinity();
-  for (std::size_t t = std::max<std::size_t>(touching, 1); t < values.size(); ++t) {
-    added.push_back(values[t] - noise.correlation * values[t - 1]);
+  for (std::size_t t = std::max<std::size_t>(touching, 2); t < values.size(); ++t) {
+    second.push_back(values[t] - 2.0 * values[t - 1] + values[t - 2]);
     if (const double change = std::abs(values[t] - values[t - 1]); change > 0.0) step = std::min(step, change);
   }
-  const double middle = median(added);
-  for (double& one : added) one = std::abs(one - middle);
+  const double middle = median(second);
+  for (double& one : second) one = std::abs(one - middle);
   constexpr double of_a_normal = 1.4826;
-  noise.deviation = std::max(of_a_normal * median(added), std::isinf(step) ? 0.0 : step / std::sqrt(12.0));
+  const double share = std::sqrt((1.0 + noise.correlation) / (2.0 * (3.0 - noise.correlation)));
+  noise.deviation = std::max(of_a_normal * share * median(second), std::isinf(step) ? 0.0 : step / std::sqrt(12.0));
   return noise;
 }
 
@@ -88,7 +91,7 @@ eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck,
       if (!(noise.deviation > 0.0)) continue;
       for (std::size_t t = 1; t < time.size(); ++t) {
         const double added = (signal[t] - noise.correlation * signal[t - 1]) / noise.deviation;
-        if (added != 0.0) energy.emplace_back(time[t], added * added);
+        if (std::isfinite(added) && added != 0.0) energy.emplace_back(time[t], added * added);
       }
     }
   }

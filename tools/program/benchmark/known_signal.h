@@ -29,8 +29,10 @@ eval::Replayed silence(const eval::Truth& truth);
 //        earlier slip has left
 // d'     d one sample before
 // phi    correlation of the noise from one sample to the next, before contact
-// sigma  standard deviation of the noise that a sample adds: 1.4826 times the median deviation from the
-//        median, in contact and without slip; at least the smallest step of the value over sqrt(12)
+// sigma  standard deviation of the noise that a sample adds, from second differences in contact and
+//        without slip, which a steady or ramped load does not change: 1.4826 times their median deviation
+//        from the median, times sqrt((1 + phi)/(2 (3 - phi))); at least the value's smallest step over
+//        sqrt(12)
 // `record`, `stuck`: the trial and the same trial of without_slip(). `sensor`: its number in both. Nothing
 // is reported before `truth.first_slip`; from the decision on, slip is reported in the first sample and in
 // all samples that truly slip.

@@ -202,7 +202,8 @@ std::string protocol_sha256(const Protocol& protocol) {
                         held.mover, held.clock, held.time);
     if (held.grace) text += fmt::format("{} {} {}\n", held.domain, held.grace, held.needless);
     if (held.by_distance)
-      text += fmt::format("{} {} {} {}\n", half_slip_distance, least_slip_distance, known_signal_deviations, held.disturbance);
+      text += fmt::format("{} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length, known_signal_deviations,
+                          held.disturbance);
     scenes.insert(held.scene);
   }
   for (const Lesson& lesson : protocol.lessons) {

@@ -420,7 +420,6 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   Truth truth;
   truth.time = sensor.time;
   truth.state = label_states(sensor, rule, turns(scene));
-  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state, truth.time, from);
   truth.stuck_fraction = sensor.labels.stuck_fraction;
   truth.period = 1.0 / sensor.rate;
   truth.any_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
@@ -431,6 +430,7 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   } else {
     truth.judged_from = from;
   }
+  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state, truth.time, truth.judged_from);
   truth.first_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
   truth.slip_distance = slip_distances(sensor.labels, truth.time.size());
   for (std::size_t row = 0; row < truth.stuck_fraction.size(); ++row) {

@@ -1,6 +1,7 @@
 // Who knows a slip's signal: against the closed form of a step in white noise.
 #include "tools/program/benchmark/known_signal.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -36,9 +37,12 @@ eval::Truth truth_of(const TrialRecord& record) {
   return truth;
 }
 
-// A step of half a deviation adds 1/4 a sample, so the 9 of three deviations are reached by 36 samples. Both estimates scatter: the deviation of 1,500
-// samples by 1.17/sqrt(1500) = 3 % (Rousseeuw and Croux, J. Am. Stat. Assoc. 88, 1993), and the correlation of 500 samples, which is 0, by 0.045, so that up to
-// (1 - 0.09)^2 of the energy is left: 36 (1 - 0.06) to 36 (1 + 0.06)/0.83, which are 33 to 46 samples.
+// A step of half a deviation adds 1/4 a sample, so the 9 of three deviations are reached by 36 samples.
+// Both estimates scatter. The deviation of n independent values scatters by 1.17/sqrt(n) (Rousseeuw and
+// Croux, J. Am. Stat. Assoc. 88, 1993); 1,500 second differences, which correlate by -2/3 and 1/6, by some
+// sqrt(1 + 2 (4/9 + 1/36)) times that, which is 4.2 %. The correlation of 500 samples, which is 0, scatters
+// by 0.045, so that up to (1 - 0.09)^2 of the energy is left: 36 (1 - 0.084) to 36 (1 + 0.084)/0.83, which
+// are 33 to 47 samples.
 TEST(SignalKnown, SeesAStepWhenItsEnergyIsThatOfThreeDeviations) {
   const TrialRecord record = recorded(0.5 * deviation), stuck = recorded(0.0);
   const eval::Truth truth = truth_of(record);
@@ -46,7 +50,22 @@ TEST(SignalKnown, SeesAStepWhenItsEnergyIsThatOfThreeDeviations) {
   std::size_t first = 0;
   while (first < rows && seen.seen[first] != PadState::gross) ++first;
   EXPECT_GE(first, slips + 33 - 1);
-  EXPECT_LE(first, slips + 46 - 1);
+  EXPECT_LE(first, slips + 47 - 1);
+}
+
+// A ramp of 500 deviations and a level of 50 on both trials are the load, not noise: the slip is seen in the same sample.
+TEST(SignalKnown, DoesNotTakeTheLoadForNoise) {
+  const auto first_of = [](double ramp, double level) {
+    TrialRecord record = recorded(0.5 * deviation), stuck = recorded(0.0);
+    for (TrialRecord* one : {&record, &stuck}) {
+      std::vector<float>& values = one->sensors[0].channels[0].values;
+      for (std::size_t row = touches; row < rows; ++row)
+        values[row] += static_cast<float>(level + ramp * static_cast<double>(row - touches) / static_cast<double>(rows));
+    }
+    const eval::Replayed seen = signal_known(record, stuck, 0, truth_of(record));
+    return std::ranges::find(seen.seen, PadState::gross) - seen.seen.begin();
+  };
+  EXPECT_NEAR(first_of(500.0 * deviation, 50.0 * deviation), first_of(0.0, 0.0), 1);
 }
 
 TEST(SignalKnown, SaysNothingWhereTheSlipChangesNothing) {
