@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view program_footer = R"(
 Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
-`slipbench COMMAND --help` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
+`slipbench help COMMAND` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
 
 // Footers begin with a line end, which serves only the layout of the source.
 std::string without_first_line_end(std::string_view footer) { return std::string(footer.substr(1)); }
@@ -66,10 +66,21 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& words) {
   return result;
 }
 
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+  return names;
+}
+
+// `above`: "hd: " for a command of hd, empty for a command of the program.
+[[noreturn]] void refuse_command(const std::string& above, const std::string& word, const std::vector<std::string>& names) {
+  if (names.empty()) reject("{}unknown command {}; it has none", above, quote(word));
+  reject("{}unknown command {}{} commands: {}", above, quote(word), suggestion(word, names), fmt::join(names, ", "));
+}
+
 void refuse_unknown_command(const std::vector<std::string>& words, const std::vector<std::string>& names) {
   const auto word = std::ranges::find_if(words, [](const std::string& a) { return !a.starts_with('-'); });
-  if (word == words.end() || std::ranges::find(names, *word) != names.end()) return;
-  reject("unknown command {}{} commands: {}", quote(*word), suggestion(*word, names), fmt::join(names, ", "));
+  if (word != words.end() && std::ranges::find(names, *word) == names.end()) refuse_command("", *word, names);
 }
 
 }  // namespace
@@ -78,8 +89,8 @@ void Command::tell(const std::string& what) const {
   if (!silent()) say(stderr, fmt::format("slipbench: {}\n", what));
 }
 
-Arguments::Arguments(CLI::App& app, Command* command, std::string parent, bool& json)
-    : app_(&app), command_(command), name_(std::move(parent)), json_(&json) {
+Arguments::Arguments(CLI::App& app, Command* command, const Arguments* parent, bool& json)
+    : app_(&app), command_(command), parent_(parent), name_(parent == nullptr ? "" : parent->name_), json_(&json) {
   flag("--json", json, "Print one JSON object on stdout and nothing else there");
 }
 
@@ -165,7 +176,22 @@ Arguments& Arguments::required() {
 
 void Arguments::command(Command& command) {
   CLI::App* const app = app_->add_subcommand("", "");
-  command.declare(*commands_.emplace_back(std::make_unique<Arguments>(*app, &command, name_, *json_)));
+  command.declare(*commands_.emplace_back(std::make_unique<Arguments>(*app, &command, this, *json_)));
+}
+
+std::string Arguments::help_of(const std::vector<std::string>& path) const {
+  const Arguments* command = this;
+  while (command->parent_ != nullptr) command = command->parent_;
+  std::string above = command->app_->get_name();
+  for (const std::string& word : path) {
+    const auto below =
+        std::ranges::find_if(command->commands_, [&word](const auto& found) { return found->app_->get_name() == word; });
+    if (below == command->commands_.end())
+      refuse_command(command->name_.empty() ? "" : command->name_ + ": ", word, command_names(*command->app_));
+    command = below->get();
+    above += " " + word;
+  }
+  return command->app_->get_formatter()->make_help(command->app_, above, CLI::AppFormatMode::Normal);
 }
 
 const Arguments& Arguments::chosen() const {
@@ -228,11 +254,10 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
   app.footer(without_first_line_end(program_footer));
   app.get_formatter()->column_width(26);
   app.add_flag("--version", request.version, "Print the version");
-  Arguments program(app, nullptr, "", request.json);
+  Arguments program(app, nullptr, nullptr, request.json);
   for (const auto& command : commands) program.command(*command);
-  app.require_subcommand(0, 1);  // a command's arguments may equal the name of a command
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  app.require_subcommand(0, 1);  // what follows a command is its own, a command's name too
+  const std::vector<std::string> names = command_names(app);
   refuse_unknown_command(words, names);
   if (words.empty()) {
     request.help = app.help();

@@ -32,9 +32,9 @@ class Command;
 // throws InputError: "run: --jobs is '0'; allowed: a whole number from 1 to 1024".
 class Arguments {
  public:
-  // `app`: CLI11's view of the command, or of the program if `command` is null. `parent`: name of
-  // the parent command; empty: the program. `json`: set by --json of any command.
-  Arguments(CLI::App& app, Command* command, std::string parent, bool& json);
+  // `app`: CLI11's view of the command, or of the program where `command` is null. `parent`: of the command above, which must outlive this
+  // object; null: the program. `json`: set by --json of any command.
+  Arguments(CLI::App& app, Command* command, const Arguments* parent, bool& json);
 
   // Sets the command's name ("run"), its line in the list of commands, and the text below the
   // options in its help; the footer's first line is empty. Call it before other declarations.
@@ -98,7 +98,10 @@ class Arguments {
 
   // "run", "hd replay"; empty for the program itself.
   [[nodiscard]] const std::string& name() const { return name_; }
-  // The innermost command named on the command line.
+  // What `slipbench COMMAND --help` prints for the command that `path` names ("hd", "replay"), or the program's help where it is empty.
+  // Throws InputError for an unknown command, with the nearest name.
+  [[nodiscard]] std::string help_of(const std::vector<std::string>& path) const;
+  // The innermost command that the words named.
   [[nodiscard]] const Arguments& chosen() const;
   // Reads the values into the command and returns it; null for the program itself.
   [[nodiscard]] Command* read_values() const;
@@ -113,6 +116,7 @@ class Arguments {
 
   CLI::App* app_;
   Command* command_;
+  const Arguments* parent_;
   std::string name_;
   bool* json_;
   CLI::Option* last_ = nullptr;

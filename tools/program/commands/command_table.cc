@@ -2,6 +2,7 @@
 
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"
+#include "tools/program/commands/help_commands.h"
 #include "tools/program/commands/reproduce_command.h"
 #include "tools/program/commands/simulation/simulation_commands.h"
 
@@ -11,7 +12,7 @@ Commands command_table() {
   return make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
                        VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, DetectCommand,
                        BenchmarkCommand, CalibrateCommand, ReproduceCommand, CostCommand, ListCommand, DescribeCommand,
-                       SchemaCommand, DoctorCommand, PluginPathCommand>();
+                       SchemaCommand, DoctorCommand, PluginPathCommand, HelpCommand>();
 }
 
 }  // namespace slipbench

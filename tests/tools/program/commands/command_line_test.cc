@@ -9,6 +9,7 @@
 #include "tools/program/commands/command_table.h"
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"
+#include "tools/program/commands/help_commands.h"
 #include "tools/program/commands/reproduce_command.h"
 #include "tools/program/commands/simulation/simulation_commands.h"
 
@@ -294,10 +295,10 @@ TEST(CommandLine, HelpIsTextToPrint) {
   EXPECT_TRUE(parse({"--version"}).version);
 }
 
-const std::vector<std::string> command_names{"run",    "sweep",    "check",     "report",    "view",       "export",
-                                             "import", "verify",   "merge",     "cluster",   "hd",         "train",
-                                             "eval",   "detect",   "benchmark", "calibrate", "reproduce",  "cost",
-                                             "list",   "describe", "schema",    "doctor",    "plugin-path"};
+const std::vector<std::string> command_names{"run",    "sweep",    "check",     "report",    "view",        "export",
+                                             "import", "verify",   "merge",     "cluster",   "hd",          "train",
+                                             "eval",   "detect",   "benchmark", "calibrate", "reproduce",   "cost",
+                                             "list",   "describe", "schema",    "doctor",    "plugin-path", "help"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {
@@ -305,6 +306,18 @@ TEST(CommandLine, EveryCommandExplainsItself) {
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
   }
+}
+
+// Same text, whichever way it is asked for.
+TEST(CommandLine, HelpIsACommandToo) {
+  const auto help = [](const std::vector<std::string>& path) {
+    std::vector<std::string> words{"help"};
+    words.insert(words.end(), path.begin(), path.end());
+    return parsed<HelpCommand>(words).text();
+  };
+  EXPECT_EQ(help({}), parse({"--help"}).help);
+  for (const std::string& name : command_names) EXPECT_EQ(help({name}), parse({name, "--help"}).help);
+  EXPECT_EQ(help({"hd", "replay"}), parse({"hd", "replay", "--help"}).help);
 }
 
 TEST(CommandLine, AnUnknownCommandIsAnsweredByAllThatThereAre) {
@@ -331,6 +344,9 @@ TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
       {{"xyzzy"}, "", {"unknown command", "xyzzy"}},
       {{"--json", "lst"}, "", {"unknown command", "lst", "list"}},
       {{"doctor", "list"}, "doctor", {"list"}},
+      {{"help", "swep"}, "", {"unknown command", "swep", "sweep"}},
+      {{"help", "hd", "repla"}, "hd", {"unknown command", "repla", "replay"}},
+      {{"help", "run", "sweep"}, "run", {"unknown command", "sweep"}},
       {{"list", "run", "sweep"}, "list", {"sweep"}},
       {{"--quiet"}, "", {"--quiet", "--help", "--version", "--json"}},
       {{"--json"}, "", {"no command"}},

@@ -39,6 +39,8 @@ TEST(Program, HelpAndVersion) {
   EXPECT_EQ(help.status, 0);
   EXPECT_THAT(help.out, AllOf(HasSubstr("Usage: slipbench"), HasSubstr("sweep"), HasSubstr("Exit status")));
   EXPECT_EQ(run_program_file({}).out, help.out);
+  EXPECT_EQ(run_program_file({"help"}).out, help.out);
+  EXPECT_EQ(run_program_file({"help", "run"}).out, run_program_file({"run", "--help"}).out);
   const ChildResult version = run_program_file({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.out, StartsWith("slipbench "));
@@ -47,6 +49,7 @@ TEST(Program, HelpAndVersion) {
 
 TEST(Program, WhatIsWrongIsRefused) {
   expect_refusal({"swep"}, mentions({"swep", "sweep"}));
+  expect_refusal({"help", "swep"}, mentions({"swep", "sweep"}));
   expect_refusal({"run", stage, "--sead", "1"}, mentions({"--sead", "--seed"}));
   expect_refusal({"run", "nowhere.yaml"}, HasSubstr("nowhere.yaml"));
   expect_refusal({"run", stage, "--set", "motion.sped=1"}, mentions({"--set motion.sped=1", "speed"}));
