@@ -66,7 +66,7 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& words) {
   return result;
 }
 
-std::vector<std::string> command_names(const CLI::App& app) {
+std::vector<std::string> names_below(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
   return names;
@@ -120,12 +120,30 @@ Arguments& Arguments::lines(const std::string& usage, std::vector<std::string>& 
   return *this;
 }
 
+Arguments& Arguments::input(const std::string& usage, std::string& value, const std::string& help, const std::string& ending) {
+  text(usage, value, help);
+  values_[last_] = {AllowedValues::Kind::files, {}, ending};
+  return *this;
+}
+
+Arguments& Arguments::inputs(const std::string& usage, std::vector<std::string>& values, const std::string& help,
+                             const std::string& ending) {
+  texts(usage, values, help);
+  values_[last_] = {AllowedValues::Kind::files, {}, ending};
+  return *this;
+}
+
 Arguments& Arguments::file(const std::string& usage, std::string& value, const std::string& help) {
-  return target(usage, value, help, "file");
+  target(usage, value, help, "file");
+  const std::size_t dot = usage.find('.');
+  values_[last_] = {AllowedValues::Kind::files, {}, dot == std::string::npos ? "" : usage.substr(dot)};
+  return *this;
 }
 
 Arguments& Arguments::folder(const std::string& usage, std::string& value, const std::string& help) {
-  return target(usage, value, help, "folder");
+  target(usage, value, help, "folder");
+  values_[last_] = {AllowedValues::Kind::folders, {}, ""};
+  return *this;
 }
 
 Arguments& Arguments::target(const std::string& usage, std::string& value, const std::string& help, const char* kind) {
@@ -174,20 +192,50 @@ Arguments& Arguments::required() {
   return *this;
 }
 
+Arguments& Arguments::offers(std::function<std::vector<std::string>()> words) {
+  words_[last_] = std::move(words);
+  return *this;
+}
+
 void Arguments::command(Command& command) {
   CLI::App* const app = app_->add_subcommand("", "");
   command.declare(*commands_.emplace_back(std::make_unique<Arguments>(*app, &command, this, *json_)));
 }
 
+const Arguments& Arguments::program() const { return parent_ == nullptr ? *this : parent_->program(); }
+
+std::vector<std::string> Arguments::command_names() const { return names_below(*program().app_); }
+
+CommandHelp Arguments::table() const { return program().described(); }
+
+CommandHelp Arguments::described() const {
+  CommandHelp command{.name = name_, .summary = app_->get_description(), .footer = app_->get_footer()};
+  for (const CLI::Option* option : std::as_const(*app_).get_options()) {
+    OptionHelp help{.help = option->get_description(), .repeated = option->get_expected_max() > 1};
+    for (const std::string& name : option->get_snames()) help.names.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) help.names.push_back("--" + name);
+    if (option->get_items_expected_max() == 0) help.allowed.kind = AllowedValues::Kind::none;
+    if (const auto values = values_.find(option); values != values_.end()) help.allowed = values->second;
+    if (const auto words = words_.find(option); words != words_.end()) {
+      help.allowed = {AllowedValues::Kind::words, words->second(), ""};
+    }
+    const bool argument = option->get_positional();
+    if (help.allowed.kind != AllowedValues::Kind::none)
+      help.value = argument ? option->get_name(true) : option->get_option_text();
+    (argument ? command.arguments : command.options).push_back(std::move(help));
+  }
+  for (const auto& below : commands_) command.commands.push_back(below->described());
+  return command;
+}
+
 std::string Arguments::help_of(const std::vector<std::string>& path) const {
-  const Arguments* command = this;
-  while (command->parent_ != nullptr) command = command->parent_;
+  const Arguments* command = &program();
   std::string above = command->app_->get_name();
   for (const std::string& word : path) {
     const auto below =
         std::ranges::find_if(command->commands_, [&word](const auto& found) { return found->app_->get_name() == word; });
     if (below == command->commands_.end())
-      refuse_command(command->name_.empty() ? "" : command->name_ + ": ", word, command_names(*command->app_));
+      refuse_command(command->name_.empty() ? "" : command->name_ + ": ", word, names_below(*command->app_));
     command = below->get();
     above += " " + word;
   }
@@ -257,7 +305,7 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
   Arguments program(app, nullptr, nullptr, request.json);
   for (const auto& command : commands) program.command(*command);
   app.require_subcommand(0, 1);  // what follows a command is its own, a command's name too
-  const std::vector<std::string> names = command_names(app);
+  const std::vector<std::string> names = names_below(app);
   refuse_unknown_command(words, names);
   if (words.empty()) {
     request.help = app.help();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/parser.h"
+#include "tools/program/cli/command_help.h"
 
 namespace CLI {
 class App;
@@ -48,7 +50,11 @@ class Arguments {
   Arguments& texts(const std::string& usage, std::vector<std::string>& values, const std::string& help);
   // An option that may be repeated, one text each.
   Arguments& lines(const std::string& usage, std::vector<std::string>& values, const std::string& help);
-  // Name of a file or folder to write: not empty.
+  // The name of a file that is read, or several: text, of which completion knows that the name ends with `ending`; empty: any.
+  Arguments& input(const std::string& usage, std::string& value, const std::string& help, const std::string& ending = "");
+  Arguments& inputs(const std::string& usage, std::vector<std::string>& values, const std::string& help,
+                    const std::string& ending = "");
+  // The name of a file or of a folder to write: not empty.
   Arguments& file(const std::string& usage, std::string& value, const std::string& help);
   Arguments& folder(const std::string& usage, std::string& value, const std::string& help);
   // A whole number from `min` to `max`, into an integer or an optional one.
@@ -66,11 +72,13 @@ class Arguments {
   // replace {} in `help`.
   template <class Value, class Words>
   Arguments& word(const std::string& usage, Value& value, const std::string& help, const Words& words) {
-    return read(usage, with_names(help, hd::names_of(words)), [=, this, &value, &words](const std::string& text) {
-      const auto found = hd::value_of(words, text);
-      if (!found) refuse(usage, text, allowed_names(text, hd::names_of(words)));
-      value = *found;
-    });
+    return read(usage, with_names(help, hd::names_of(words)),
+                [=, this, &value, &words](const std::string& text) {
+                  const auto found = hd::value_of(words, text);
+                  if (!found) refuse(usage, text, allowed_names(text, hd::names_of(words)));
+                  value = *found;
+                })
+        .offers([&words] { return hd::names_of(words); });
   }
   // Any other value: `reader` receives the text and throws InputError for an invalid one.
   Arguments& read(const std::string& usage, const std::string& help, std::function<void(const std::string&)> reader);
@@ -90,7 +98,9 @@ class Arguments {
 
   // Makes the last declaration mandatory.
   Arguments& required();
-  // Called after all earlier declarations are read: for rules about several options.
+  // The values that completion offers for what was declared last; called only when a completion script is made.
+  Arguments& offers(std::function<std::vector<std::string>()> words);
+  // Called when all that was declared before has been read: for rules about several options.
   void then(std::function<void()> rule) { readers_.push_back(std::move(rule)); }
 
   // Adds a subcommand, which must outlive this object.
@@ -101,6 +111,10 @@ class Arguments {
   // What `slipbench COMMAND --help` prints for the command that `path` names ("hd", "replay"), or the program's help where it is empty.
   // Throws InputError for an unknown command, with the nearest name.
   [[nodiscard]] std::string help_of(const std::vector<std::string>& path) const;
+  // The whole command table, from the program down, for texts that are made from it.
+  [[nodiscard]] CommandHelp table() const;
+  // Names of the program's commands.
+  [[nodiscard]] std::vector<std::string> command_names() const;
   // The innermost command that the words named.
   [[nodiscard]] const Arguments& chosen() const;
   // Reads the values into the command and returns it; null for the program itself.
@@ -113,6 +127,8 @@ class Arguments {
   double positive_quantity(const std::string& usage, const std::string& text, Quantity quantity) const;
   [[noreturn]] void refuse(const std::string& usage, const std::string& text, const std::string& allowed) const;
   Arguments& target(const std::string& usage, std::string& value, const std::string& help, const char* kind);
+  [[nodiscard]] const Arguments& program() const;
+  [[nodiscard]] CommandHelp described() const;
 
   CLI::App* app_;
   Command* command_;
@@ -120,6 +136,8 @@ class Arguments {
   std::string name_;
   bool* json_;
   CLI::Option* last_ = nullptr;
+  std::map<const CLI::Option*, AllowedValues> values_;                             // of options that take files
+  std::map<const CLI::Option*, std::function<std::vector<std::string>()>> words_;  // of options that take one of some words
   std::vector<std::function<void()>> readers_;
   std::vector<std::unique_ptr<Arguments>> commands_;
 };

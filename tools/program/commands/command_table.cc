@@ -12,7 +12,7 @@ Commands command_table() {
   return make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
                        VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, DetectCommand,
                        BenchmarkCommand, CalibrateCommand, ReproduceCommand, CostCommand, ListCommand, DescribeCommand,
-                       SchemaCommand, DoctorCommand, PluginPathCommand, HelpCommand>();
+                       SchemaCommand, DoctorCommand, PluginPathCommand, HelpCommand, CompletionCommand, ManCommand>();
 }
 
 }  // namespace slipbench

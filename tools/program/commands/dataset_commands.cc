@@ -37,6 +37,8 @@
 namespace slipbench {
 namespace {
 
+constexpr std::array<std::string_view, 2> schema_kinds{"map", "scene"};
+
 // A folder may hold thousands of recordings.
 constexpr std::size_t most_import_warnings = 10;
 
@@ -126,7 +128,7 @@ One self-contained HTML file that opens in any browser, without a network. The p
 Examples:
   slipbench report hexapod.h5
   slipbench report hexapod.h5 --trial 17 -o trial17.html)");
-  arguments.text("FILE", dataset, "Dataset (HDF5)").required();
+  arguments.input("FILE", dataset, "Dataset (HDF5)", ".h5").required();
   arguments.file("-o,--output FILE.html", output, "Page to write (default: the dataset's name with .html)");
   arguments.number("--trial K", options.trial, "Trial to show in full (default: the first)", 0);
 }
@@ -165,10 +167,11 @@ Examples:
   slipbench export hexapod.h5 --format npz --trial 3 -o arrays
   slipbench export hexapod.h5 --format training-csv -o training
   slipbench export hexapod.h5 --format vendor-csv --slip paper -o logs)");
-  arguments.text("FILE", dataset, "Dataset (HDF5)").required();
+  arguments.input("FILE", dataset, "Dataset (HDF5)", ".h5").required();
   arguments
       .read("--format NAME", fmt::format("{}, see below", fmt::join(export_format_names(), " or ")),
             [this](const std::string& name) { options.format = parse_export_format(name); })
+      .offers(export_format_names)
       .required();
   arguments.folder("-o,--output DIR", output, "Folder to write into; always needed").required();
   arguments.read(
@@ -235,11 +238,13 @@ Examples:
   slipbench import training --format training-csv -o published.h5 --seed 3
   slipbench import mine --map columns.yaml -o mine.h5)",
                               "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
-  arguments.texts("SOURCE ...", options.sources, "Files, and folders whose recordings are all meant").required();
-  arguments.read("--format NAME",
-                 fmt::format("{}, see below (default: what --map describes)", fmt::join(import_format_names(), " or ")),
-                 [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); });
-  arguments.text("--map MAP", options.map, "Description of the recordings (YAML file), or the name of one of the program's");
+  arguments.inputs("SOURCE ...", options.sources, "Files, and folders whose recordings are all meant").required();
+  arguments
+      .read("--format NAME",
+            fmt::format("{}, see below (default: what --map describes)", fmt::join(import_format_names(), " or ")),
+            [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); })
+      .offers(import_format_names);
+  arguments.input("--map MAP", options.map, "Description of the recordings (YAML file), or the name of one of the program's");
   arguments.quantity("--rate RATE", options.rate,
                      "Resample at this rate, e.g. '100 Hz': straight lines between samples, no filter (default: as recorded)",
                      Quantity::frequency);
@@ -321,7 +326,7 @@ Examples:
   slipbench verify hexapod.h5
   slipbench verify shard-1.h5 shard-2.h5
   slipbench verify hexapod.h5 --json)");
-  arguments.texts("FILE ...", datasets, "Datasets (HDF5), by their first files").required();
+  arguments.inputs("FILE ...", datasets, "Datasets (HDF5), by their first files", ".h5").required();
 }
 
 int VerifyCommand::run() {
@@ -352,9 +357,15 @@ Examples:
   slipbench list
   slipbench list effects
   slipbench list recipes)");
-  arguments.text(
-      "CATALOGUE", catalogue,
-      "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations or recipes (default: all)");
+  arguments
+      .text(
+          "CATALOGUE", catalogue,
+          "effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations or recipes (default: all)")
+      .offers([] {
+        std::vector<std::string> names{"recipes"};
+        for (const CatalogueKind& kind : catalogue_kinds()) names.emplace_back(kind.plural);
+        return names;
+      });
 }
 
 int ListCommand::run() {
@@ -384,7 +395,11 @@ Examples:
   slipbench describe stage
   slipbench describe acrylic --json
   slipbench describe piezo_fft_gru)");
-  arguments.text("NAME", name, "A name that `slipbench list` shows").required();
+  arguments.text("NAME", name, "A name that `slipbench list` shows").required().offers([] {
+    std::vector<std::string> names = train::recipe_names();
+    for (const CatalogueItem& item : catalogue_items(program_catalogues())) names.push_back(item.entry.name);
+    return names;
+  });
 }
 
 int DescribeCommand::run() {
@@ -415,12 +430,14 @@ The output is JSON with and without --json.
 Examples:
   slipbench schema > scene.schema.json
   slipbench schema map > map.schema.json)");
-  arguments.text("KIND", of, "scene, or map: of import --map (default: scene)");
+  arguments.text("KIND", of, "scene, or map: of import --map (default: scene)").offers([] {
+    return std::vector<std::string>{schema_kinds.begin(), schema_kinds.end()};
+  });
 }
 
 int SchemaCommand::run() {
-  constexpr std::array<std::string_view, 2> kinds{"map", "scene"};
-  if (std::ranges::find(kinds, of) == kinds.end()) reject("schema: unknown kind {}{}", quote(of), allowed_names(of, kinds));
+  if (std::ranges::find(schema_kinds, of) == schema_kinds.end())
+    reject("schema: unknown kind {}{}", quote(of), allowed_names(of, schema_kinds));
   take_stdout_back();
   if (of == "map") PythonModule("slipbench._import.schema", "schema map", "").start("");
   constexpr int indent = 1;

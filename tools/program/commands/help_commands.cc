@@ -1,9 +1,16 @@
 #include "tools/program/commands/help_commands.h"
 
-#include <fmt/format.h>
+#include <algorithm>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/base/files/reject.h"
 #include "tools/program/cli/arguments.h"
+#include "tools/program/cli/completion.h"
+#include "tools/program/cli/manual.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/doctor/doctor.h"
 
 namespace slipbench {
 
@@ -21,8 +28,40 @@ Examples:
   slipbench help
   slipbench help run
   slipbench help hd replay)");
-  arguments.texts("COMMAND", path, "Command to explain (default: the program)");
+  arguments.texts("COMMAND", path, "Command to explain (default: the program)").offers([&arguments] {
+    return arguments.command_names();
+  });
   arguments.then([this, &arguments] { text_ = arguments.help_of(path); });
+}
+
+void CompletionCommand::declare(Arguments& arguments) {
+  arguments.about("completion", "Print a completion script for a shell", R"(
+Completes commands, options, their values and names of files.
+
+Examples:
+  slipbench completion bash > slipbench.bash
+  slipbench completion zsh > _slipbench
+  slipbench completion fish > slipbench.fish
+
+bash: . slipbench.bash, in ~/.bashrc. zsh: put _slipbench into a folder of $fpath. fish: into ~/.config/fish/completions.)");
+  const auto shells = [] { return std::vector<std::string>{completion_shells.begin(), completion_shells.end()}; };
+  arguments.text("SHELL", shell, fmt::format("{}", fmt::join(completion_shells, ", "))).required().offers(shells);
+  arguments.then([this, &arguments] {
+    if (std::ranges::find(completion_shells, shell) == completion_shells.end())
+      reject("completion: unknown shell {}{}", quote(shell), allowed_names(shell, completion_shells));
+    text_ = completion_script(arguments.table(), shell);
+  });
+}
+
+void ManCommand::declare(Arguments& arguments) {
+  arguments.about("man", "Print the manual page", R"(
+In the language of man(7): every command with its options and examples.
+
+Examples:
+  slipbench man > slipbench.1
+
+man -l slipbench.1 shows it.)");
+  arguments.then([this, &arguments] { text_ = manual_page(arguments.table(), build_info().version); });
 }
 
 }  // namespace slipbench

@@ -25,4 +25,16 @@ struct HelpCommand final : TableTextCommand {
   std::vector<std::string> path;  // names of the command; empty: the program
 };
 
+// `completion`: a script by which a shell completes command lines.
+struct CompletionCommand final : TableTextCommand {
+  void declare(Arguments& arguments) override;
+
+  std::string shell;
+};
+
+// `man`: the manual page.
+struct ManCommand final : TableTextCommand {
+  void declare(Arguments& arguments) override;
+};
+
 }  // namespace slipbench

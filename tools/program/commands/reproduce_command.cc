@@ -34,9 +34,9 @@ Examples:
       "table4: networks");
   arguments.text("--memories DIR", memories, "table2: folder of the published classifier");
   arguments.flag("--full", full, "The paper's size: hours");
-  arguments.text("--data FILE.h5", data, "Use this dataset instead of a fresh one");
-  arguments.text("--real FILE.h5", real,
-                 "biotac-stability-slip: recordings that `slipbench import` has read; table3: of biotacsp-dos, else of bts3v2");
+  arguments.input("--data FILE.h5", data, "Use this dataset instead of a fresh one", ".h5");
+  arguments.input("--real FILE.h5", real,
+                  "biotac-stability-slip: recordings that `slipbench import` has read; table3: of biotacsp-dos, else of bts3v2");
   arguments.number("--seed N", seed, "Seed of dataset, item memories and draws (default: 1)", 0);
   arguments.jobs(jobs);
   arguments.flag("--resume", resume, "Go on with the networks that a killed or interrupted run of the same command has left");

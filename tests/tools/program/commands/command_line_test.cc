@@ -295,10 +295,10 @@ TEST(CommandLine, HelpIsTextToPrint) {
   EXPECT_TRUE(parse({"--version"}).version);
 }
 
-const std::vector<std::string> command_names{"run",    "sweep",    "check",     "report",    "view",        "export",
-                                             "import", "verify",   "merge",     "cluster",   "hd",          "train",
-                                             "eval",   "detect",   "benchmark", "calibrate", "reproduce",   "cost",
-                                             "list",   "describe", "schema",    "doctor",    "plugin-path", "help"};
+const std::vector<std::string> command_names{"run",       "sweep",       "check",     "report",     "view",  "export",   "import",
+                                             "verify",    "merge",       "cluster",   "hd",         "train", "eval",     "detect",
+                                             "benchmark", "calibrate",   "reproduce", "cost",       "list",  "describe", "schema",
+                                             "doctor",    "plugin-path", "help",      "completion", "man"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {
@@ -344,6 +344,7 @@ TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
       {{"xyzzy"}, "", {"unknown command", "xyzzy"}},
       {{"--json", "lst"}, "", {"unknown command", "lst", "list"}},
       {{"doctor", "list"}, "doctor", {"list"}},
+      {{"completion", "csh"}, "completion", {"csh", "bash", "fish", "zsh"}},
       {{"help", "swep"}, "", {"unknown command", "swep", "sweep"}},
       {{"help", "hd", "repla"}, "hd", {"unknown command", "repla", "replay"}},
       {{"help", "run", "sweep"}, "run", {"unknown command", "sweep"}},

@@ -45,7 +45,7 @@ TEST(Help, EveryExampleWorks) {
   ASSERT_NE(shortened(whole), whole);
   std::ofstream(folder / "scenes/papillarray/hexapod.yaml") << shortened(whole);
   for (const char* command : {"run", "sweep", "check", "report", "verify", "merge", "export", "import", "train", "eval", "detect",
-                              "reproduce", "list", "describe", "schema", "help"}) {
+                              "reproduce", "list", "describe", "schema", "help", "completion", "man"}) {
     const std::vector<std::string> examples = examples_of(command);
     EXPECT_FALSE(examples.empty()) << command;
     for (const std::string& example : examples) {

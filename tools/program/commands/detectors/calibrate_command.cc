@@ -64,13 +64,15 @@ Examples:
   slipbench calibrate --snapshots snapshots.h5)",
                               import_formats_text()));
   arguments
-      .texts("SCENE REAL ...", words_,
-             "Scene file (YAML), unless --snapshots is given, then datasets, or with --format CSV files and folders")
+      .inputs("SCENE REAL ...", words_,
+              "Scene file (YAML), unless --snapshots is given, then datasets, or with --format CSV files and folders")
       .required();
   arguments.lines("--fit KEY:BOUNDS ...", fits_,
                   "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
-  arguments.read("--format NAME", fmt::format("REAL are {}, see below", fmt::join(import_format_names(), " or ")),
-                 [this](const std::string& name) { options.format = &import_format(name); });
+  arguments
+      .read("--format NAME", fmt::format("REAL are {}, see below", fmt::join(import_format_names(), " or ")),
+            [this](const std::string& name) { options.format = &import_format(name); })
+      .offers(import_format_names);
   arguments.read("--groups LABEL=VALUES",
                  "Unknown motion: recordings by a label, a value for each cell of the grid, e.g. class=n,e,s",
                  [this](const std::string& text) { options.groups = calibrate::parse_groups(text); });

@@ -63,8 +63,8 @@ DETECTOR is as in `slipbench eval`. `slipbench import` makes recordings of logs.
 Examples:
   slipbench detect force_ratio recorded.h5 -o alarms.html
   slipbench detect cl_gst_hd recorded.h5 -o alarms.csv)");
-  arguments.text("DETECTOR", detector, "A detector's name, FILE.onnx, or a folder of memories").required();
-  arguments.texts("RECORDING ...", options.recordings, "Datasets (HDF5) of the detector's sensor").required();
+  arguments.input("DETECTOR", detector, "A detector's name, FILE.onnx, or a folder of memories").required();
+  arguments.inputs("RECORDING ...", options.recordings, "Datasets (HDF5) of the detector's sensor", ".h5").required();
   arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
   arguments.text("--sensor NAME", options.sensor, "The name of the sensor in the recordings (default: the only one)");
   arguments.file("-o,--output FILE", output, "File to write, .csv, .parquet, .json or .html (default: none)");

@@ -110,8 +110,8 @@ Examples:
   slipbench eval memories hexapod.h5 --labels paper
   slipbench eval force_ratio hexapod.h5 --set ratio=0.35 -o ratio.html
   slipbench eval cl_gst_hd hexapod.h5 --split test --json)");
-  arguments.text("DETECTOR", detector, "A detector's name, FILE.onnx, or a folder of memories").required();
-  arguments.text("FILE", options.dataset, "Dataset (HDF5) of the detector's sensor").required();
+  arguments.input("DETECTOR", detector, "A detector's name, FILE.onnx, or a folder of memories").required();
+  arguments.input("FILE", options.dataset, "Dataset (HDF5) of the detector's sensor", ".h5").required();
   arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
   arguments.read("--labels RULE",
                  fmt::format("Truth to judge by: {} (default: recorded for recordings; else what a network learnt by, or strict)",
@@ -164,14 +164,14 @@ Examples:
   arguments.texts("DETECTOR", asked.detectors, "Detectors beside those that ship");
   arguments.text("--protocol NAME", protocol, fmt::format("slip-1, slip-2 or slip-3 (default: {})", benchmark::default_protocol));
   arguments.sets(asked.parameters, "A parameter of the DETECTOR given, e.g. ratio=0.35");
-  arguments.texts("--real FILE", asked.real, "Datasets of real recordings (slipbench import), for the track transfer");
+  arguments.inputs("--real FILE", asked.real, "Datasets of real recordings (slipbench import), for the track transfer");
   arguments.text("--sensor TYPE", asked.sensor, "One type of sensor alone (default: all)");
   arguments.number("--trials N", asked.trials, "To try things: N trials of each scene; no board of the protocol", 1, 100'000);
   arguments.flag("--untaught", asked.untaught, "To try things: without the detectors that the protocol teaches");
   arguments.jobs(jobs);
   arguments.file("-o,--output FILE.html", output, "Write a page, and FILE.json beside it");
   arguments.file("--submit FILE", submission, "Write the board as a submission");
-  arguments.text("--verify FILE", verified, "Recompute a submission; takes no other option but --jobs and --set library=PATH");
+  arguments.input("--verify FILE", verified, "Recompute a submission; takes no other option but --jobs and --set library=PATH");
   arguments.flag("--quiet", quiet, "Print no progress");
   arguments.then([this] {
     const bool sets = std::ranges::any_of(asked.parameters, [](const Override& change) { return change.path != "library"; });

@@ -82,7 +82,7 @@ ship with the program; a folder of that name is ./cl_gst_hd.
 Examples:
   slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
   slipbench hd replay vectors.csv --memories published --encoder paper --ties zero --engine reference)");
-  arguments.text("VECTORS", vectors, "Quantised input (CSV)").required();
+  arguments.input("VECTORS", vectors, "Quantised input (CSV)", ".csv").required();
   arguments.text("--memories DIR", memories, "Folder of the classifier, cl_gst_hd or learn_gst_hd").required();
   arguments.word("--encoder NAME", compat, "Whose bundle: {}", hd::compat_words);
   arguments.word("--ties NAME", ties, "A bundle that sums to zero becomes {}", hd::ties_words);

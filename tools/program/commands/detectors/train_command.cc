@@ -78,10 +78,12 @@ Examples:
   slipbench train hexapod.h5 -o memories
   slipbench train hexapod.h5 --encoder shdc --labels strict -o plain
   slipbench train hexapod.h5 --recipe papillarray_gru --steps 20 -o detector.onnx)");
-  arguments.text("FILE", options.dataset, "Dataset (HDF5); of gst_hd with a PapillArray, on a stage or in a grasp").required();
+  arguments.input("FILE", options.dataset, "Dataset (HDF5); of gst_hd with a PapillArray, on a stage or in a grasp", ".h5")
+      .required();
   arguments.file("-o,--output PATH", options.output, "Folder for the memories of gst_hd, ONNX file of a network; always needed")
       .required();
-  arguments.text("--recipe NAME", recipe_, "What is taught: `slipbench list recipes` (default: gst_hd)");
+  arguments.text("--recipe NAME", recipe_, "What is taught: `slipbench list recipes` (default: gst_hd)")
+      .offers(train::recipe_names);
   arguments.text(
       "--labels RULE", labels_,
       "Truth to learn: paper, has_slipped, strict, micro of gst_hd (default: paper); micro, strict, paper, latched, masked, tightened, recorded of a network "

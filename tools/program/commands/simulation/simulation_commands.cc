@@ -182,7 +182,7 @@ Isolation IsolationOptions::chosen(const ReadSweep& read, const SweepOptions& sw
 
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
   sweep.verb = arguments.name();
-  arguments.text("SCENE", sweep.scene_path, "Scene file (YAML)").required();
+  arguments.input("SCENE", sweep.scene_path, "Scene file (YAML)", ".yaml").required();
   arguments.overrides(sweep.overrides, sweep.seed);
   arguments.flag("--quiet", quiet, "No progress and no summary");
   arguments.number("--trials N", trials, trials_help, 1);
@@ -286,7 +286,7 @@ A trial that stands in several files is taken once, if its digests are equal, or
 
 Examples:
   slipbench merge shard-1.h5 shard-2.h5 -o hexapod.h5)");
-  arguments.texts("FILE ...", shards, "Shards (HDF5), by their first files").required();
+  arguments.inputs("FILE ...", shards, "Shards (HDF5), by their first files", ".h5").required();
   arguments.file("-o,--output FILE.h5", output, "Dataset to write; always needed").required();
 }
 
@@ -320,7 +320,7 @@ Examples:
   slipbench cluster scenes/papillarray/hexapod.yaml -o hexapod-cluster --shards 64
   slipbench cluster scenes/grasp/map.yaml -o map-cluster --shards 1000 --throttle 200 --record outcome)");
   SweepOptions& sweep = options.sweep;
-  arguments.text("SCENE", sweep.scene_path, "Scene file (YAML)").required();
+  arguments.input("SCENE", sweep.scene_path, "Scene file (YAML)", ".yaml").required();
   arguments.folder("-o,--output DIR", options.folder, "Folder to write, new or empty; always needed").required();
   arguments.number("--shards N", options.shards, "Parts that the sweep is cut into; always needed", 1).required();
   arguments.number("--throttle N", options.throttle, "Most Slurm tasks at a time (default: all)", 1);

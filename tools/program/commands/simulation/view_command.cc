@@ -53,7 +53,7 @@ Examples:
   slipbench view hexapod.h5 --trial 17
   slipbench view scenes/papillarray/stage.yaml --set motion.speed="8 mm/s"
   slipbench view hexapod.h5 --trial 17 --rerun)");
-  arguments.text("FILE", subject, "Dataset (HDF5) or scene (YAML)").required();
+  arguments.input("FILE", subject, "Dataset (HDF5) or scene (YAML)").required();
   arguments.overrides(sweep.overrides, sweep.seed);
   arguments.flag("--quiet", quiet, "No progress");
   arguments.number("--trials N", sweep.limit, "Of a scene: simulate N trials instead of one", 1);
