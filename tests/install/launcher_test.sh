@@ -54,10 +54,11 @@ stand_in python3 'mkdir -p "${@: -1}/bin"; printf "#!/bin/bash\necho \"\$*\" >>\
 chmod +x "${@: -1}"/bin/*'
 stand_in cmake 'echo chatter; echo "$*" >>calls
 if [[ $1 == --preset ]]; then mkdir -p build/release/bin; touch build/release/build.ninja; else
-printf "#!/bin/bash\nprintf \"<%%s>\" \"\$PWD\" \"\$@\"; exit 7\n" >build/release/bin/slipbench; chmod +x build/release/bin/slipbench; fi'
+printf "#!/bin/bash\nprintf \"<%%s>\" \"\$PWD\" \"\$@\"; printf \"%%s\" \"\$SLIPBENCH_CALLED_AS\" >&2; exit 7\n" >build/release/bin/slipbench; chmod +x build/release/bin/slipbench; fi'
 launch run 'my scene.yaml' --json
 [[ $status == 7 ]] || fail "the program's exit status is the launcher's"
 [[ $(<"$work/stdout") == "<$work/elsewhere><run><my scene.yaml><--json>" ]] || fail "stdout holds what the program printed, alone"
+grep -q "$work/tree/slipbench$" "$work/stderr" || fail "the program knows by which name it was called"
 grep -q '^slipbench: installing into build/venv: mujoco-core==4\.[0-9.]* numpy==' "$work/stderr" || fail "set-up names packages and no hashes"
 [[ $(grep -c -E -- ' --require-hashes --only-binary :all: .*/requirements(-mujoco)?\.txt$' "$work/pip") == 2 ]] ||
   fail "pip takes only what the lists have a hash of"

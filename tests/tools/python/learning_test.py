@@ -341,7 +341,7 @@ class Command(TrainingTest):
         text = self.run_program("-o", output)
         self.assertIn("papillarray_gru, labels latched", text.stdout)
         self.assertIn("15 trials learnt, 4 validated", text.stdout)
-        self.assertIn(f"next: slipbench eval {output} {self.data} --sensor pad --labels latched", text.stdout)
+        self.assertIn(f"next: {PROGRAM} eval {output} {self.data} --sensor pad --labels latched", text.stdout)
         self.assertIn("step 4/4, loss", text.stderr)
 
     def test_the_command_names_options_and_the_function_arguments(self):

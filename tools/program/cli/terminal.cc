@@ -21,6 +21,7 @@ namespace slipbench {
 namespace {
 
 int stdout_aside = -1;
+constexpr const char* name_variable = "SLIPBENCH_CALLED_AS";
 constexpr std::size_t default_width = 100;
 
 std::string escape(bool colour, std::string_view code, std::string_view text) {
@@ -171,6 +172,19 @@ int print_json(const Json& result) {
   fmt::print("{}\n", result.dump(-1, ' ', false, Json::error_handler_t::replace));
   return exit_good;
 }
+
+void keep_program_name(const std::string& argument) {
+  constexpr int keep = 0;  // what is set
+  if (!argument.empty()) ::setenv(name_variable, argument.c_str(), keep);
+}
+
+std::string as_called(const std::string& command) {
+  constexpr std::string_view name = "slipbench";
+  const char* const called = std::getenv(name_variable);
+  return called == nullptr || !command.starts_with(name) ? command : called + command.substr(name.size());
+}
+
+void print_next(const std::string& command) { fmt::print("{} {}\n", style_for(stdout).dim("next:"), as_called(command)); }
 
 void print_written(const std::vector<std::string>& files) {
   for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);

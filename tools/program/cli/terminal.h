@@ -77,7 +77,16 @@ void take_stdout_back();
 // that are not UTF-8 are replaced. Returns exit_good.
 int print_json(const Json& result);
 
-// Prints "written: FILE" for each file.
+// The name by which this program was called, as a shell takes it: SLIPBENCH_CALLED_AS where that is set, as by the launcher, else
+// `argument`, the first word of the command line as a shell takes it; empty: unknown. Sets the variable, for Python that does a command's work.
+void keep_program_name(const std::string& argument);
+// A command that begins with "slipbench", by the name by which this program was called.
+std::string as_called(const std::string& command);
+
+// "next: COMMAND": what a user may do now. `command` begins with "slipbench".
+void print_next(const std::string& command);
+
+// "written: FILE", a line a file.
 void print_written(const std::vector<std::string>& files);
 
 // Values of a progress line.

@@ -312,7 +312,7 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
   if (summary.files.empty()) {
     say(stderr, "slipbench: nothing is written\n");
   } else {
-    fmt::print("{} slipbench verify {}\n", style_for(stdout).dim("next:"), shell_word(summary.files.front()));
+    print_next("slipbench verify " + shell_word(summary.files.front()));
   }
 }
 

@@ -1,3 +1,8 @@
+#include "tools/program/cli/terminal.h"
 #include "tools/program/commands/command_table.h"
+#include "tools/program/sweep/run_sweep.h"
 
-int main(int argc, char** argv) { return slipbench::run_program(slipbench::command_table(), {argv + 1, argv + argc}); }
+int main(int argc, char** argv) {
+  if (argc > 0 && *argv[0] != '\0') slipbench::keep_program_name(slipbench::shell_word(argv[0]));
+  return slipbench::run_program(slipbench::command_table(), {argv + 1, argv + argc});
+}

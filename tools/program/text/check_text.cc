@@ -30,7 +30,7 @@ std::string check_text(const SceneCheck& check, const Style& style) {
   text += table.text(style) + detectors_text(check.detectors, style);
   for (const ExpectationResult& result : check.expectations) {
     if (!result.passed())
-      text += fmt::format("  {} {}\n    replay: {}\n", style.error("FAIL"), failure_text(result), result.replay);
+      text += fmt::format("  {} {}\n    replay: {}\n", style.error("FAIL"), failure_text(result), as_called(result.replay));
   }
   for (const std::string& failure : check.failures) text += "  " + failure + '\n';
   if (check.verdict == Verdict::tests_nothing) text += fmt::format("  {} {}\n", style.error("FAIL"), tests_nothing_text(check));

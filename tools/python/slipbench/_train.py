@@ -136,7 +136,7 @@ def next_text(request: Request, trained: Trained) -> str:
     rule: str = trained.description["trained"]["labels"]
     judged = "masked" if rule == "tightened" else rule
     options = f" --sensor {shlex.quote(trained.sensors[0])} --labels {judged}"
-    command = f"{styled(sys.stdout, '2', 'next:')} slipbench eval {shlex.quote(request.output)} "
+    command = f"{styled(sys.stdout, '2', 'next:')} {os.environ.get('SLIPBENCH_CALLED_AS', 'slipbench')} eval {shlex.quote(request.output)} "
     data, part = trained.judged_from
     if data:
         return command + shlex.quote(data) + options + (f" --split {part}" if part else "")

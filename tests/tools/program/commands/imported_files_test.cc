@@ -38,8 +38,8 @@ struct ImportedFiles : ::testing::Test {
 
 TEST_F(ImportedFiles, ImportSaysWhatItRead) {
   EXPECT_EQ(imported_.status, 0) << imported_.err;
-  EXPECT_EQ(imported_.out,
-            "3 recordings of 3 files, 6 samples, 2 objects\nwritten: " + data_ + "\nnext: slipbench verify " + data_ + "\n");
+  EXPECT_EQ(imported_.out, "3 recordings of 3 files, 6 samples, 2 objects\nwritten: " + data_ +
+                               "\nnext: " SLIPBENCH_PROGRAM " verify " + data_ + "\n");
   const ChildResult looked = run_program_file({"import", folder_ / "set", "--format", "biotacsp-dos", "--json"});
   EXPECT_EQ(looked.status, 0);
   EXPECT_EQ(nlohmann::json::parse(looked.out),

@@ -58,7 +58,7 @@ TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
 
 // The words of the command that a text names as the next one.
 std::vector<std::string> next_command(const std::string& text) {
-  const std::string before = "next: slipbench ";
+  const std::string before = "next: " SLIPBENCH_PROGRAM " ";
   const std::size_t at = text.find(before);
   if (at == std::string::npos) return {};
   std::istringstream line(text.substr(at + before.size(), text.find('\n', at) - at - before.size()));

@@ -85,6 +85,17 @@ TEST(Program, WhatIsNotFiniteIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
 }
 
+TEST(Program, CallsItselfAsItWasCalled) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink(SLIPBENCH_PROGRAM, folder / "slip bench");
+  const auto next = [&](const std::string& name) {
+    return run_shell(name + " run " + stage + " --set duration='2.5 s'", folder / "").out;
+  };
+  EXPECT_THAT(next("'./slip bench'"), HasSubstr("next: './slip bench' run "));
+  EXPECT_THAT(next("PATH=\"$PWD:$PATH\" 'slip bench'"), HasSubstr("next: 'slip bench' run "));
+  EXPECT_THAT(next("SLIPBENCH_CALLED_AS=./slipbench './slip bench'"), HasSubstr("next: ./slipbench run "));
+}
+
 // Opening a pipe would wait for ever for somebody to write into it.
 TEST(Program, APipeIsNoScene) {
   const TemporaryFolder folder;
@@ -306,7 +317,8 @@ TEST(Program, FromSceneToReportAndExports) {
   const std::string dataset = folder / "three speeds.h5";
   const ChildResult sweep = run_program_file({"sweep", stage, "--set", three_speeds, "-o", dataset});
   EXPECT_EQ(sweep.status, 0) << sweep.err;
-  EXPECT_THAT(sweep.out, AllOf(HasSubstr("written: " + dataset), HasSubstr("next: slipbench report '" + dataset + "'")));
+  EXPECT_THAT(sweep.out,
+              AllOf(HasSubstr("written: " + dataset), HasSubstr("next: " SLIPBENCH_PROGRAM " report '" + dataset + "'")));
   EXPECT_TRUE(std::filesystem::exists(dataset));
 
   // The page stands beside the dataset unless told otherwise.

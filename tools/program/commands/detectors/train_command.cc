@@ -43,7 +43,7 @@ std::string checked_labels(const std::string& given, const std::string& recipe, 
 // has none.
 std::string next_text(const Style& style, const std::string& output, const std::string& unseen, const std::string& part,
                       const std::string& options) {
-  const std::string eval = style.dim("next:") + " slipbench eval " + shell_word(output);
+  const std::string eval = style.dim("next:") + " " + as_called("slipbench eval " + shell_word(output));
   if (!unseen.empty()) return eval + " " + shell_word(unseen) + options + (part.empty() ? "" : " --split " + part);
   return eval + " NEW.h5" + options + "  # NEW.h5: trials not learnt from, such as those of a sweep with another --seed";
 }

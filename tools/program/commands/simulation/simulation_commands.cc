@@ -99,19 +99,18 @@ void print_only_trial(const SweepOptions& options, const SweepSummary& summary, 
   fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
              trial_text(summary.trials.front(), sensors_of(summary.scene), style));
   if (summary.available > 1) {
-    fmt::print("  this is trial {} of the {} of the scene's sweep; all of them: slipbench sweep {}\n",
-               summary.trials.front().trial, summary.available, options.scene_path);
+    fmt::print("  this is trial {} of the {} of the scene's sweep; all of them: {}\n", summary.trials.front().trial,
+               summary.available, as_called("slipbench sweep " + shell_word(options.scene_path)));
   }
 }
 
-void print_next(const SweepOptions& options, const SweepSummary& summary, const Style& style) {
+void print_next_step(const SweepOptions& options, const SweepSummary& summary, const Style& style) {
   if (summary.files.empty()) {
-    fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.verb,
-               shell_word(options.scene_path));
+    print_next(fmt::format("slipbench {} {} -o FILE.h5 keeps the recordings", options.verb, shell_word(options.scene_path)));
   } else {
-    const char* next = summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there" : "slipbench report ";
-    fmt::print("{} {}\n{} {}{}\n", style.good("written:"), files_text(summary.files), style.dim("next:"), next,
-               summary.shard ? "" : shell_word(summary.files.front()));
+    fmt::print("{} {}\n", style.good("written:"), files_text(summary.files));
+    print_next(summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there"
+                             : "slipbench report " + shell_word(summary.files.front()));
   }
 }
 
@@ -120,7 +119,7 @@ void print_failed(const SweepSummary& summary) {
   constexpr std::size_t most = 10;
   std::string text = fmt::format("slipbench: {}\n", failures_text(summary.failed, summary.planned));
   for (std::size_t i = 0; i < std::min(most, summary.failed.size()); ++i) {
-    text += fmt::format("  {}\n    again: {}\n", summary.failed[i].message, summary.failed[i].command);
+    text += fmt::format("  {}\n    again: {}\n", summary.failed[i].message, as_called(summary.failed[i].command));
   }
   say(stderr, text);
 }
@@ -136,7 +135,7 @@ void print_summary(const SweepOptions& options, const Finished& finished, const 
   if (summary.shard)
     fmt::print("shard {}: {} of the sweep's {} trials\n", shard_text(*summary.shard), summary.planned, summary.shard->trials);
   fmt::print("\n{}\n{}", speed_text(summary, finished.elapsed), steps_text(summary));
-  print_next(options, summary, style);
+  print_next_step(options, summary, style);
 }
 
 // "3/8".
@@ -305,8 +304,8 @@ int MergeCommand::run() {
     about += fmt::format(", {} stood in several files ({} compared bit by bit, {} within 1e-9)", merged.duplicates,
                          merged.duplicates - merged.within_rounding, merged.within_rounding);
   }
-  fmt::print("{} {}: {}\n{} slipbench report {}\n", style_for(stdout).good("written:"), files_text(merged.files), about,
-             style_for(stdout).dim("next:"), shell_word(merged.files.front()));
+  fmt::print("{} {}: {}\n", style_for(stdout).good("written:"), files_text(merged.files), about);
+  print_next("slipbench report " + shell_word(merged.files.front()));
   return exit_good;
 }
 
