@@ -36,7 +36,7 @@ constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
 struct ShippedNetwork {
   const char *name, *path, *sensor;
 };
-constexpr std::array<ShippedNetwork, 8> shipped_networks{
+constexpr std::array<ShippedNetwork, 10> shipped_networks{
     {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray"},
      {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
      {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin"},
@@ -44,7 +44,9 @@ constexpr std::array<ShippedNetwork, 8> shipped_networks{
      {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad"},
      {"nib_grasp", "scenes/learn/nib_grasp.onnx", "nib_pad"},
      {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp"},
-     {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp"}}};
+     {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp"},
+     {"taxels_slip", "scenes/learn/taxels_slip.onnx", "taxels"},
+     {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"}}};
 constexpr const char* no_engine = "OpenVINO, which runs a network, is missing: see slipbench doctor";
 constexpr const char* no_training =
     "a network is trained by the Python package slipbench and PyTorch, one of which is missing: `slipbench describe slip_gru` "
