@@ -29,6 +29,7 @@
 #include "tools/program/plugin/plugin_builds.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/describe.h"
+#include "tools/program/text/describe_key.h"
 #include "tools/program/text/schema.h"
 #include "tools/program/text/sweep_text.h"
 #include "tools/program/train/recipe_list.h"
@@ -195,6 +196,8 @@ Examples:
   arguments.text("--licence NAME", options.licence,
                  "Licence of the data, for the dataset card, e.g. cc-by-4.0 (default: none stated)");
   arguments.flag("--points", options.points, "Add x, y, z, fx, fy, fz of each unit to lerobot, as observation.tactile.SENSOR");
+  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
+  arguments.flag("-v,--verbose", verbose, "Name every file that is written");
   arguments.flag("--compress", options.compress, "Write .csv.gz instead of .csv, and the arrays of robomimic compressed");
 }
 
@@ -202,17 +205,19 @@ int ExportCommand::run() {
   if (is_python_format(options.format)) {
     say_failed(dataset);
     take_stdout_back();
-    start_python_export(dataset, output, options, json);
+    start_python_export(dataset, output, options, {.json = json, .quiet = quiet, .verbose = verbose});
   }
   const std::string no_card = check_card(output, options);
   if (!no_card.empty()) say(stderr, fmt::format("slipbench: note: README.md and croissant.json are not written: {}\n", no_card));
-  const std::vector<std::string> files = export_dataset(dataset, output, options, progress_of(json));
+  const std::vector<std::string> files = export_dataset(dataset, output, options, progress_of(silent()));
   say_failed(dataset);
   if (no_card.empty()) {
     take_stdout_back();
-    start_card(dataset, output, options, files, json);
+    start_card(dataset, output, options, files, {.json = json, .quiet = quiet, .verbose = verbose});
   }
   if (json) return print_json({{"files", files}});
+  if (quiet) return exit_good;
+  if (verbose) print_written(files);
   std::uintmax_t bytes = 0;
   for (const std::string& file : files) bytes += std::filesystem::file_size(file);
   const std::string what = files.size() == 1 ? files.front() : fmt::format("{} files", files.size());
@@ -249,6 +254,7 @@ Examples:
                      "Resample at this rate, e.g. '100 Hz': straight lines between samples, no filter (default: as recorded)",
                      Quantity::frequency);
   arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: none, the sources are only checked)");
+  arguments.flag("-v,--verbose", options.verbose, "Print every warning, not the first ten (formats without --map)");
   arguments.number("--seed N", options.seed, "Of the split into training, validation and test (default: 1)", 0);
   arguments.then([this] {
     if (options.format == nullptr && options.map.empty())
@@ -285,10 +291,10 @@ void ImportCommand::import_by_map() {
 }
 
 void print_import(const ImportSummary& summary, const ImportOptions& options, bool json) {
-  const std::size_t shown = std::min(summary.warnings.size(), most_import_warnings);
+  const std::size_t shown = options.verbose ? summary.warnings.size() : std::min(summary.warnings.size(), most_import_warnings);
   print_warnings({summary.warnings.begin(), summary.warnings.begin() + static_cast<std::ptrdiff_t>(shown)});
   if (shown < summary.warnings.size()) {
-    say(stderr, fmt::format("slipbench: {} of this kind; --json prints all of them\n",
+    say(stderr, fmt::format("slipbench: {} of this kind; --verbose prints all of them\n",
                             counted(summary.warnings.size() - shown, "more warning")));
   }
   if (json) {
@@ -393,10 +399,12 @@ Generated from the declarations that the scene parser reads.
 Examples:
   slipbench describe papillarray
   slipbench describe stage
+  slipbench describe split
   slipbench describe acrylic --json
   slipbench describe piezo_fft_gru)");
-  arguments.text("NAME", name, "A name that `slipbench list` shows").required().offers([] {
+  arguments.text("NAME", name, "A name that `slipbench list` shows, or a key of a scene").required().offers([] {
     std::vector<std::string> names = train::recipe_names();
+    for (const std::string& key : scene_key_names()) names.push_back(key);
     for (const CatalogueItem& item : catalogue_items(program_catalogues())) names.push_back(item.entry.name);
     return names;
   });
@@ -409,7 +417,18 @@ int DescribeCommand::run() {
     take_stdout_back();
     module.start(Json{{"name", name}, {"json", json}}.dump());
   }
-  const std::vector<CatalogueItem> found = find_items(catalogue_items(catalogues), name, train::recipe_names());
+  const std::vector<CatalogueItem> items = catalogue_items(catalogues);
+  const std::vector<std::string> keys = scene_key_names();
+  const bool in_catalogue = std::ranges::any_of(items, [this](const CatalogueItem& item) { return item.entry.name == name; });
+  if (!in_catalogue && std::ranges::find(keys, name) != keys.end()) {
+    const Json schema = scene_schema(catalogues);
+    if (json) return print_json({{"name", name}, {"entries", {describe_key_json(name, schema)}}});
+    fmt::print("{}", describe_key_text(name, schema, style_for(stdout), terminal_width(stdout)));
+    return exit_good;
+  }
+  std::vector<std::string> others = train::recipe_names();
+  others.insert(others.end(), keys.begin(), keys.end());
+  const std::vector<CatalogueItem> found = find_items(items, name, others);
   if (json) {
     Json entries = Json::array();
     for (const CatalogueItem& item : found) entries.push_back(describe_json(item, catalogues));

@@ -28,6 +28,7 @@ struct ExportCommand final : Command {
   std::string dataset;
   std::string output;  // folder
   ExportOptions options;
+  bool verbose = false;
 };
 
 // `import`: recordings of real sensors as a dataset.

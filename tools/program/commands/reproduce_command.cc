@@ -41,7 +41,7 @@ Examples:
   arguments.jobs(jobs);
   arguments.flag("--resume", resume, "Go on with the networks that a killed or interrupted run of the same command has left");
   arguments.flag("--synthesise", synthesise, "Run the synthesis instead of reading its stored figures");
-  arguments.flag("--quiet", quiet, "No progress");
+  arguments.flag("-q,--quiet", quiet, "No progress");
 }
 
 int ReproduceCommand::run() {

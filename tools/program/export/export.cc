@@ -327,8 +327,10 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
 
 // Replaces the process by Python with a request. The request may exceed the size of a process
 // argument, so the argument names a file in memory that the process inherits.
-[[noreturn]] void start_with(const PythonModule& module, Json request, bool json) {
-  request["json"] = json;
+[[noreturn]] void start_with(const PythonModule& module, Json request, const ExportOutput& said) {
+  request["json"] = said.json;
+  request["quiet"] = said.quiet;
+  request["verbose"] = said.verbose;
   request["install"] = module.install();
   const std::string text = request.dump();
   const int file = ::memfd_create("slipbench-export", 0);
@@ -486,10 +488,11 @@ std::string beginning_of_gzip(std::string_view bytes) {
 
 bool is_python_format(ExportFormat format) { return std::ranges::find(python_formats, format) != python_formats.end(); }
 
-void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options, bool json) {
+void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                         const ExportOutput& said) {
   check_export_options(options);
   const PythonModule module("slipbench._export", "--format " + export_format_name(options.format), "export");
-  start_with(module, request_of(dataset_path, out_dir, options), json);
+  start_with(module, request_of(dataset_path, out_dir, options), said);
 }
 
 std::string check_card(const std::string& out_dir, const ExportOptions& options) {
@@ -511,10 +514,10 @@ std::string check_card(const std::string& out_dir, const ExportOptions& options)
 }
 
 void start_card(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                const std::vector<std::string>& files, bool json) {
+                const std::vector<std::string>& files, const ExportOutput& said) {
   Json request = request_of(dataset_path, out_dir, options);
   request["files"] = files;
-  start_with(card_module(), std::move(request), json);
+  start_with(card_module(), std::move(request), said);
 }
 
 }  // namespace slipbench

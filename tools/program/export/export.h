@@ -31,6 +31,13 @@ enum class ExportFormat {
   myrmex_rotated,  // npz with every Myrmex's images augmented as in its paper
 };
 
+// What an export that is done in Python says.
+struct ExportOutput {
+  bool json = false;     // one JSON object on stdout
+  bool quiet = false;    // neither progress nor a summary
+  bool verbose = false;  // the name of every file
+};
+
 struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
   std::optional<SlipRule> slip_rule;  // empty: strict in the PapillArray's formats, every rule in the general formats
@@ -77,14 +84,14 @@ std::string check_card(const std::string& out_dir, const ExportOptions& options)
 // returned by export_dataset(), and reports all of them as start_python_export() does. Throws
 // InputError if it cannot start.
 [[noreturn]] void start_card(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                             const std::vector<std::string>& files, bool json);
+                             const std::vector<std::string>& files, const ExportOutput& said);
 
 // Replaces the process by the Python that writes the trials of a dataset to `out_dir`. `json`:
 // prints one JSON object on stdout. The dataset and the options are checked first. Throws
 // InputError as export_dataset(), and if there is no such Python: that of build/venv, or the one in
 // SLIPBENCH_PYTHON, which the package `slipbench` sets when it runs the program.
 [[noreturn]] void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                                      bool json);
+                                      const ExportOutput& said);
 
 // The output folder of an export.
 // Created when the first file is ready to be written, and removed if none was.

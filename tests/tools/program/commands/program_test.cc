@@ -96,6 +96,27 @@ TEST(Program, CallsItselfAsItWasCalled) {
   EXPECT_THAT(next("SLIPBENCH_CALLED_AS=./slipbench './slip bench'"), HasSubstr("next: ./slipbench run "));
 }
 
+TEST(Program, DescribesAKeyOfAScene) {
+  EXPECT_THAT(run_program_file({"describe", "split"}).out, StartsWith("split  key of a scene\n"));
+  EXPECT_EQ(json_of(run_program_file({"describe", "split", "--json"}))["entries"].at(0)["kind"], "key of a scene");
+  expect_refusal({"describe", "splt"}, mentions({"splt", "split"}));
+}
+
+TEST(Program, ExportIsQuietOrNamesEveryFile) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "out.h5";
+  ASSERT_EQ(run_program_file({"run", stage, "--set", "duration=2.5 s", "--trials", "2", "-o", file, "-q"}).out, "");
+  const auto exported = [&](const char* option) {
+    return run_program_file({"export", file, "--format", "csv", "-o", folder / "tables", option});
+  };
+  const ChildResult quiet = exported("-q");
+  EXPECT_EQ(quiet.status, 0);
+  EXPECT_EQ(quiet.out, "");
+  const std::string named = exported("-v").out;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "tables"))
+    if (entry.path().extension() == ".csv") EXPECT_THAT(named, HasSubstr(entry.path().string()));
+}
+
 // Opening a pipe would wait for ever for somebody to write into it.
 TEST(Program, APipeIsNoScene) {
   const TemporaryFolder folder;

@@ -2,6 +2,9 @@
 #include "tools/program/text/describe.h"
 #include "tests/expect.h"
 #include "tests/tools/program/cost/example.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/text/describe_key.h"
+#include "tools/program/text/schema.h"
 #include "tools/program/text/sweep_text.h"
 
 namespace slipbench {
@@ -273,6 +276,21 @@ TEST(CostText, PricesStandBelow) {
   exploration.prices = {
       {.name = "ageing", .without = cost::CpuTime{0.015, 0.014, 0.016, 9}, .share = 0.25, .low = 0.2, .high = 0.3}};
   EXPECT_THAT(text_of(exploration), HasSubstr("  ageing      25.0 %  20.0 to 30.0"));
+}
+
+TEST(Describe, EveryKeyOfAScene) {
+  const Json schema = scene_schema(program_catalogues());
+  for (const std::string& key : scene_key_names()) {
+    const std::string text = describe_key_text(key, schema, Style(false), 100);
+    EXPECT_THAT(text, StartsWith(key + "  key of a scene\n  ")) << key;
+    EXPECT_EQ(describe_key_json(key, schema)["schema"], schema["properties"][key]) << key;
+  }
+  const auto said = [&](const char* key) { return describe_key_text(key, schema, Style(false), 100); };
+  EXPECT_THAT(said("split"), mentions({"by", "material", "shares", "default:"}));
+  EXPECT_THAT(said("accuracy"), mentions({"none", "Keys"}));
+  EXPECT_THAT(said("expect"), mentions({"confidence", "control"}));
+  EXPECT_THAT(said("sweep"), mentions({"trials", "motion.speed", "log_uniform"}));
+  EXPECT_THAT(said("motion"), mentions({"kind", "stage", "lift"}));
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ Examples:
   arguments.overrides(options.overrides, options.seed);
   arguments.number("--starts N", starts_, "Searches from different points, 1 to 64 (default: 4)", 1, 64);
   arguments.jobs(jobs_);
-  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.file("-o,--output FILE.yaml", output, "Fitted scene to write, with FILE.html and FILE.json beside it");
   arguments.then([this] {
     if (snapshots_) {

@@ -172,7 +172,7 @@ Examples:
   arguments.file("-o,--output FILE.html", output, "Write a page, and FILE.json beside it");
   arguments.file("--submit FILE", submission, "Write the board as a submission");
   arguments.input("--verify FILE", verified, "Recompute a submission; takes no other option but --jobs and --set library=PATH");
-  arguments.flag("--quiet", quiet, "Print no progress");
+  arguments.flag("-q,--quiet", quiet, "Print no progress");
   arguments.then([this] {
     const bool sets = std::ranges::any_of(asked.parameters, [](const Override& change) { return change.path != "library"; });
     const bool asks = !asked.detectors.empty() || sets || !asked.real.empty() || !asked.sensor.empty() || asked.trials > 0 ||

@@ -138,7 +138,7 @@ Examples:
   slipbench check scenes/grasp/check_ptfe.yaml --set controller.debounce=2 --trials 5 -o check)");
   arguments.inputs("SCENE ...", scenes, "Scene files (YAML)", ".yaml").required();
   arguments.overrides(options.overrides, options.seed);
-  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.number("--trials N", options.trials, "Number of random draws of each cell of the grid", 1);
   arguments.jobs(options.jobs);
   isolation.declare(arguments);

@@ -72,7 +72,7 @@ Examples:
   arguments.quantity("--budget TIME", explore.budget, "Time to spend, e.g. 60s or '2 min' (default: 60 s)", Quantity::time);
   arguments.flag("--stability", stability, "Map the longest stable steps");
   arguments.overrides(explore.overrides, explore.seed);
-  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.number("--trial K", explore.trial, "Trial of the scene's sweep (default: the first)", 0);
   arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json beside it");
   arguments.then([this] {

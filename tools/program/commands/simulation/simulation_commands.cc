@@ -183,7 +183,7 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
   sweep.verb = arguments.name();
   arguments.input("SCENE", sweep.scene_path, "Scene file (YAML)", ".yaml").required();
   arguments.overrides(sweep.overrides, sweep.seed);
-  arguments.flag("--quiet", quiet, "No progress and no summary");
+  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.number("--trials N", trials, trials_help, 1);
   arguments.jobs(sweep.jobs);
   arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");

@@ -55,7 +55,7 @@ Examples:
   slipbench view hexapod.h5 --trial 17 --rerun)");
   arguments.input("FILE", subject, "Dataset (HDF5) or scene (YAML)").required();
   arguments.overrides(sweep.overrides, sweep.seed);
-  arguments.flag("--quiet", quiet, "No progress");
+  arguments.flag("-q,--quiet", quiet, "No progress");
   arguments.number("--trials N", sweep.limit, "Of a scene: simulate N trials instead of one", 1);
   arguments.jobs(sweep.jobs);
   arguments.file("-o,--output FILE.html", output,

@@ -39,6 +39,8 @@ class Request:
         json: True: print one JSON object on stdout and no progress on stderr
         install: command that installs the formats' requirements
         files: paths of files that the program has written and that only need the card; empty: none
+        quiet: True: print neither progress nor a summary
+        verbose: True: name every file in the summary
     """
 
     format: str
@@ -54,6 +56,8 @@ class Request:
     json: bool
     install: str
     files: list[str]
+    quiet: bool = False
+    verbose: bool = False
 
 
 def split_of(data: Dataset) -> dict[int, str]:
@@ -102,7 +106,7 @@ class Progress:
 
     def __init__(self, request: Request, interrupt: Interrupt) -> None:
         self._interrupt = interrupt
-        self._total, self._out, self._quiet = len(request.trials), request.out, request.json
+        self._total, self._out, self._quiet = len(request.trials), request.out, request.json or request.quiet
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._start = self._drawn = time.monotonic()
         self._notes = 0
@@ -225,5 +229,10 @@ def tell(request: Request, files: list[str]) -> None:
     if request.json:
         print(json.dumps({"files": files}, separators=(",", ":")))
         return
+    if request.quiet:
+        return
+    if request.verbose:
+        for file in files:
+            print(f"written: {file}")
     size = size_text(sum(os.path.getsize(file) for file in files))
     print(f"written: {files[0]}, {size}" if len(files) == 1 else f"written: {len(files)} files, {size}, in {request.out}")

@@ -1,0 +1,21 @@
+// What `slipbench describe` says of the keys of a scene, out of the JSON Schema that editors read.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tools/base/record/json.h"
+#include "tools/program/cli/terminal.h"
+
+namespace slipbench {
+
+// The keys that a scene file may have, in alphabetical order.
+std::vector<std::string> scene_key_names();
+
+// The page of one of these: what the key is for, its keys and values, their defaults and what is allowed. `schema`: scene_schema().
+std::string describe_key_text(const std::string& key, const Json& schema, const Style& style, std::size_t width);
+// The same as an entry of `describe --json`, with the key's part of the schema.
+Json describe_key_json(const std::string& key, const Json& schema);
+
+}  // namespace slipbench
