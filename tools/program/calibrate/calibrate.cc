@@ -20,12 +20,13 @@ using Eigen::VectorXd;
 
 // Pairs from which the electronics are learned, a device each.
 constexpr std::size_t learning_pairs = 4;
-// Least remainder of a column, as a share of its range: below it stretches and steps of the simulation tell.
+// Least remainder of a column, as a share of its range; below it, stretches and steps of the
+// simulation dominate.
 constexpr double least_remainder = 1e-4;
 // Correlations worth a line.
 constexpr double strong_correlation = 0.9;
 
-// What is compared: recordings on their grids.
+// The recordings on their grids, as compared.
 struct Compared {
   Columns columns;
   std::vector<std::vector<double>> edges;
@@ -33,8 +34,8 @@ struct Compared {
   VectorXd roughness;  // RMS over the recordings
 };
 
-// `scene_of`: the trial of a recording, ideal. `lag`: of each recording's clock; a drawn one has its own. `most_lag` [s]: the farther bound where it is
-// fitted.
+// `scene_of`: returns the ideal trial of a recording. `lag`: returns the offset of a recording's
+// clock [s]; a drawn recording has its own. `most_lag` [s]: largest lag if it is fitted, else 0.
 Compared compared(const std::vector<RawRecording>& recordings,
                   const std::function<std::vector<SensorRecord>(std::size_t)>& scene_of,
                   const std::function<double(std::size_t)>& lag, double most_lag) {
@@ -112,7 +113,8 @@ void tell_truth(Json& json, const FitKey& key, double drawn) {
   json["error"] = json.at("value").get<double>() - key.value(drawn);
 }
 
-// The centre and scatter of a key that every recording has a value of, less what the values themselves are uncertain by.
+// Returns the centre and scatter of a key with one value per recording; the variance of the values
+// is reduced by their mean uncertainty.
 struct Scatter {
   double centre, sd;  // of the value; of draw log_uniform the median and the sd of the logarithm
 };
@@ -129,7 +131,7 @@ Scatter scatter_of(const FitKey& key, const std::vector<double>& places, const s
   return {key.value(mean), width * std::sqrt(std::max(0.0, variance - uncertain))};
 }
 
-// What was found of one key: one place, or one of each recording.
+// Fit of one key: one place, or one per recording.
 struct Found {
   std::vector<double> places;
   std::vector<Known> known;
@@ -237,7 +239,7 @@ Json rounded(const VectorXd& values) {
   return list;
 }
 
-// Of each component the mean over the units and the unit that is worst fitted.
+// Returns, for each component, the mean over the units and the unit with the worst fit.
 Json curves_json(const Compared& data, const Solution& solution, std::size_t r) {
   const MatrixXd& real = data.real[r];
   const MatrixXd& synthetic = solution.distance.explained[r];
@@ -308,7 +310,7 @@ void check_noise_keys(const std::vector<FitKey>& of_curves, const std::vector<Fi
   }
 }
 
-// The scene with what was found by its curves, for what is found by its noise.
+// Returns the scene with the values fitted to the curves, on which the electronics are then fitted.
 SceneFile with_values(const SceneFile& file, const Model& model, const VectorXd& places) {
   SceneFile fitted = file;
   for (std::size_t k = 0; k < model.keys().size(); ++k) {
@@ -329,7 +331,7 @@ Truth drawn_truth(const Model& model, std::uint64_t seed) {
   return truth;
 }
 
-// What every result begins with.
+// Returns the first keys of every result.
 Json begun(const Options& options, std::uint64_t seed, Json parameters, Json correlations, const Solution& solution) {
   return {{result_key, 1},
           {"scene", options.scene_path},
@@ -341,8 +343,9 @@ Json begun(const Options& options, std::uint64_t seed, Json parameters, Json cor
           {"cost", solution.cost}};
 }
 
-// Takes out of `data`, readings of a drawn device, what all its gains share: the stiffness of that device, as it is of a real one
-// (disturbances.cc). Told by the device's readings of the same once more: by those that are fitted it would take their noise off too.
+// Removes the common gain of the units from `data`, readings of a drawn device, because for a real
+// device a common gain is part of the stiffness (disturbances.cc). The common gain is estimated
+// from a second reading of the device: the fitted readings would lose part of their noise too.
 void take_common_gain(Compared& data, const Model& model, const Truth& truth, const Disturbances& disturbances,
                       const Options& options) {
   const Waves ideal = waves_of(model, truth.places, Readings::ideal, truth.seed, data, options);
@@ -355,7 +358,7 @@ void take_common_gain(Compared& data, const Model& model, const Truth& truth, co
   }
 }
 
-// Of readings that the fitted scene makes, RMS over the recordings.
+// Returns the roughness of the fitted scene's readings, RMS over the recordings.
 VectorXd roughness_at(const Model& model, const VectorXd& places, std::uint64_t seed, const Compared& data,
                       const Options& options) {
   std::vector<VectorXd> rough;
@@ -364,7 +367,7 @@ VectorXd roughness_at(const Model& model, const VectorXd& places, std::uint64_t 
   return rms_over(rough);
 }
 
-// Where a truth was drawn for the key's parameters.
+// Returns the places that were drawn for the key's parameters; empty without a synthetic truth.
 std::vector<double> drawn_of(const Model& model, const std::optional<Truth>& truth, std::size_t key) {
   std::vector<double> drawn;
   for (std::size_t p = 0; truth && p < model.parameters(); ++p) {

@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A gain or coupling that scatters less than this is none: rounding of float32 is below.
+// A gain or coupling with less scatter than this is ignored; rounding of float32 is below it.
 constexpr double none_below = 1e-5;
 
 // The regression of one column.
@@ -26,19 +26,20 @@ struct Regression {
   double offset_sd = 0.0;
   VectorXd coefficients;
   MatrixXd covariance;
-  double energy = 0.0;  // what the column carries: the square of its departure from its mean, over all recordings
+  double energy = 0.0;  // sum of squared deviations from the column's mean over all recordings
 };
 
-// How much of a recording's mean its offset takes.
+// Returns the share of a recording's mean that its offset explains.
 double offset_share(const Regression& regression, Index bins) {
   const double data = regression.weight * static_cast<double>(bins) * regression.offset_sd * regression.offset_sd;
   return data / (1.0 + data);
 }
 
-// A column's departure from where it stood at the beginning: a gain of counts far above zero would else be an offset too.
+// Returns a column minus its first value. Without this, a gain of counts far above zero would also
+// act as an offset.
 VectorXd departure(const MatrixXd& wave, Index column) { return wave.col(column).array() - wave(0, column); }
 
-// <x, y> with the offset taken off.
+// <x, y> without the share of the means that the offset explains.
 template <class X, class Y>
 double product(const X& x, const Y& y, double share) {
   return x.dot(y) - share * x.sum() * y.mean();
@@ -101,7 +102,7 @@ bool has_gain(const Regression& regression, std::size_t column) {
   return !regression.regressors.empty() && regression.regressors.front() == static_cast<Index>(column);
 }
 
-// The mean of a component's gains, less 1, over its units by what they carry, and that mean's variance.
+// Mean of a component's gains minus 1 over its units, weighted by their energy, and its variance.
 struct CommonGain {
   double mean = 0.0, variance = 0.0;
   VectorXd weights;
@@ -121,7 +122,8 @@ CommonGain common_of(const std::vector<Regression>& fits, const ChannelPlace& pl
   return common;
 }
 
-// Puts the mean of each component's gains at 1, the rest at its best for that.
+// Sets the mean of each component's gains to 1 and the other coefficients to their best values
+// under that condition.
 void centre_gains(const Columns& columns, std::vector<Regression>& fits) {
   for (const ChannelPlace& place : columns.channels) {
     for (std::size_t k = 0; k < place.components; ++k) {
@@ -196,7 +198,7 @@ double range_of(const ChannelPlace& place, std::size_t k, const std::vector<Wave
   return most - least;
 }
 
-// The RMS of what is weighted.
+// RMS of weighted values.
 struct WeightedSquares {
   double sum = 0.0, weight = 0.0;
   void add(double value, double with) {

@@ -42,7 +42,7 @@ void check_cells(const Model& model, const Groups& groups) {
            groups.values.size(), cells);
 }
 
-// What a trial reads; empty where the scene refuses what was drawn.
+// Returns a trial's readings; empty if the scene refuses the drawn values.
 std::optional<std::vector<SensorRecord>> possible_trial(const Model& model, const VectorXd& places, std::size_t trial,
                                                         std::uint64_t seed, std::uint64_t device,
                                                         const std::atomic<bool>* interrupt) {
@@ -53,7 +53,8 @@ std::optional<std::vector<SensorRecord>> possible_trial(const Model& model, cons
   }
 }
 
-// The first trial that the scene does not refuse: it tells which arrays there are. Throws what the last one says where it refuses all.
+// Returns the first trial that the scene does not refuse, which shows the arrays of a trial. If the
+// scene refuses all, throws the error of the last one.
 std::vector<SensorRecord> some_trial(const Model& model, const VectorXd& places, const std::atomic<bool>* interrupt) {
   for (std::size_t trial = 0; trial + 1 < model.trials(); ++trial) {
     if (auto sensors = possible_trial(model, places, trial, model.seed(), model.seed(), interrupt)) return std::move(*sensors);
@@ -283,7 +284,8 @@ RowVectorXd GroupProblem::trial_figures(const VectorXd& places, std::size_t tria
 }
 
 MatrixXd GroupProblem::wave(const VectorXd& places, std::size_t trial) const {
-  // Draws are always the same ones, and the repetitions of a cell by a device each: their mean is less of one device.
+  // The draws never change. Each repetition of a cell has another device, so that the mean depends
+  // less on a single device.
   const std::uint64_t device = seed_of(model->seed(), trial % model->draws(), "repetition");
   return trial_figures(places, trial, model->seed(), device);
 }

@@ -164,7 +164,8 @@ std::string draw_of(const FitKey& key, const Json& parameter) {
                      written(key.max));
 }
 
-// What the sensors of a scene read in trial number `trial`, without its detector. What goes wrong is told of `subject`.
+// Returns the sensors' readings in trial number `trial` of a scene without its detector. Errors
+// name `subject`.
 template <class MakeScene>
 std::vector<SensorRecord> read_of(const std::string& subject, std::size_t trial, const std::atomic<bool>* interrupt,
                                   const MakeScene& make_scene) {

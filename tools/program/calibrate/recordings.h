@@ -1,4 +1,5 @@
-// Recordings to be fitted, and what of them is compared: the mean of every channel over short stretches of time.
+// Recordings to be fitted, and their values that are compared: the mean of every channel over short
+// stretches of time.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +16,17 @@ struct ImportFormat;
 
 namespace slipbench::calibrate {
 
-// What one recording holds of its sensors: SensorRecords without labels.
+// The sensors' data of one recording: SensorRecords without labels.
 struct RawRecording {
   std::string name;  // for people: "logs/a.csv", "demo_3 of stage.h5"
   std::vector<SensorRecord> sensors;
   std::string params = "{}";  // TrialRecord::params: what is known of it, such as its class
 };
 
-// `paths`: datasets, whose trials are recordings in their order; or with `format` sources as `slipbench import` takes them. Throws InputError
-// where they cannot be read, where there is none, where one is named twice, where a value is not finite and where samples are not evenly_spaced().
+// Reads recordings. `paths`: datasets, whose trials are the recordings in their order, or, with
+// `format`, sources as for `slipbench import`. Throws InputError for unreadable paths, no
+// recording, a path given twice, values that are not finite, and samples that are not
+// evenly_spaced().
 std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format);
 
 // One array of a sensor among the columns that are compared: units times components, a column each, components fastest.

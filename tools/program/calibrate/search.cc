@@ -20,7 +20,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// 1 over the variance of a place that may be anywhere between the bounds.
+// 1 over the variance of a place that is uniform between the bounds.
 constexpr double prior_weight = 12.0;
 
 constexpr int most_steps = 8;
@@ -59,7 +59,8 @@ class Searcher {
 
   [[nodiscard]] const Model& model() const { return *problem_.model; }
 
-  // What `work` makes of 0 to `count` - 1, by several threads; tells of the progress meanwhile.
+  // Returns the results of `work` for 0 to `count` - 1, computed by several threads; reports the
+  // progress meanwhile.
   template <class Result, class Work>
   std::vector<Result> in_order(std::size_t count, const Work& work) {
     OrderedWorkers<Result> workers(
@@ -94,7 +95,8 @@ class Searcher {
     return tasks;
   }
 
-  // A global and a local search from one point. A start is one thread's, and NLopt's generator is each thread's own.
+  // Runs a global and a local search from one point. A start runs in one thread, and each thread
+  // has its own NLopt generator.
   Start start(std::size_t number) {
     const std::size_t keys = model().keys().size();
     RandomStream stream(model().seed(), number, "calibrate.start");
@@ -115,7 +117,7 @@ class Searcher {
     return result;
   }
 
-  // Of the residuals by the places, from differences to both sides that are possible.
+  // Returns d residual/d places from differences to those sides that the scene does not refuse.
   MatrixXd jacobian(const VectorXd& at, const Waves& ideal) {
     const std::size_t recordings = model().recordings();
     std::vector<Task> tasks;
@@ -149,7 +151,8 @@ class Searcher {
     return slopes;
   }
 
-  // Levenberg and Marquardt's steps from where the best start has ended: the parameters of single recordings have no other search.
+  // Takes steps of Levenberg and Marquardt from the best start's end; only these fit the parameters
+  // of single recordings separately.
   void descend(VectorXd at, Solution& solution) {
     const VectorXd own = model().spread(model().own_places());
     solution.ideal = simulated(all_recordings(at));
@@ -183,14 +186,14 @@ class Searcher {
     solution.places = at;
   }
 
-  // What the residuals say of how well each parameter is known.
+  // Derives the parameters' uncertainty from the residuals.
   void know(Solution& solution) {
     const Index count = solution.places.size();
     const Index entries = solution.distance.compared;
     solution.scale = std::max(1.0, solution.distance.compared_squared / static_cast<double>(entries));
 
-    // Residuals hang together, so how far the gradient scatters tells more than their number: the sandwich of Huber and White. Where it is smaller than
-    // what independent residuals give, that counts.
+    // Residuals are correlated, so the covariance is the sandwich of Huber and White, from the
+    // scatter of the gradient; but never less than the covariance of independent residuals.
     const MatrixXd prior = prior_weight * MatrixXd::Identity(count, count);
     const MatrixXd inverse =
         (slopes_.transpose() * slopes_ / solution.scale + prior).llt().solve(MatrixXd::Identity(count, count));
@@ -231,7 +234,7 @@ class Searcher {
     }
   }
 
-  // Whether a profile rises far enough on either side of the fit, where there is one: not beyond a bound.
+  // True if a profile rises enough on both sides of the fit; a side that ends at a bound is exempt.
   static bool rises(const Known& known, double place) {
     double below = 0.0, above = 0.0;
     for (const auto& [at, rise] : known.profile) (at < place ? below : above) = std::max(at < place ? below : above, rise);
@@ -258,7 +261,7 @@ class Sizes {
     for (std::size_t d = 0; d < devices; ++d) seeds_.push_back(seed_of(model.seed(), d, "sizes"));
   }
 
-  // A column a device.
+  // Returns one column per device.
   [[nodiscard]] MatrixXd of_devices(const VectorXd& places) const {
     OrderedWorkers<VectorXd> workers(
         devices, std::min(problem_.jobs, devices), [&] { return [&](std::size_t d) { return of_device(places, seeds_[d]); }; },
@@ -270,7 +273,7 @@ class Sizes {
     return sizes;
   }
 
-  // What can be compared, and with which weight.
+  // Sets the weights of the sizes; 0 for those that cannot be compared.
   void weigh(const VectorXd& places) {
     const MatrixXd sizes = of_devices(places);
     const VectorXd mean = sizes.rowwise().mean();
@@ -283,7 +286,7 @@ class Sizes {
     }
   }
 
-  // Real against simulated, in standard deviations.
+  // Real minus simulated sizes, in standard deviations.
   [[nodiscard]] VectorXd residual(const VectorXd& places) const {
     const VectorXd mean = of_devices(places).rowwise().mean();
     VectorXd residual = VectorXd::Zero(real_.size());

@@ -66,7 +66,7 @@ const SensorColumn* channel_of(const SensorRecord& sensor, const std::string& na
   return fits ? &*found : nullptr;
 }
 
-// Whether a sensor has the force and the displacement of its units at the same instants.
+// True if a sensor has the force and the displacement of its units at the same instants.
 bool has_law(const SensorRecord& sensor) {
   const SensorColumn* force = channel_of(sensor, "force", "N");
   const SensorColumn* displacement = channel_of(sensor, "displacement", "m");
@@ -190,7 +190,7 @@ Estimate mean_of(const VectorXd& values, double own_error) {
   return {values.mean(), sd_of(values) / std::sqrt(static_cast<double>(values.size()))};
 }
 
-// What single units say of the sensor.
+// The sensor's stiffness and coupling from its single units.
 struct Summary {
   VectorXd normal, tangential, x, y;                  // N/m, of the units that determine them
   std::vector<VectorXd> coupling;                     // of each of coupling_keys, two a unit

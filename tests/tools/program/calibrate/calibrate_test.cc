@@ -92,7 +92,7 @@ TEST_F(Calibrated, DrawnParametersComeBack) {
   EXPECT_NEAR(error(result, "sensors.pad.edge_drop"), 0.0, 0.02e-3);
   EXPECT_NEAR(error(result, "motion.tilt.1"), 0.0, 0.2 * 3.14159 / 180.0);
   EXPECT_TRUE(recovers(result));
-  // What noise leaves is what the sensor's noise leaves, by chance some percent less or more.
+  // The residual is the sensor's noise, within the few percent of chance.
   EXPECT_NEAR(result.at("residual_over_repeatability").get<double>(), 1.0, 0.2);
   for (const Json& one : result.at("residuals"))
     EXPECT_LT(one.at("residual").get<double>(), 1.5 * one.at("repeatability").get<double>()) << one.dump();
@@ -107,15 +107,17 @@ TEST_F(Calibrated, FrictionWithoutASlideIsNotDetermined) {
   EXPECT_TRUE(recovers(result));
 }
 
-// The clock and the start of the slide are told apart by the press, whose time the scene knows: it ends at 0.455 s.
+// The press separates the clock from the start of the slide, because the scene knows its time: it
+// ends at 0.455 s.
 TEST_F(Calibrated, ALateClockIsFound) {
   const Json result = fitted(options({normal, "lag: {min: -40 ms, max: 40 ms}", "motion.start: {min: 0.46 s, max: 0.6 s}"}));
   EXPECT_NEAR(error(result, "lag"), 0.0, 1e-3);
   EXPECT_NEAR(error(result, "motion.start"), 0.0, 2e-3);
 }
 
-// The recordings are of 5.5 N/mm and the bounds end before and after it: the best value is at the nearer one, and that is said. On its other side the
-// residuals rise, so the recordings do determine it.
+// The recordings have 5.5 N/mm, which lies outside the bounds: the best value is at the nearer
+// bound, and the result says so. The residuals rise away from that bound, so the recordings do
+// determine the value.
 TEST_F(Calibrated, AValueAtItsBoundIsCalledSo) {
   Options wanted = options({"sensors.pad.k_normal: {min: 6 N/mm, max: 10 N/mm}"},
                            {{"sensors.pad.electronics", "ideal"}, {"sensors.pad.k_normal", "7 N/mm"}});
@@ -149,7 +151,8 @@ TEST_F(Calibrated, EachRecordingHasItsFriction) {
   EXPECT_THAT(result.fitted, HasSubstr("  friction.scale: {draw: normal, mean: "));
 }
 
-// Noise of half to twice the device's own. Its size is told by the steps of 27 sources over some thousand samples, so to some percent.
+// Noise of half to twice the device's own. The steps of 27 sources over some thousand samples
+// determine its size to a few percent.
 TEST_F(Calibrated, NoiseIsFittedByItsSize) {
   const Json result = fitted(options({normal, "sensors.pad.electronics.0.noise.scale: {min: 0.5, max: 2}"},
                                      {{"sensors.pad.electronics", "[{noise: {scale: 1}}, gain]"}}));
@@ -166,7 +169,8 @@ TEST_F(Calibrated, ThreadsChangeNoByte) {
   EXPECT_EQ(first.fitted, second.fitted);
 }
 
-// Logs of the vendor, written from simulated trials of 5.5 N/mm, whose first column counts microseconds from anywhere.
+// Logs in the vendor's format, written from simulated trials with 5.5 N/mm. Their first column
+// counts microseconds from an arbitrary start.
 TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
   Options wanted = options({normal});
   simulated_with({{"sensors.pad.k_normal", "5.5 N/mm"}, {"sensors.pad.electronics", "ideal"}});
@@ -187,13 +191,14 @@ TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
   const std::vector<std::string> files = write_calibration(path("mine.yaml"), logs.fitted, logs.json);
   EXPECT_EQ(files, (std::vector<std::string>{path("mine.yaml"), path("mine.html"), path("mine.json")}));
   const Scene scene = parse_scene(SceneFile::load(path("mine.yaml")), program_catalogues());
-  // To the last digit what was fitted.
+  // The scene holds the fitted value exactly.
   EXPECT_EQ(scene.sensors.front().parameters.number("k_normal"), of(logs.json, "sensors.pad.k_normal").at("value").get<double>());
   EXPECT_EQ(TrialPlan(SceneFile::load(path("mine.yaml")), program_catalogues(), 0, 5).size(), 4U);
   EXPECT_THAT(calibration_page(logs.json), HasSubstr("Real and synthetic"));
 }
 
-// A trial of 1.1 s at 250 Hz has its samples at 4 ms, 8 ms ... 1.1 s, so they span 1096 ms. Recordings of 1.2 s last 9 % longer, which a log stopped by hand may; those of 1.3 s last 18 % longer.
+// A trial of 1.1 s at 250 Hz has samples at 4 ms, 8 ms ... 1.1 s, a span of 1096 ms. Recordings of
+// 1.2 s are 9 % longer, which is allowed for logs stopped by hand; those of 1.3 s are 18 % longer.
 TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
   const Override one{"sweep", "{motion.direction: [0 deg]}"};
   Options wanted = options({normal}, {one, {"sensors.pad.electronics", "ideal"}});
@@ -209,12 +214,12 @@ TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
   EXPECT_THAT(recorded({"duration", "1.3 s"}), refused_at(name, {"1296 ms", "1096 ms", "10 %"}));
   EXPECT_THAT(recorded({"duration", "0.9 s"}), refused_at(name, {"896 ms", "1096 ms", "10 %"}));
   EXPECT_THAT(recorded({"sensors.pad.rate", "100 Hz"}), refused_at(name, {"10 ms", "4 ms", "1 %", "100 Hz", "250 Hz"}));
-  // What the lag may shift comes on top.
+  // The largest lag is allowed in addition.
   wanted.keys.push_back(parse_fit_keys("lag: {min: -0.1 s, max: 0.05 s}").at(0));
   EXPECT_EQ(recorded({"duration", "1.3 s"}), "accepted");
 }
 
-// Each recording is held against its own trial.
+// Each recording is compared with its own trial.
 TEST_F(Calibrated, TrialsMayLastDifferently) {
   const Override trials{"sweep", "{scene: [{duration: 1.1 s}, {duration: 1.6 s}]}"};
   Options wanted = options({normal}, {trials, {"sensors.pad.electronics", "ideal"}});

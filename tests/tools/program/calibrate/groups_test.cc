@@ -61,7 +61,8 @@ struct Grouped : slipbench::testing::FolderTest {
   }
 };
 
-// 0, 1, ... 7: the mean 3.5, the halves 4 apart, steps of 1 from sample to sample and of 2 between the means of two.
+// 0, 1, ... 7 has the mean 3.5, a difference of 4 between the means of its halves, steps of 1
+// between samples and of 2 between the means of two.
 TEST(Figures, OfAStraightLine) {
   const Eigen::MatrixXd line = Eigen::VectorXd::LinSpaced(8, 0.0, 7.0);
   const Eigen::MatrixXd figures = figures_of(line, Eigen::RowVectorXd::Zero(1));
@@ -72,7 +73,7 @@ TEST(Figures, OfAStraightLine) {
   EXPECT_NEAR(figures(3, 0), std::log(2.0 * std::sqrt(0.5)), 1e-12);
 }
 
-// What goes up and down by 1 has no step between the means of two: there the floor is left.
+// A signal that alternates by 1 has no step between the means of two samples; the floor is left.
 TEST(Figures, HaveAFloor) {
   Eigen::MatrixXd saw(8, 1);
   saw << 0, 1, 0, 1, 0, 1, 0, 1;
@@ -90,9 +91,11 @@ TEST(ParsedGroups, AreALabelAndDifferentValues) {
   }
 }
 
-// The depths of eight recordings scatter by 0.1 mm and so do eight simulated ones: their means differ by 0.1 mm sqrt(2/8) = 0.05 mm. The device's common
-// gain is known to 9.3 %/sqrt(9) = 3 % of a force, so of 1 mm 0.03 mm. Three times both together: 0.17 mm. Friction is a ratio of forces of one device, the
-// gains of shear and of pressure each uncertain by 3 %: 4.4 %, three times 13 %.
+// Bounds of three sd. The depths of eight real and eight simulated recordings scatter by 0.1 mm, so
+// their means differ by 0.1 mm sqrt(2/8) = 0.05 mm. The device's common gain has an sd of 9.3
+// %/sqrt(9) = 3 % of a force, 0.03 mm of 1 mm. Both together, times three: 0.17 mm. Friction is a
+// ratio of forces of one device, whose gains of shear and of pressure have an sd of 3 % each: 4.4
+// %, times three: 13 %.
 TEST_F(Grouped, DrawnParametersComeBack) {
   const Options wanted = options({depth, "friction.scale: {min: 0.5, max: 1.5}"});
   const Result result = calibrate(wanted, program_catalogues());
@@ -102,7 +105,8 @@ TEST_F(Grouped, DrawnParametersComeBack) {
   EXPECT_TRUE(friction.at("determined").get<bool>());
   EXPECT_NEAR(friction.at("error").get<double>() / friction.at("truth").get<double>(), 0.0, 0.13);
   EXPECT_TRUE(recovers(result.json));
-  // What chance leaves of differences that are divided by their scatter is 1. The figures hang together, and few recordings tell the scatter.
+  // By chance, differences over their sd have an RMS of 1. The bounds are wide because the figures
+  // are correlated and few recordings determine the sd.
   EXPECT_GT(result.json.at("residual_over_scatter").get<double>(), 0.4);
   EXPECT_LT(result.json.at("residual_over_scatter").get<double>(), 2.0);
   EXPECT_THAT(result.fitted, HasSubstr("motion.compression: {draw: normal, mean: "));
@@ -119,7 +123,7 @@ TEST_F(Grouped, ThreadsChangeNoByte) {
   EXPECT_EQ(first.fitted, second.fitted);
 }
 
-// Nothing that slides: no recording tells the friction of the pad that is pressed alone.
+// Without a slide, no recording determines the friction of a pad that is only pressed.
 TEST_F(Grouped, FrictionWithoutASlideIsNotDetermined) {
   Options wanted = with_recordings({depth, "friction.scale: {min: 0.5, max: 1.5}"}, "motion.start=1.1,1.15",
                                    {{"sweep.motion.1.start", "1.15 s"}});
@@ -130,7 +134,8 @@ TEST_F(Grouped, FrictionWithoutASlideIsNotDetermined) {
   EXPECT_FALSE(result.at("parameters").at(1).at("determined").get<bool>());
 }
 
-// A slide that begins at 0.48 s is refused where the press takes longer: of the upper bound's draws all are, of the recordings' none.
+// A slide that begins at 0.48 s is refused if the press takes longer: all draws at the upper bound
+// are refused, and no draw of the recordings.
 TEST_F(Grouped, WhatTheSceneRefusesIsLeftOut) {
   const Override early{"sweep.motion.1.start", "0.48 s"};
   Options wanted = with_recordings({depth}, "motion.start=1.1,0.48", {early, {"sweep.motion.compression.mean", "0.8 mm"}});
@@ -138,12 +143,13 @@ TEST_F(Grouped, WhatTheSceneRefusesIsLeftOut) {
   const Json result = calibrate(wanted, program_catalogues()).json;
   EXPECT_NEAR(result.at("parameters").at(0).at("value").get<double>(), 0.8e-3, 0.17e-3);
   for (const Json& group : result.at("groups")) EXPECT_EQ(group.at("trials").get<int>() + group.at("refused").get<int>(), 4);
-  // Where no draw of the scene's own values is possible, there is nothing to begin with.
+  // The fit cannot begin if the scene refuses all draws with its own values.
   wanted.overrides = {early, {"sweep.motion.compression.mean", "1.4 mm"}};
   EXPECT_THAT(refusal(wanted), mentions({"draws", "cell"}));
 }
 
-// A sensor beside changes nothing of what the pad reads: with the recordings that have one, in front of the pad, the means are what they were.
+// A second sensor does not change the pad's readings: with recordings that list one before the pad,
+// the means are unchanged.
 TEST_F(Grouped, ARecordingMayHaveOtherSensorsBeside) {
   const std::string pad = "pad: {type: papillarray, rate: 250 Hz, electronics: typical, profile: gripper}";
   const std::string another = "another: {type: papillarray, rate: 250 Hz, electronics: typical, profile: hexapod}";
@@ -163,7 +169,7 @@ TEST_F(Grouped, ARecordingMayHaveOtherSensorsBeside) {
   EXPECT_THAT(real_means(), ::testing::ElementsAreArray(alone));
 }
 
-// Of two sensors of a type that no recording names, one recorded sensor may be either.
+// One recorded sensor could be either of two sensors of its type if no recording has their names.
 TEST_F(Grouped, OneRecordedSensorIsNotTakenForTwo) {
   const std::string pad = ": {type: papillarray, rate: 250 Hz, electronics: typical, profile: gripper}";
   Options wanted = with_recordings({depth}, "motion.start=1.1,0.8");

@@ -171,8 +171,9 @@ TEST(Disturbances, ExplainGainsCouplingsAndOffsets) {
   EXPECT_EQ(distance.residual.size(), static_cast<Eigen::Index>(distance.group.size()));
 }
 
-// What both units share is no gain: the readings stay where they are, 10 % above the signal. The couplings, of which the prior allows 0.02, take up what
-// of a sine looks like a cosine in 50 samples, some percent of the difference.
+// A gain that both units share is not fitted: the readings stay 10 % above the fit. The couplings,
+// with a prior of 0.02, explain the part of a sine that resembles a cosine in 50 samples, a few
+// percent of the difference.
 TEST(Disturbances, LeaveWhatAllGainsShare) {
   const MatrixXd s = signal();
   MatrixXd y = s;
