@@ -1,12 +1,14 @@
-# What most sources include is compiled once: it would be 2 to 4 s of every source (GCC 12). A source includes what it uses all the same, and
-# clang-tidy reads it without.
+# Headers that most sources include, precompiled once: they would take 2 to 4 s of every source
+# (GCC 12). Sources still include the headers that they use, and clang-tidy reads them without
+# precompiled headers.
 set(SLIPBENCH_COMMON_HEADERS
   <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <ranges> <span> <sstream> <stdexcept> <string>
   <string_view> <utility> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h> <nlohmann/json.hpp>)
 
 # slipbench_precompile(KIND hot TARGET slipbench_core HEADERS <gtest/gtest.h>)
-# The first target of a kind compiles the common headers and HEADERS; the others use them. All of a kind have the same options, because GCC
-# takes those for optimisation from the precompiled header, without a word, and not from the command line.
+# The first target of a kind compiles the common headers and HEADERS; the others use them. All targets
+# of a kind must have the same options, because GCC takes the optimisation options from the precompiled
+# header instead of the command line, without a warning.
 function(slipbench_precompile)
   cmake_parse_arguments(ARG "" "KIND;TARGET" "HEADERS" ${ARGN})
   get_property(first GLOBAL PROPERTY SLIPBENCH_FIRST_${ARG_KIND})

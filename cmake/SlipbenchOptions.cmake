@@ -23,7 +23,7 @@ add_link_options(-Wl,-z,relro,-z,now)
 
 find_program(CCACHE ccache)
 if(CCACHE AND SKBUILD)
-  # What the presets say in their environment.
+  # The same settings as in the environment of the presets.
   set(CCACHE ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 if(CCACHE)
@@ -59,11 +59,11 @@ target_compile_options(slipbench_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # else ccache keeps nothing that uses precompiled headers
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<BOOL:${SLIPBENCH_WERROR}>:-Werror>)
-# What is built says nothing of where it was built: __FILE__ and the like begin at the source folder.
+# Binaries do not depend on the build's location: __FILE__ and the like begin at the source folder.
 target_compile_options(slipbench_flags INTERFACE
   $<$<CONFIG:Release>:-ffile-prefix-map=${PROJECT_BINARY_DIR}=build> $<$<CONFIG:Release>:-ffile-prefix-map=${PROJECT_SOURCE_DIR}=.>)
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   target_compile_options(slipbench_flags INTERFACE -D_FORTIFY_SOURCE=2)  # needs an optimiser, which knows the sizes
 endif()
-# What the precompiled headers were compiled with must be defined in all that use them.
+# All users of the precompiled headers must have the definitions that these were compiled with.
 target_compile_definitions(slipbench_flags INTERFACE $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)
