@@ -432,7 +432,8 @@ TEST(PapillArray, CountsSamplesBeyondTheMakersRange) {
   EXPECT_EQ(make(defaults())->saturated(), 0U);
 }
 
-// The readings of a typical device are those without the flags, to the bit; the flags come behind them.
+// The flags follow the readings, which are bit-identical to those of a typical device without
+// flags.
 TEST(PapillArray, FlagsThePillarsBeyondTheMakersRange) {
   Parameters parameters = defaults();
   parameters.set("range_flag", true);

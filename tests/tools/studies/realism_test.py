@@ -97,7 +97,7 @@ class SetUp(unittest.TestCase):
         self.assertEqual(result.setup[0], "Seed 5.")
         self.assertEqual(result.setup[-1], "myrmex: Real: a stone. Ours: a ball.")
         self.assertEqual(result.tables[0].rows, [["1", "myrmex", "weight, N", "2", "3", "1.5", "assumed"]])
-        # Of a paper's table the lines are those of its own study.
+        # The set-up of a paper's table is that of its own study.
         study = Result("", "", {}, setup=["On a bench.", "At 1 kHz."], real=[RealFigure("weight, N", 2.0, 3.0)])
         with unittest.mock.patch.object(realism, "run", return_value=study):
             result = realism.study(Options(only=("nib-reconfigurable/table1",)))

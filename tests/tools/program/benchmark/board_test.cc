@@ -164,7 +164,8 @@ double score_on(const Held& held, const Trials& trials, const std::function<Dete
   return score_of(parts, held).value;
 }
 
-// What the controls are told scores better than a step more or less of it; from slip-2 on it is worth 5 of 100 at most.
+// The times that the controls know score better than times a step earlier or later; from slip-2 on
+// they score at most 5 of 100.
 TEST(Protocol, ControlsAreToldTheBest) {
   constexpr double clock_step = 0.1;  // s
   register_control();

@@ -73,7 +73,8 @@ TEST(SignalKnown, SaysNothingWhereTheSlipChangesNothing) {
   for (const PadState state : signal_known(record, record, 0, truth_of(record)).seen) EXPECT_EQ(state, PadState::non_slip);
 }
 
-// What an earlier slip has left, here 5 deviations from the middle of the contact on, is not the signal of the slip that is judged.
+// The remaining signal of an earlier slip, here 5 deviations from the middle of the contact on, is
+// not taken for the signal of the judged slip.
 TEST(SignalKnown, LeavesOutWhatAnEarlierSlipHasLeft) {
   TrialRecord record = recorded(0.0);
   std::vector<float>& values = record.sensors[0].channels[0].values;

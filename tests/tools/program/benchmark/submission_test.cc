@@ -47,7 +47,8 @@ TEST_F(Submissions, AreRecomputed) {
   EXPECT_EQ(changed.status, 1);
   EXPECT_THAT(changed.out, HasSubstr("/protocol/alarms_per_minute: 9.0 in the file, 1.0 here"));
 
-  // Of another protocol by its digest, which is said without computing anything: no progress is told.
+  // A submission to another protocol is recognised by the digest before anything is computed, so no
+  // progress is printed.
   const std::string digest = Json::parse(text).at("protocol").at("sha256"), other(digest.rbegin(), digest.rend());
   text.replace(text.find(digest), digest.size(), other);
   std::ofstream(file) << text;

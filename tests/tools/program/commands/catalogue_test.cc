@@ -1,4 +1,5 @@
-// What the program really holds: every entry explains itself in full, and its example is a valid scene.
+// Every entry of the program's catalogues has a complete description and a valid scene as its
+// example.
 
 #include "sim/scene/parser.h"
 #include "tests/expect.h"

@@ -35,7 +35,8 @@ int exit_status(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// Whether `signal` is in a mask of a process, as Linux tells it: "SigCgt:\t0000000000000002" of those caught, "SigIgn:" of those ignored.
+// True if `signal` is in a mask of a process in /proc/PID/status, such as
+// "SigCgt:\t0000000000000002": SigCgt holds the caught signals, SigIgn the ignored ones.
 bool in_mask(pid_t child, const std::string& name, int signal) {
   const std::string status = bytes_of("/proc/" + std::to_string(child) + "/status");
   const std::size_t at = status.find(name);

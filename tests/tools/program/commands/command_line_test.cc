@@ -278,7 +278,7 @@ TEST(CommandLine, ReproduceTakesItsName) {
   EXPECT_EQ(command.output, "p.html");
 }
 
-// What follows the list is not one of its names.
+// The word after the list is not one of its names.
 TEST(CommandLine, ReproduceTakesAListOfRows) {
   const auto command = parsed<ReproduceCommand>(
       {"reproduce", "--trials", "3", "--full", "--memories", "m", "--only", "felt,light", "--only", "gst_hd", "table"});

@@ -27,7 +27,8 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-// What the command should print for a model of the file: its columns, from the first row that has a class.
+// Returns the lines that the command should print for a model of the file: the model's columns,
+// from the first row with a class.
 std::vector<std::string> expected_lines(const std::string& model) {
   std::ifstream file(vectors);
   const std::vector<std::string> lines = lines_of(file);

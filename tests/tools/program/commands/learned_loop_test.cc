@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::json;
 
 struct LearnedLoop : ::testing::Test {
-  // What the program says, which has to end well.
+  // Returns the program's output and expects status 0.
   static std::string said(const std::vector<std::string>& words) {
     const ChildResult result = run_program_file(words);
     EXPECT_EQ(result.status, 0) << result.err;
@@ -24,7 +24,7 @@ struct LearnedLoop : ::testing::Test {
     return Json::parse(said(words), nullptr, false);
   }
 
-  // Half of them with either controller.
+  // Each of two controllers holds half of the grasps.
   void make_grasps(const std::string& trials) {
     said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", trials, "--jobs", "2", "-o", grasps_});
   }
@@ -65,7 +65,8 @@ std::vector<std::string> next_command(const std::string& text) {
   return {std::istream_iterator<std::string>(line), {}};
 }
 
-// Of two sensors one is learnt from: `eval` has to be told which, and to judge on the part test of the scene's own split.
+// One of two sensors is trained on: the named `eval` command must name that sensor and the part
+// test of the scene's own split.
 TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
   said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
         "sensors={pad: {type: papillarray, rate: 100 Hz}, fast: {type: papillarray, rate: 250 Hz, follows: pad}}", "--set",
@@ -77,7 +78,8 @@ TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
   said(words);
 }
 
-// gst_hd learns from the only PapillArray, without being told, and `eval` finds two sensors that it could be asked about.
+// gst_hd trains on the only PapillArray without --sensor, while `eval` needs --sensor because it
+// finds two sensors.
 TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
   said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
         "sensors={pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, follows: pad}}", "--set",

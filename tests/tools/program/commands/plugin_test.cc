@@ -44,7 +44,7 @@ TEST(PluginProgram, RefusesWrongLibraries) {
   }
 }
 
-// Of an isolated trial: it fails. Else the program ends by the signal.
+// A crash fails an isolated trial; without isolation the signal ends the program.
 TEST(PluginProgram, ACrashFailsAnIsolatedTrial) {
   const ChildResult isolated = run_own("wrong", "crash=1,in=3");
   EXPECT_EQ(isolated.status, 2) << isolated.err;

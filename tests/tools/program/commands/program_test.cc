@@ -387,7 +387,7 @@ TEST(Program, ControlCKeepsWhatIsFinished) {
   EXPECT_FALSE(std::filesystem::exists(dataset));
 }
 
-// What waits for no end of its own ends at once: it measures for minutes.
+// A command without its own handling of signals ends at once; this one would measure for minutes.
 TEST(Program, EndsWithOneStatusByEverySignal) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     EXPECT_EQ(run_program_interrupted({"cost", "--stability"}, "started", signal).status, 130);

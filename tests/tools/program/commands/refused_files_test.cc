@@ -97,12 +97,12 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
   expect_model_refusal("<asset><model name=\"m\" file=\"robot/robot.xml\"/></asset>\n", {"robot/assets/mesh.stl", "a pipe"});
   expect_model_refusal("<size nuser_body=\"2000000000\"/>\n", {"model.xml:2", "<size>", "nuser_body"});
   expect_model_refusal("<size memory=\"100G\"/>\n", {"model.xml:2", "<size>", "memory"});
-  // What is XML for MuJoCo, and seldom written.
+  // Unusual syntax that MuJoCo accepts as XML.
   expect_model_refusal("<!x <!-- ><size\vmemory\f=\f\"100G\"/>\n", {"model.xml:2", "<size>", "memory"});
   expect_model_refusal("< size memory=\"100G\"/>\n", {"model.xml:2", "<size>", "memory"});
   expect_model_refusal("<size memory=\"&#57;9G\"/>\n", {"model.xml:2", "<size>", "memory"});
   expect_model_refusal("<include file=\"&#112;ipe\"/>\n", {"model.xml:2", "file", "&#112;ipe", "entities"});
-  // MuJoCo counts no lines of what is included.
+  // MuJoCo reports no lines of included files.
   std::ofstream(folder_ / "part.xml") << "<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody>\n</mujoco>\n";
   expect_model_refusal("<include file=\"part.xml\"/>\n", {"geom", folder_ / "part.xml" + ":3"});
 }

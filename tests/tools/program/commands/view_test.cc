@@ -102,7 +102,7 @@ TEST_F(View, KeepsWhatItHasNotMade) {
   EXPECT_EQ(view("stage.yaml").status, 2);
   EXPECT_EQ(bytes_of(folder_ / "stage.h5"), two);
 
-  // Nor is a page replaced that is none of ours, and then nothing is simulated.
+  // A page that `view` has not written is not replaced, and nothing is simulated.
   std::ofstream(folder_ / "mine.html") << "mine";
   EXPECT_EQ(view("stage.yaml -o mine.html").status, 2);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "mine.h5"));
