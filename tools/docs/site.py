@@ -1,5 +1,6 @@
-"""What mkdocs.yml asks of MkDocs beyond its own: the project's texts and pictures where they are, the sources that texts link to, and the references
-of C++ and Python. A text is written for GitHub; `on_page_markdown` turns what Python-Markdown reads otherwise."""
+"""Hooks of mkdocs.yml: add the project's texts and pictures from their folders, the sources that texts
+link to, and the C++ and Python references. Texts are written for GitHub; `on_page_markdown` converts
+the syntax that Python-Markdown reads differently."""
 
 import functools
 import json

@@ -70,9 +70,9 @@ Truth truth_of(const GraspEnvironment& environment) {
 
 // Observation, reward, terminated (dropped or left behind), ended, truth.
 using Result = nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, double, bool, bool, Truth>;
-// Of several environments: observations; reward, time, grip_force, ideal_force and
-// slip_distance; terminated, ended and lifting; episode number; draws of the episode; and by index the outcomes of
-// finished episodes.
+// The same for several environments: observations; reward, time, grip_force, ideal_force and
+// slip_distance; terminated, ended and lifting; episode numbers; draws of the episodes; and the
+// outcomes of finished episodes by index.
 using Results =
     nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, nb::ndarray<nb::numpy, double>, nb::ndarray<nb::numpy, std::uint8_t>,
               nb::typed<nb::list, int>, nb::typed<nb::list, std::string>, nb::typed<nb::dict, int, std::string>>;

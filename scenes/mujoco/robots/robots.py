@@ -151,7 +151,8 @@ def weight(model):
 
 
 def virtual_work(model, data, pads):
-    """What drive and pads do at a turn of the drivers by one radian, as the closed linkage and its stops allow it."""
+    """Returns the virtual work of the drive and of the pads per turn of the drivers [N m/rad], along the
+    one motion that the closed linkage and its stops allow."""
     mujoco.mj_forward(model, data)
     closed = np.isin(data.efc_type, [mujoco.mjtConstraint.mjCNSTR_EQUALITY, mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT])
     linkage = data.efc_J.reshape(-1, model.nv)[closed, :8]

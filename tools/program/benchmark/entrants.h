@@ -27,7 +27,7 @@ enum class Kind {
 // Returns "shipped" and so on, as tables have it.
 std::string kind_word(Kind kind);
 
-// What a control knows of the judged trials (protocol.h).
+// A control's knowledge of the judged trials (protocol.h).
 enum class Told {
   nothing,
   clock,            // Held::clock

@@ -77,7 +77,7 @@ std::string protocol_sha256(const Protocol& protocol);
 
 // The rank score; README.md defines it.
 
-// What one trial contributes to a score.
+// One trial's contribution to a score.
 struct Part {
   bool judged = true;     // false: a disturbed recording that slips, which is left out
   bool silent = true;     // there is no alarm that counts

@@ -98,7 +98,7 @@ def figures_of(kinds: Sequence[tuple[Floats, Floats]], text: str) -> list[RealFi
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """What is known of a real skin's spectra (sensors/piezo_skin/README.md).
+    """Returns the figures of a real skin's spectra (sensors/piezo_skin/README.md), real and simulated.
 
     Args:
         options: seed, jobs
