@@ -91,12 +91,12 @@ def study(options: Options) -> Result:
                     validations.queue(row, "object", 0, 0 if row.longer > 1 else len(trials))) for name, row in rows.items()}
     validations.run(NAME)
 
-    scores = Table("Accuracy in %", ["what it is told", "label", "paper, by window", "by window", "by trial", "SD of folds", "object left out",
+    scores = Table("Accuracy in %", ["network or input", "label", "paper, by window", "by window", "by trial", "SD of folds", "object left out",
                                      "object, least fold", "forward, ms: paper", "ours"],
                    note="By window: a fifth of the windows of each class in turn judges, as in the paper, and its neighbours are learnt from. By trial: "
                    "five folds. Object left out: cylinder, remote, glass.")
     mistakes = Table("Stable windows called slip, in %, by trial",
-                     ["what it is told", "label", "last half second before the true onset", "earlier", "of trials that hold"],
+                     ["network or input", "label", "last half second before the true onset", "earlier", "of trials that hold"],
                      note="All windows of the last half second; of the others those drawn.")
     figures, real = {}, []
     for name, row in rows.items():

@@ -181,9 +181,9 @@ def study(options: Options) -> Result:
     real, ours, theirs = [], [], []
     for surface, numbers in zip(PUBLISHED.values(), figures["table"], strict=False):
         share, published = (100.0 * numbers["safe"] / numbers["runs"], 100.0 * surface.safe / surface.runs)
-        real.append(RealFigure(f"force at which slip is told, error on {surface.text}, N", surface.all, numbers["error_N"],
+        real.append(RealFigure(f"force at which slip is detected, error on {surface.text}, N", surface.all, numbers["error_N"],
                                "friction and its patches assumed"))
-        real.append(RealFigure(f"slips told before 6 mm on {surface.text}, %", published, share))
+        real.append(RealFigure(f"slips detected before 6 mm on {surface.text}, %", published, share))
         error = numbers["error_N"]
         sd = 0.0 if math.isnan(numbers["error_sd_N"]) else numbers["error_sd_N"]
         ours.append((error, error - sd, error + sd))

@@ -149,7 +149,7 @@ def study(options: Options) -> Result:
             tables.append(table)
     if shortcuts:
         tables[-1].note = (
-            "Each is told that alone, and not the signal. Speed of the motors: the sum over all that run, those that "
+            "The network sees only this input, not the signal. Speed of the motors: the sum over all that run, those that "
             "do not move the tip among them. A bench whose motor moves a tip that touches does slip but for the shear "
             "before it: contact and motors together are a definition more than a shortcut.")
     setup = [
