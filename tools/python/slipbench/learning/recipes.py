@@ -149,7 +149,7 @@ def _biotac() -> list[Recipe]:
     image = replace(rows, pixels=pixels_of(IMAGES["D1"]))
     training = Training(steps=600, batch=64, clip=1, learning_rate=1e-3, balance="drawing", validate_every=50)
     stability = "one finger and its own state, hold or slip, in each frame, since a file is the detector of one sensor; Adam at 1e-3, 600 steps of 64"
-    direction = "the class is what the motion was told, in each frame in contact, as each public recording is of one class; Adam at 1e-3"
+    direction = "the class is the commanded motion in each frame in contact, as each public recording is of one class; Adam at 1e-3"
 
     def recipe(name: str, summary: str, section: str, assumed: str, frames: Input, network: Callable[[int, int], nn.Module], classes: str = "slip",
                steps: int = 600) -> Recipe:
@@ -168,7 +168,7 @@ def _biotac() -> list[Recipe]:
                f"{direction}; two layers of 8 filters, not five of 32, which take 30 times as long to learn", image, networks.BiotacConvLstm, "direction", 1000),
         Recipe("biotac_gru", "How much each electrode moves and drifts in 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes",
                "none published: levels, by which devices differ, are out; spreads in rising order do not tell where it is touched",
-               "all of it; touch until more than half of what touches slips, then the class that the motion was told, until contact is lost; Adam at 3e-3",
+               "all of it; touch until more than half of what touches slips, then the class of the commanded motion, until contact is lost; Adam at 3e-3",
                replace(rows, window=10, stride=5, transform="spreads", spans=(10, 20, 50), floor=3.0), partial(networks.FrameGru, width=32),
                Training(steps=2400, batch=32, clip=30, learning_rate=3e-3, label_smoothing=0.1, validate_every=150), members=3, classes="direction",
                labels="latched"),
