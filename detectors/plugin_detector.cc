@@ -18,7 +18,7 @@ constexpr double max_stride = 1e9;  // samples per update
 
 std::size_t index_of(const FrameSource& source) {
   const auto found = std::ranges::find(source.sensors, source.sensor, &SensorSource::name);
-  if (found == source.sensors.end()) throw std::logic_error("a detector's own sensor is none of the scene's");
+  if (found == source.sensors.end()) throw std::logic_error("a detector's own sensor is not in the scene");
   return static_cast<std::size_t>(found - source.sensors.begin());
 }
 

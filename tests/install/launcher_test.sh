@@ -100,8 +100,8 @@ launch docs now
 stand_in cmake 'echo "[1/9] Building"; sleep 7; echo "[9/9] Linking"'
 launch list
 grep -q 'step 5 of 5: build build/release: .* s, \[1/9\] Building' "$work/stderr" || fail "a step in a log says what is being done"
-[[ $(grep -c 'step 5 of 5' "$work/stderr") -ge 3 ]] || fail "a step of seven seconds is told of at its begin, after five seconds and at its end"
-grep -q 'step 5 of 5: build build/release: done in [78] s' "$work/stderr" || fail "a step's end is told"
+[[ $(grep -c 'step 5 of 5' "$work/stderr") -ge 3 ]] || fail "a step of seven seconds is reported at its begin, after five seconds and at its end"
+grep -q 'step 5 of 5: build build/release: done in [78] s' "$work/stderr" || fail "a step's end is reported"
 
 SLIPBENCH_PRESET=debug launch test --all
 [[ $status == 2 ]] || fail "--all is of one preset"

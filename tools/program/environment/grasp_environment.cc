@@ -105,7 +105,7 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
         std::make_unique<TrialRun>(std::move(trial.scene), trial_, Recording::outcome, max_record_bytes, nullptr,
                                    [this](const GripSource& source) { return std::make_unique<Observer>(source, observation_); });
     if (action_ == ActionKind::force) {
-      force_.emplace(run_->sensors().front()->channels(), "that is told a force");
+      force_.emplace(run_->sensors().front()->channels(), "with a commanded force");
       follower_.emplace(follower_parameters());
     }
   } catch (const SceneValueError& error) {

@@ -320,7 +320,7 @@ TEST(Labels, MaskedIsMicroWithoutWhatSticksAgain) {
   EXPECT_EQ(masked(TruthRule::masked), (std::vector{false, false, false, false, false, true, false, false}));
   EXPECT_TRUE(masked(TruthRule::micro).empty());
   const Truth later = truth_of(nullptr, {}, sensor(), TruthRule::masked, 0.45);
-  EXPECT_EQ(later.masked, std::vector<bool>(8, false)) << "judged from 0.45 s on, that slip is none";
+  EXPECT_EQ(later.masked, std::vector<bool>(8, false)) << "judged from 0.45 s on, that slip does not count";
 }
 
 TEST(Labels, RefuseWhatDoesNotFit) {

@@ -126,7 +126,7 @@ TEST(Replay, TakesAProbabilityOnceAnEstimate) {
   ASSERT_EQ(said.size(), 5U);
   for (const std::size_t row : {0U, 2U, 4U}) EXPECT_EQ(said[row], 0.125 * static_cast<double>(row));
   for (const std::size_t row : {1U, 3U}) EXPECT_TRUE(std::isnan(said[row])) << "said before";
-  EXPECT_THROW(replay(std::make_unique<Probable>(0.75), std::span(&sensor, 1), 0), InputError) << "1.5 at 0.2 s is none";
+  EXPECT_THROW(replay(std::make_unique<Probable>(0.75), std::span(&sensor, 1), 0), InputError) << "1.5 at 0.2 s exceeds 1";
 }
 
 TEST(Replay, RefusesWhatTheLoopRefuses) {
