@@ -156,9 +156,9 @@ struct Distance {
 
 class Disturbances {
  public:
-  // Estimates the disturbances from pairs of readings of a scene with and without its electronics;
-  // each pair is another device. `floor`: the least remainder of a component, as a share of its
-  // range over all recordings.
+  // Estimates the disturbances from pairs of readings of a scene with and without its electronics,
+  // where each pair is another device. `floor`: the least remainder of a component, as a share of
+  // its range over all recordings.
   Disturbances(const Columns& columns, const std::vector<Waves>& read, const std::vector<Waves>& ideal, double floor);
 
   [[nodiscard]] const Columns& columns() const { return columns_; }
