@@ -22,9 +22,9 @@ struct ImportOptions {
   const ImportFormat* format = nullptr;  // entry of the catalogue; null: `map` describes the sources
   std::string output;                    // HDF5 file; empty: the sources are only checked
   std::uint64_t seed = 1;                // of the split
-  std::string map = {};             // description of the sources for Python (slipbench/_import); empty: none
-  std::optional<double> rate = {};  // Hz, for resampling (resample.h); empty: samples as recorded
-  bool verbose = false;             // print every warning, not only the first ten
+  std::string map = {};                  // description of the sources for Python (slipbench/_import); empty: none
+  std::optional<double> rate = {};       // Hz, for resampling (resample.h); empty: samples as recorded
+  bool verbose = false;                  // print every warning, not only the first ten
 };
 
 struct ImportSummary {
