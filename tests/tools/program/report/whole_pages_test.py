@@ -60,7 +60,7 @@ FAULTS = r"""(async () => {
   for (const svg of document.querySelectorAll('svg')) {
     if (shown(svg) && svg.id !== 'hatch' && svg.clientWidth > 4 && !svg.querySelector('path, rect, line, circle, polyline')) faults.push('empty: ' + about(svg));
   }
-  // Of the letters: the element of a label is wider.
+  // The width of the letters; the label's element is wider.
   const box = text => { if (text instanceof SVGElement) return text.getBoundingClientRect(); const range = document.createRange(); range.selectNodeContents(text); return range.getBoundingClientRect(); };
   const overlap = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3;
   const groups = [...document.querySelectorAll('svg')].map(svg => [...svg.querySelectorAll('text')]);
