@@ -13,7 +13,7 @@ PROGRAMS, and tests/style runs them. The block ```sh no-run is not run. Fences s
 beginning of a line. A block whose first line names a file, such as ```yaml first.yaml, is the
 content of that file.
 
-The root README.md has at most DOOR_LINES lines of at most DOOR_COLUMNS columns; table rows, code
+The root README.md has at most ROOT_LINES lines of at most ROOT_COLUMNS columns; table rows, code
 and lines with only a link may be longer.
 """
 
@@ -26,8 +26,8 @@ from tree import main, project_files
 
 SOURCES = (".h", ".cc", ".py", ".sh", ".cmake", ".txt", ".js", ".css", ".sv", ".yaml")
 CODE = (".h", ".cc", ".py", ".js", ".yaml", ".sv", ".sh", ".cmake")
-DOOR = Path("README.md")
-DOOR_LINES, DOOR_COLUMNS = 130, 100
+ROOT_README = Path("README.md")
+ROOT_LINES, ROOT_COLUMNS = 130, 100
 HISTORY = "CHANGELOG.md"  # names old files
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODE_SPAN = re.compile(r"`([^`]+)`")
@@ -184,11 +184,11 @@ def check_text(root, tree, path, text):
 def check_size(path, text):
     """Checks the length of the root README.md."""
     lines = text.splitlines()
-    if len(lines) > DOOR_LINES:
-        yield f"{path}: {len(lines)} lines; allowed: {DOOR_LINES}"
+    if len(lines) > ROOT_LINES:
+        yield f"{path}: {len(lines)} lines; allowed: {ROOT_LINES}"
     for number, line in enumerate(FENCE.sub(lambda block: "\n" * block[0].count("\n"), text).splitlines(), 1):
-        if len(line) > DOOR_COLUMNS and not line.startswith("|") and not re.fullmatch(r"\S+|[-*]? *!?\[[^\]]*\]\(\S+\)", line):
-            yield f"{path}:{number}: {len(line)} columns; allowed: {DOOR_COLUMNS}"
+        if len(line) > ROOT_COLUMNS and not line.startswith("|") and not re.fullmatch(r"\S+|[-*]? *!?\[[^\]]*\]\(\S+\)", line):
+            yield f"{path}:{number}: {len(line)} columns; allowed: {ROOT_COLUMNS}"
 
 
 def check(root):
@@ -199,7 +199,7 @@ def check(root):
     tree = Tree(root)
     for path, text in texts(root):
         yield from check_text(root, tree, path, text)
-        if path == DOOR:
+        if path == ROOT_README:
             yield from check_size(path, text)
 
 
