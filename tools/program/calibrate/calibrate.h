@@ -16,12 +16,12 @@ struct Options {
   std::vector<FitKey> keys;             // at least one
   std::vector<std::string> recordings;  // datasets, or sources of `format`
   const ImportFormat* format = nullptr;
-  std::optional<Groups> groups;  // the motion of a recording is unknown, and groups of them are compared; empty: curves in time
+  std::optional<Groups> groups;  // compares groups of recordings with unknown motion; empty: compares curves in time
   bool synthetic_truth = false;  // recordings are simulated from parameters drawn between the bounds, in place of `recordings`
   std::optional<std::uint64_t> seed;  // empty: the scene's
   std::size_t starts = 4;
-  std::size_t jobs = 1;  // threads; they change no byte
-  std::string command;   // as the result tells it
+  std::size_t jobs = 1;  // threads; results are bit-identical
+  std::string command;   // as written into the result
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(std::size_t done, std::size_t of)> progress;  // recordings simulated; may be empty
 };
@@ -37,20 +37,24 @@ struct Result {
 // Throws InputError for a scene, a key or recordings that cannot be used, and Interrupted.
 Result calibrate(const Options& options, const Catalogues& catalogues);
 
-// With a synthetic truth: whether every parameter that is called determined is within twice its 95 % interval of what was drawn.
+// For a synthetic truth: true if every parameter that is called determined is within twice its 95 %
+// interval of the drawn value.
 bool recovers(const Json& result);
 
-// The parameters as the page and a terminal show them, and how large the residuals are, in words.
+// Returns the parameters as the page and a terminal show them, and the size of the residuals in
+// words.
 page::TextTable parameter_table(const Json& result);
 std::string residual_text(const Json& result);
 
-// One HTML page without scripts of a result: parameters, profiles, residuals, real beside synthetic.
+// Returns a result as an HTML page without scripts: parameters, profiles, residuals, real and
+// synthetic curves.
 std::string calibration_page(const Json& result);
 
-// Throws InputError when `path` does not end in .yaml, or it, FILE.html or FILE.json beside it cannot be written or holds something else, or is
-// one of the `inputs`.
+// Throws InputError if `path` does not end in .yaml, or if it, or FILE.html or FILE.json next to
+// it, cannot be written, holds something else, or is one of the `inputs`.
 void check_calibration_target(const std::string& path, const std::vector<std::string>& inputs);
-// Writes the fitted scene, and FILE.html and FILE.json beside it; returns their names. Throws as check_calibration_target().
+// Writes the fitted scene, and FILE.html and FILE.json next to it. Returns their names. Throws as
+// check_calibration_target().
 std::vector<std::string> write_calibration(const std::string& path, const std::string& fitted, const Json& result);
 
 }  // namespace slipbench::calibrate

@@ -22,7 +22,7 @@ using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t sets = 8;          // simulated, each by a device of its own, for the scatter
-constexpr double least_band = 0.1;       // of the steps from sample to sample: rounding tells a smaller one
+constexpr double least_band = 0.1;       // share of the steps between samples; smaller bands are rounding
 constexpr double refused = 1e12;         // the distance where nothing can be simulated
 constexpr Index least_blocks = 4;        // of a band
 constexpr const char* band_unit = "ln";  // bands are natural logarithms
