@@ -22,10 +22,10 @@ constexpr std::string_view generator = "slipbench calibrate";
 constexpr page::PageKind page_kind{
     "a calibration", generator, "page of slipbench calibrate", "result of slipbench calibrate", {result_key}};
 
-// A drawing and where its axes lie in it [px].
+// A drawing and the positions of its axes [px].
 constexpr double left = 54.0, right = 290.0, top = 26.0, foot = 150.0;
 constexpr page::Frame frame{300.0, 190.0, left, right, top, foot};
-// A page of more recordings than these would be slow to open; the JSON beside it has all.
+// A page with more recordings would open slowly; the JSON file has all.
 constexpr std::size_t most_drawn = 12;
 
 std::string number(const Json& value) { return fmt::format("{:.4g}", value.get<double>()); }
@@ -46,7 +46,7 @@ std::string path_of(const std::string& scene, const char* extension) {
 
 Axis axis_for(const std::vector<double>& values, double begin, double end) { return page::round_axis(values, 4.0, begin, end); }
 
-// An axis that holds the values of both.
+// Returns an axis whose range contains the values of both.
 Axis axis_for_both(const std::vector<double>& real, const std::vector<double>& synthetic) {
   std::vector<double> values = real;
   values.insert(values.end(), synthetic.begin(), synthetic.end());
@@ -64,9 +64,10 @@ std::string correlations_html(const Json& result) {
 std::string profiles_html(const Json& result) {
   std::string html;
   for (const Json& parameter : result.at("parameters")) {
-    if (parameter.value("profile", Json::array()).empty()) continue;  // of a recording's own value, and of electronics
+    if (parameter.value("profile", Json::array()).empty())
+      continue;  // keys with `each` and keys of the electronics have no profile
     const FitKey key = key_of(parameter);
-    // A rise of 3.84 is the end of a 95 % interval; far above it nothing more is learned.
+    // A rise of 3.84 is the end of a 95 % interval; values far above it carry no more information.
     constexpr double most = 40.0;
     const Json& profile = parameter.at("profile");
     const double low = profile.front().at(0).get<double>(), high = profile.back().at(0).get<double>();
@@ -120,7 +121,7 @@ std::string curve_drawing(const Json& recording, const Json& curve) {
   return svg.element(shown + ", real and synthetic");
 }
 
-// A figure a row, a group a column: how far apart they are.
+// Returns a table of residuals with one figure per row and one group per column.
 std::string group_residuals_html(const Json& result) {
   const Json& groups = result.at("groups");
   page::TextTable table{{""}};
@@ -155,7 +156,7 @@ std::string group_drawing(const Json& one) {
   return svg.element(shown + ", real and synthetic");
 }
 
-// The first of `all`, each below its name with what `draw` makes of its `parts`.
+// Returns the first elements of `all`, each as a heading followed by the drawings of its `parts`.
 std::string drawings(const Json& all, const char* parts, const std::function<std::string(const Json&, const Json&)>& draw) {
   std::string html;
   for (std::size_t k = 0; k < std::min(most_drawn, all.size()); ++k) {

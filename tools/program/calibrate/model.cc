@@ -107,7 +107,8 @@ FitKey read_fit_key(const YamlNode& node) {
   return key;
 }
 
-// A scalar inside [] and {}: as it is where it says the same there, else in quotes, whose rules JSON shares.
+// Returns a scalar for use inside [] and {}: in quotes, with JSON's rules, unless the plain text
+// has the same meaning there.
 std::string scalar(const std::string& text) {
   const auto plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view(" ./_%+-()").find(c) != std::string_view::npos;
@@ -132,7 +133,8 @@ std::string flow(const YamlNode& node) {
   return fmt::format("{}{}{}", map ? '{' : '[', inside, map ? '}' : ']');
 }
 
-// A key a line; what a sweep or the sensors have stands on lines of its own, and so do the items of an axis of maps.
+// Returns YAML with one line per key, per entry of `sweep` and `sensors`, and per item of an axis
+// of maps.
 std::string block(const YamlNode& root) {
   std::string text;
   for (const YamlNode& child : root.children) {
@@ -183,7 +185,8 @@ std::vector<SensorRecord> read_of(const std::string& subject, std::size_t trial,
 Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<FitKey> keys, std::uint64_t seed, Trials kind)
     : catalogues_(&catalogues), keys_(std::move(keys)), seed_(seed) {
   check_keys(file, keys_, kind);
-  // With the units that the bounds have: the scene refuses those of another quantity, and bounds beyond what it allows.
+  // Values keep the units of the bounds, so that the scene refuses another quantity or bounds
+  // beyond its limits.
   const auto planned = [&](double place) {
     SceneFile fitted = file;
     for (const FitKey& key : keys_) {
@@ -314,7 +317,7 @@ double FitKey::place(double value) const {
 }
 
 std::string FitKey::text(double value, int digits) const {
-  // A unit in which the bounds have a readable size; of that, four digits.
+  // Uses a unit in which the bounds have a readable size.
   const Unit* best = nullptr;
   const double size = std::max(std::abs(min), std::abs(max));
   for (const Unit& unit : units_of(quantity)) {
@@ -353,7 +356,8 @@ std::string fitted_scene(const SceneFile& file, const std::vector<FitKey>& keys,
                           key.text(parameter.at("high").get<double>()), bound);
     }
     if (key.path == lag_key) continue;
-    // To the last digit: the scene simulates what was fitted, not what the head rounds.
+    // With all digits, so that the scene has the fitted values, not the rounded ones of the
+    // comments.
     fitted.apply(key.each ? Override{"sweep." + key.path, draw_of(key, parameter)}
                           : Override{key.path, format_quantity(parameter.at("value").get<double>(), key.quantity)});
   }

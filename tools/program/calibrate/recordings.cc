@@ -59,7 +59,8 @@ const SensorRecord& sensor_of(const std::vector<SensorRecord>& sensors, Side sid
   return sensors[side == Side::real ? place.recorded_sensor : place.scene_sensor];
 }
 
-// Which of the recorded sensors is the simulated one; the number of them: none.
+// Returns the index of the recorded sensor that corresponds to the simulated one; the number of
+// recorded sensors if there is none.
 std::size_t recorded_of(const RawRecording& real, const SensorRecord& simulated, const std::vector<SensorRecord>& scene) {
   const auto named = std::ranges::find(real.sensors, simulated.name, &SensorRecord::name);
   if (named != real.sensors.end()) return static_cast<std::size_t>(named - real.sensors.begin());
@@ -68,22 +69,23 @@ std::size_t recorded_of(const RawRecording& real, const SensorRecord& simulated,
     return sensor.type == simulated.type &&
            std::ranges::find(real.sensors, sensor.name, &SensorRecord::name) == real.sensors.end();
   };
-  if (std::ranges::count_if(scene, without_namesake) > 1) return found;  // it may be the other one
+  if (std::ranges::count_if(scene, without_namesake) > 1) return found;  // it may be any of them
   for (std::size_t s = 0; s < real.sensors.size(); ++s) {
     if (real.sensors[s].type != simulated.type) continue;
-    if (std::ranges::find(scene, real.sensors[s].name, &SensorRecord::name) != scene.end()) continue;  // it is that one
+    if (std::ranges::find(scene, real.sensors[s].name, &SensorRecord::name) != scene.end()) continue;  // matches another by name
     if (found != real.sensors.size()) return real.sensors.size();
     found = s;
   }
   return found;
 }
 
-// Mean time from one sample of a channel to the next [s]; 0 of fewer than two.
+// Mean period of a channel's samples [s]; 0 for fewer than two samples.
 double mean_step(const std::vector<double>& times) {
   return times.size() < 2 ? 0.0 : (times.back() - times.front()) / static_cast<double>(times.size() - 1);
 }
 
-// The last values of a shape of two are components of a unit where they are few; an image has none.
+// In a shape [N, C], C up to this is the number of components per unit; a larger C is the width of
+// an image.
 constexpr std::size_t most_components = 4;
 
 ChannelPlace place_of(const SensorRecord& sensor, const SensorColumn& column) {
@@ -151,7 +153,7 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
 }
 
 void check_same_columns(const std::string& name, const Columns& columns, const std::string& first_name, const Columns& first) {
-  // With the names the shapes are the same: both are the scene's.
+  // Equal names imply equal shapes, because both are the scene's.
   const auto names = [](const Columns& of) {
     std::vector<std::string> found;
     for (const ChannelPlace& place : of.channels) found.push_back(place.sensor + "/" + place.channel);

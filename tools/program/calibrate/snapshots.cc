@@ -234,7 +234,8 @@ Json key_json(const std::string& key, const std::string& unit, const Estimate& e
   return {{"key", key}, {"unit", unit}, {"value", estimate.value}, {"standard_error", estimate.error}};
 }
 
-// The PapillArray's parts: the largest coefficients of coupling, and `scale` of gain and noise, a factor on the device's own figures.
+// Adds the keys of the PapillArray's parts: the largest coefficients of coupling, and `scale` of
+// gain and noise, a factor on the device's own figures.
 void add_parts(Json& keys, const Snapshots& snapshots, const Summary& summary, const std::vector<UnitFit>& units) {
   const SignalModel model = papillarray::signal_model({summary.normal.mean(), summary.tangential.mean()}, snapshots.rate, {});
   const auto add = [&](const std::string& parameter, const Estimate& estimate) {
@@ -368,7 +369,8 @@ page::TextTable snapshot_unit_table(const Json& result) {
 
 namespace {
 
-// All parts of the PapillArray's `typical`, with `fitted` parameters: a list of a few parts would switch the others off.
+// Returns all parts of the PapillArray's `typical`, with `fitted` parameters; parts that are not
+// listed would be off.
 std::string electronics_lines(const std::map<std::string, std::string>& fitted) {
   std::string lines = "    electronics:\n";
   for (const Entry& part : papillarray::electronics_parts()) {
