@@ -74,6 +74,18 @@ VIOLATIONS = (
     ("readmes", "sim/core/README.md", "- a\n  ```sh\n  ./slipbench list\n  ```\n", "line's begin"),
     ("readmes", "sim/core/README.md", '[t](gone.md "title")\n', "gone.md leads nowhere"),
     ("readmes", "sim/core/README.md", '<img src="gone.png">\n', "[text](where)"),
+    ("wording", "sim/core/README.md", "# sim/core\n\nThe motion is told where it ends.\n", ":3:", "is told"),
+    ("wording", "sim/core/README.md", "The gain is worked out once.\n", ":1:", "computed"),
+    ("wording", "sim/core/d.cc", 'throw Error("allowed: that of the pad");\n', ":1:", "name what is allowed"),
+    ("wording", "sim/core/d.h", "// A band below it is none.\n", ":1:", "is none"),
+    ("wording", "sim/core/d.h", "// The same to the bit.\n", "bit-identical"),
+    ("wording", "sim/core/d.h", "// Copies it, lest it changes.\n", "so that ... not"),
+    ("wording", "scenes/a.yaml", "# The pad stands ahead of the finger.\n", "is offset"),
+    ("wording", "tools/base/d.py", '"""The house rules."""\n', "project"),
+    ("wording", "sim/core/d.h", "int a;\n  // Of a pad: its area.\n", ":2:", "'Of'"),
+    ("wording", "sim/core/d.h", "int area;  // What a pad covers.\n", ":1:", "'What'"),
+    ("wording", "tools/base/d.py", 'def f():\n    """Whether the pad is idle."""\n', ":2:", "True if"),
+    ("wording", "cmake/d.cmake", "# What a build reads.\n", ":1:", "'What'"),
 )
 
 
@@ -135,11 +147,17 @@ class ChecksTest(PlantedViolation):
             found = self.run_check("readmes").stdout.splitlines()
             self.assertEqual(found, [f"sim/core/README.md:1: `{word}` is not in the tree"])
 
-    def test_wide_door(self):
+    def test_wide_root_readme(self):
         wide = "a " * 70
         self.plant("sim/core/README.md", wide)
         allowed = f"| {wide} |\n```\n{wide}\n```\n![{wide}](sim/core/README.md)\n"
         self.assert_found("readmes", "README.md", f"{allowed}{wide}\n", ":6:", "140 columns")
+
+    def test_plain_wording(self):
+        self.plant("sim/core/a.h", "// Returns the pad; null if there is none, or if there\n// is none yet.\n// Of two pads, the first.\n")
+        self.plant("CHANGELOG.md", "- The gain is worked out once.\n")
+        found = self.run_check("wording")
+        self.assertEqual(found.returncode, 0, found.stdout + found.stderr)
 
     def test_commands_of_a_text(self):
         text = ("```yaml a.yaml\nslipbench: 1\n```\n```sh\n./slipbench run a.yaml \\\n  -o a.h5   # writes\nls\n```\n"
