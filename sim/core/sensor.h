@@ -21,7 +21,7 @@ class Sensor {
   [[nodiscard]] virtual double rate() const = 0;
   // How many readings make a sample: more than one where a multiplexed sensor reads its values at different instants.
   [[nodiscard]] virtual std::size_t scans() const { return 1; }
-  // What a sample holds.
+  // Returns the channels of a sample.
   [[nodiscard]] virtual const std::vector<Channel>& channels() const = 0;
   // Reads of the contact what FramePart::felt names; the rest may be of an earlier tick. Called rate() scans() times a second, in order of time,
   // from the trial's beginning on. Of the scans() calls of a sample the last completes it: its frame is the sample. Before, the frame holds what

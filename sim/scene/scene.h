@@ -34,7 +34,7 @@ struct SensorScene {
   std::string site = {};
   std::vector<std::string> touches = {};  // geoms or bodies that the pad may touch
   double damping = 0.0;                   // s, time of a dashpot parallel to each spring
-  // Of the touched bodies, if it differs from the scene's; then without effects.
+  // Friction with the touched bodies, if it differs from the scene's; then without effects.
   std::optional<FrictionScene> friction = {};
 };
 
@@ -110,7 +110,7 @@ struct Scene {
   std::optional<double> time_step;             // s; empty: auto
   std::optional<AccuracyScene> accuracy = {};  // empty: the scene's own settings
   std::string fidelity = "field";
-  // Of fidelity mujoco_contact, as contact_entry declares them; empty: another fidelity.
+  // Parameters of fidelity mujoco_contact, as contact_entry declares them; empty: another fidelity.
   std::optional<Parameters> contact = {};
   std::uint64_t seed = 0;
   std::string material;

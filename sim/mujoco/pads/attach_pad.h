@@ -33,7 +33,7 @@ struct PadOptions {
 
 // A pad of a model for complete_pad(): MuJoCo does not report a plugin's attributes.
 struct AttachedPad {
-  // Of the instance and its sensor, without prefix or suffix of mjs_attach().
+  // Name of the instance and its sensor, without prefix or suffix of mjs_attach().
   std::string name;
   std::string site;
   std::vector<std::string> touch;

@@ -108,7 +108,8 @@ class Arguments {
 
   // "run", "hd replay"; empty for the program itself.
   [[nodiscard]] const std::string& name() const { return name_; }
-  // What `slipbench COMMAND --help` prints for the command that `path` names ("hd", "replay"), or the program's help where it is empty.
+  // Returns the help of the command that `path` names ("hd", "replay"), or the program's help if it is
+  // empty, as `slipbench COMMAND --help` prints it.
   // Throws InputError for an unknown command, with the nearest name.
   [[nodiscard]] std::string help_of(const std::vector<std::string>& path) const;
   // The whole command table, from the program down, for texts that are made from it.

@@ -55,7 +55,7 @@ std::vector<std::string> words_below(const CommandHelp& command) {
   return words;
 }
 
-// What completes a value: a call of one of the script's functions.
+// Returns the code that completes a value: a call of one of the script's functions.
 std::string bash_value(const AllowedValues& allowed) {
   switch (allowed.kind) {
     case Kind::words: return "_slipbench_words " + quoted(fmt::format("{}", fmt::join(allowed.words, " ")));

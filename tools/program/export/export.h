@@ -31,7 +31,7 @@ enum class ExportFormat {
   myrmex_rotated,  // npz with every Myrmex's images augmented as in its paper
 };
 
-// What an export that is done in Python says.
+// Output of an export that Python does.
 struct ExportOutput {
   bool json = false;     // one JSON object on stdout
   bool quiet = false;    // neither progress nor a summary

@@ -53,7 +53,7 @@ std::vector<std::string> words_in(const Json& part, const Json& schema) {
 
 std::string text_of_json(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
-// What is said of a value below its description.
+// Returns the lines below the description of a value.
 std::string value_lines(const Json& part, const Json& schema, std::size_t width, std::size_t indent) {
   std::string text;
   const std::vector<std::string> words = words_in(part, schema);

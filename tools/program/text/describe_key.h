@@ -1,4 +1,4 @@
-// What `slipbench describe` says of the keys of a scene, out of the JSON Schema that editors read.
+// Describes the keys of a scene for `slipbench describe`, from the JSON Schema that editors read.
 #pragma once
 
 #include <cstddef>

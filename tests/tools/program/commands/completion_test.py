@@ -12,7 +12,7 @@ import unittest
 from pathlib import Path
 
 PROGRAM = sys.argv.pop(1)
-# What is typed, and what stands there after a tabulator.
+# Typed text, and the text after a tabulator.
 COMPLETED = {
     "slipbench swe": "slipbench sweep",
     "slipbench hd rep": "slipbench hd replay",

@@ -26,7 +26,7 @@ struct TrainCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  // What the words ask for, once they have been read.
+  // The request, once the words have been read.
   HdTraining options;  // of gst_hd
   Json request;        // of any other recipe: what slipbench/_train.py takes; null: gst_hd
 
@@ -102,7 +102,7 @@ struct CalibrateCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  // What the words ask for, once they have been read.
+  // The request, once the words have been read.
   calibrate::Options options;
   std::string output;  // YAML file; empty: nothing is written
 

@@ -43,15 +43,15 @@ std::string eval_command_text(const EvalCommand& command, const std::string& lab
 
 constexpr std::size_t steps_timed = 201;
 
-// Of the wall clock [s]: what the machine takes, so it stands in no file. On made-up features of the size of scaled ones, and not all alike:
-// a network that divides by their size or their spread has to say numbers of them.
+// Returns the wall-clock time of a step [s]. It depends on the machine, so no file contains it. The features
+// are made up, of the size of scaled ones and not all alike, since a network may divide by their spread.
 double step_time(network::Engine& engine) {
   std::vector<float> features(engine.inputs());
   for (std::size_t i = 0; i < features.size(); ++i) features[i] = 0.25F * static_cast<float>(1 + i % 7);
   return median_time(steps_timed, [&] { engine.run(features); });
 }
 
-// What is said of it. A network need not take features that are made up; the dataset's own are another matter.
+// Reports the time of a step. A network may refuse the made-up features and still accept the dataset's.
 std::string step_text(network::Engine& engine) {
   try {
     return fmt::format("  a step of the network takes {:.3g} us on this machine (median of {}); `latency` makes a loop feel it\n",
@@ -80,7 +80,7 @@ void check_libraries(const benchmark::Asked& submitted, const std::vector<Overri
   }
 }
 
-// Whether both paths lead to one file, whether it is there or not.
+// Returns true if both paths lead to one file, which need not exist.
 bool same_file(const std::string& a, const std::string& b) {
   const auto place = [](const std::string& path) {
     std::error_code error;  // of a folder that may not be looked into: writing says it

@@ -77,8 +77,8 @@ void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
   fmt::print("{}\n", std::ranges::all_of(checks, good) ? style.good(text) : style.error(text));
 }
 
-// What to check, with a folder of its own for each scene. Throws InputError before anything runs: for a scene that cannot be
-// read, where none expects anything, and for a JUnit file that cannot be written.
+// Returns the checks, with a folder for each scene. Throws InputError before anything runs: for a scene that
+// cannot be read, if no scene expects anything, and for a JUnit file that cannot be written.
 std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalogues& catalogues) {
   if (!command.junit.empty()) check_text_target(command.junit, command.scenes, junit_kind);
   std::set<std::string> taken;

@@ -26,7 +26,7 @@
 namespace slipbench {
 namespace {
 
-// What a sweep gave, and how long it took on the clock.
+// A sweep's summary and its wall-clock time.
 struct Finished {
   SweepSummary summary;
   double elapsed = 0.0;  // s
@@ -157,7 +157,7 @@ int report_interrupted(const SweepSummary& summary) {
   return exit_interrupted;
 }
 
-// Whether a value in the scene, perhaps one of several in its sweep, is the type of a plugin.
+// Returns true if a value in the scene, perhaps one of several in its sweep, is the type of a plugin.
 bool names_plugin(const YamlNode& node) { return node.text == "plugin" || std::ranges::any_of(node.children, names_plugin); }
 
 }  // namespace

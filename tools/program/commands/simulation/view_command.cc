@@ -28,7 +28,7 @@ std::string with_ending(const std::string& path, const char* ending) {
 void check_replaceable(const std::string& dataset, const std::string& scene) {
   std::error_code error;
   if (!std::filesystem::exists(dataset, error)) return;
-  // Of several trials nothing: they took long, and one is all that this makes.
+  // A dataset of several trials is not replaced: it took long, and this command makes one trial.
   const DatasetReader reader = dataset_header_at(dataset);
   const std::string command = reader.header().command;
   const std::string own = fmt::format("slipbench {} {}", verb, shell_word(scene));
