@@ -36,7 +36,7 @@ constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
 struct ShippedNetwork {
   const char *name, *path, *sensor;
 };
-constexpr std::array<ShippedNetwork, 10> shipped_networks{
+constexpr std::array<ShippedNetwork, 12> shipped_networks{
     {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray"},
      {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
      {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin"},
@@ -46,7 +46,9 @@ constexpr std::array<ShippedNetwork, 10> shipped_networks{
      {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp"},
      {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp"},
      {"taxels_slip", "scenes/learn/taxels_slip.onnx", "taxels"},
-     {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"}}};
+     {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"},
+     {"magnetic_skin_slip", "scenes/learn/magnetic_skin_slip.onnx", "magnetic_skin"},
+     {"magnetic_skin_grasp", "scenes/learn/magnetic_skin_grasp.onnx", "magnetic_skin"}}};
 constexpr const char* no_engine = "OpenVINO, which runs a network, is missing: see slipbench doctor";
 constexpr const char* no_training =
     "a network is trained by the Python package slipbench and PyTorch, one of which is missing: `slipbench describe slip_gru` "
