@@ -75,6 +75,13 @@ double MotorVibration::force(const BodyState& stage, bool touching, double dt) {
   return (touching ? settings_.in_contact : 1.0) * sum;
 }
 
+// Inlined: the compiler would not, and each moving axis calls it at every tick.
+[[gnu::always_inline]] inline void MotorVibration::add_noise(Drive& drive, std::size_t axis, double speed) const {
+  const double lead = settings_.lead[axis == idle_axis ? 0 : static_cast<Eigen::Index>(axis)];
+  drive.speed += speed;
+  drive.corner += speed * (orders.back() * speed / lead);
+}
+
 void MotorVibration::add_axis(Drive& drive, std::size_t axis, double speed, double turns) const {
   const auto orders_now = powers(turn * (turns - std::floor(turns)));
   double sum = 0.0;
@@ -84,12 +91,6 @@ void MotorVibration::add_axis(Drive& drive, std::size_t axis, double speed, doub
   }
   drive.lines += std::sqrt(speed / reference_speed) * sum;
   add_noise(drive, axis, speed);
-}
-
-void MotorVibration::add_noise(Drive& drive, std::size_t axis, double speed) const {
-  const double lead = settings_.lead[axis == idle_axis ? 0 : static_cast<Eigen::Index>(axis)];
-  drive.speed += speed;
-  drive.corner += speed * (orders.back() * speed / lead);
 }
 
 // Returns the force of the motors on the frame [N].

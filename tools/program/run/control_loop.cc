@@ -128,7 +128,7 @@ const SlipEstimate& DelayedDetector::seen_at(double time) {
   for (std::size_t i = under_way_.size(); i-- > 0;) {
     if (!has_come(under_way_[i].time + under_way_[i].latency, time)) continue;
     seen_ = under_way_[i];
-    under_way_.erase(under_way_.begin(), under_way_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    for (std::size_t come = 0; come <= i; ++come) under_way_.pop_front();
     break;
   }
   return seen_;
