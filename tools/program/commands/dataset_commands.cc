@@ -422,7 +422,7 @@ int DescribeCommand::run() {
   const bool in_catalogue = std::ranges::any_of(items, [this](const CatalogueItem& item) { return item.entry.name == name; });
   if (!in_catalogue && std::ranges::find(keys, name) != keys.end()) {
     const Json schema = scene_schema(catalogues);
-    if (json) return print_json({{"name", name}, {"entries", {describe_key_json(name, schema)}}});
+    if (json) return print_json({{"name", name}, {"entries", Json::array({describe_key_json(name, schema)})}});
     fmt::print("{}", describe_key_text(name, schema, style_for(stdout), terminal_width(stdout)));
     return exit_good;
   }

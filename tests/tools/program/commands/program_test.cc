@@ -113,8 +113,11 @@ TEST(Program, ExportIsQuietOrNamesEveryFile) {
   EXPECT_EQ(quiet.status, 0);
   EXPECT_EQ(quiet.out, "");
   const std::string named = exported("-v").out;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "tables"))
-    if (entry.path().extension() == ".csv") EXPECT_THAT(named, HasSubstr(entry.path().string()));
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "tables")) {
+    if (entry.path().extension() == ".csv") {
+      EXPECT_THAT(named, HasSubstr(entry.path().string()));
+    }
+  }
 }
 
 // Opening a pipe would wait for ever for somebody to write into it.
