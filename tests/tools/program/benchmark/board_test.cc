@@ -206,6 +206,7 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
 
 // A recording is judged from its motion on, so that one without would be judged by nothing.
 TEST(Protocol, EveryOpenRecordingOfSlip3Moves) {
+  register_control();
   const Catalogues catalogues = program_catalogues();
   for (const Held& held : find_protocol("slip-3", "test").held_out) {
     if (held.track != Track::open || !held.disturbance.empty()) continue;

@@ -235,7 +235,8 @@ TEST(Program, Check) {
   const ChildResult failed = run_program_file(
       {"check", stage, "--set", "expect={gross_slip_by: 1.0 s}", "-o", folder / "left", "--junit", folder / "j.xml"});
   EXPECT_EQ(failed.status, 1);
-  EXPECT_THAT(failed.out, AllOf(HasSubstr("replay: slipbench run " + stage), HasSubstr("0 of 1 scenes passed, 1 failed")));
+  EXPECT_THAT(failed.out,
+              AllOf(HasSubstr("replay: "), HasSubstr("slipbench run " + stage), HasSubstr("0 of 1 scenes passed, 1 failed")));
   EXPECT_TRUE(std::filesystem::exists(folder / "left/stage/trial_0.html"));
   EXPECT_TRUE(std::filesystem::exists(folder / "j.xml"));
   expect_refusal({"check", stage}, mentions({"expects"}));

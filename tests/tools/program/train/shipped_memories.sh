@@ -14,7 +14,7 @@ electronics="[{coupling: {shear_to_normal: 0, normal_to_shear: 0.042, shear_to_s
 "$program" sweep scenes/learn/papillarray.yaml --set sweep.trials=60 \
   "sweep.motion.start={draw: uniform, min: 0.7 s, max: 2.6 s}" \
   "sweep.sensors.pad.electronics={draw: choice, values: [ideal, $electronics, $electronics]}" -o "$folder/slides.h5" --quiet
-"$program" sweep scenes/learn/grasp.yaml --trials 150 -o "$folder/grasps.h5" --quiet \
+"$program" sweep scenes/learn/undisturbed_grasp.yaml --trials 150 -o "$folder/grasps.h5" --quiet \
   --set "sensors={pad: {type: papillarray, rate: 1 kHz, electronics: $electronics, device: redrawn}}"
 "$program" train "$folder/slides.h5" --with "$folder/grasps.h5" --all --labels micro --epochs 3 --score -o "$folder/learn_gst_hd" --json > "$folder/figures.json"
 diff -r -x seen.txt "$folder/learn_gst_hd" detectors/hd/memories/learn_gst_hd

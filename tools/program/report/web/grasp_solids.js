@@ -87,7 +87,7 @@ class Camera {
   constructor() {
     this.reset();
   }
-  // From the sensor's side, slightly from above.
+  // Seen from the sensor's side, at a small angle.
   reset() {
     this.azimuth = -2.25;
     this.elevation = 0.32;
