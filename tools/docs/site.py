@@ -21,13 +21,14 @@ from tree import project_files  # noqa: E402
 PAGE, PICTURE = ".md", (".png", ".svg")
 LANGUAGES = {".h": "cpp", ".cc": "cpp", ".py": "python", ".yaml": "yaml", ".txt": "cmake"}
 PYTHON = "python.md"
+FORMS = ".github"  # templates of issues and pull requests, not pages
 TEX = {r"\\frac\{([^}]*)\}\{([^}]*)\}": r"(\1)/(\2)", r"\\text\{([^}]*)\}": r"\1", r"\\cdot": "·", r"\\mu ?": "μ ", r"\\ge": "≥", r"\\,|\s": " "}
 
 
 @functools.cache
 def ours():
     """The project's texts and pictures."""
-    return [path for path in project_files(ROOT) if path.suffix in (PAGE, *PICTURE)]
+    return [path for path in project_files(ROOT) if path.suffix in (PAGE, *PICTURE) and path.parts[0] != FORMS]
 
 
 def page_of(target, path):
