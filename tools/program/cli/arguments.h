@@ -34,8 +34,8 @@ class Command;
 // throws InputError: "run: --jobs is '0'; allowed: a whole number from 1 to 1024".
 class Arguments {
  public:
-  // `app`: CLI11's view of the command, or of the program where `command` is null. `parent`: of the command above, which must outlive this
-  // object; null: the program. `json`: set by --json of any command.
+  // `app`: CLI11's view of the command, or of the program if `command` is null. `parent`: the parent
+  // command, which must outlive this object; null: the program. `json`: set by --json of any command.
   Arguments(CLI::App& app, Command* command, const Arguments* parent, bool& json);
 
   // Sets the command's name ("run"), its line in the list of commands, and the text below the
@@ -50,11 +50,12 @@ class Arguments {
   Arguments& texts(const std::string& usage, std::vector<std::string>& values, const std::string& help);
   // An option that may be repeated, one text each.
   Arguments& lines(const std::string& usage, std::vector<std::string>& values, const std::string& help);
-  // The name of a file that is read, or several: text, of which completion knows that the name ends with `ending`; empty: any.
+  // Name of a file to read, or several names. `ending`: ending of the names that completion offers; empty:
+  // any.
   Arguments& input(const std::string& usage, std::string& value, const std::string& help, const std::string& ending = "");
   Arguments& inputs(const std::string& usage, std::vector<std::string>& values, const std::string& help,
                     const std::string& ending = "");
-  // The name of a file or of a folder to write: not empty.
+  // Name of a file or folder to write: not empty.
   Arguments& file(const std::string& usage, std::string& value, const std::string& help);
   Arguments& folder(const std::string& usage, std::string& value, const std::string& help);
   // A whole number from `min` to `max`, into an integer or an optional one.
@@ -98,9 +99,10 @@ class Arguments {
 
   // Makes the last declaration mandatory.
   Arguments& required();
-  // The values that completion offers for what was declared last; called only when a completion script is made.
+  // Declares the values that completion offers for the last declaration. `words` is called only when a
+  // completion script is made.
   Arguments& offers(std::function<std::vector<std::string>()> words);
-  // Called when all that was declared before has been read: for rules about several options.
+  // Calls `rule` after all earlier declarations are read: for rules about several options.
   void then(std::function<void()> rule) { readers_.push_back(std::move(rule)); }
 
   // Adds a subcommand, which must outlive this object.
@@ -116,7 +118,7 @@ class Arguments {
   [[nodiscard]] CommandHelp table() const;
   // Names of the program's commands.
   [[nodiscard]] std::vector<std::string> command_names() const;
-  // The innermost command that the words named.
+  // The innermost command named on the command line.
   [[nodiscard]] const Arguments& chosen() const;
   // Reads the values into the command and returns it; null for the program itself.
   [[nodiscard]] Command* read_values() const;

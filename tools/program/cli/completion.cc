@@ -30,10 +30,10 @@ std::string replace_all(std::string text, std::string_view from, std::string_vie
   return text;
 }
 
-// In single quotes of bash and zsh.
+// Quotes a text for bash and zsh with single quotes.
 std::string quoted(const std::string& text) { return "'" + replace_all(text, "'", R"('\'')") + "'"; }
 
-// The first clause of a help text: what fits beside a name in a list.
+// Returns the first clause of a help text, which fits beside a name in a list.
 std::string short_help(const std::string& help) {
   const std::size_t end = std::min(help.find_first_of(";("), help.find(": "));
   std::string text = help.substr(0, end);
@@ -239,7 +239,7 @@ std::string fish_command(const CommandHelp& command) {
       text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
     text += fmt::format("{} -d {}\n", fish_value(option.allowed), fish_quoted(short_help(option.help)));
   }
-  // fish knows no places: the values of all arguments are offered at each.
+  // fish does not number arguments, so each position offers the values of all arguments.
   for (const OptionHelp& argument : command.arguments) {
     if (argument.allowed.kind == Kind::files && argument.allowed.ending.empty()) text += line + " -F\n";
     if (argument.allowed.kind != Kind::text) {

@@ -7,7 +7,7 @@
 namespace slipbench {
 namespace {
 
-// As running text: neither a backslash nor a dot at the beginning of a line means anything.
+// Escapes text for roff: backslashes, hyphens, and dots and quotes at the beginning of a line.
 std::string roff(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -23,7 +23,7 @@ std::string roff(std::string_view text) {
   return result;
 }
 
-// Paragraphs are filled; lines that are indented stay as they are.
+// Fills paragraphs and keeps indented lines unchanged.
 std::string roff_footer(const std::string& footer) {
   std::istringstream lines(footer);
   std::string text;

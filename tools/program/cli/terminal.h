@@ -77,13 +77,14 @@ void take_stdout_back();
 // that are not UTF-8 are replaced. Returns exit_good.
 int print_json(const Json& result);
 
-// The name by which this program was called, as a shell takes it: SLIPBENCH_CALLED_AS where that is set, as by the launcher, else
-// `argument`, the first word of the command line as a shell takes it; empty: unknown. Sets the variable, for Python that does a command's work.
+// Sets the environment variable SLIPBENCH_CALLED_AS to `argument`, the first word of the command line,
+// for as_called() and for Python code that does a command's work. Does nothing if the variable is set, as
+// by the launcher, or if `argument` is empty.
 void keep_program_name(const std::string& argument);
-// A command that begins with "slipbench", by the name by which this program was called.
+// Returns a command that begins with "slipbench", with this name replaced by the one in SLIPBENCH_CALLED_AS.
 std::string as_called(const std::string& command);
 
-// "next: COMMAND": what a user may do now. `command` begins with "slipbench".
+// Prints "next: COMMAND", a command to run next. `command` begins with "slipbench".
 void print_next(const std::string& command);
 
 // "written: FILE", a line a file.

@@ -8,7 +8,8 @@
 
 namespace slipbench {
 
-// A text that is made from the command table while the words are read, since the table ends with that.
+// A command that prints a text made from the command table. The text is made while the words are read,
+// because the table does not outlive that.
 class TableTextCommand : public Command {
  public:
   int run() override;
@@ -18,7 +19,7 @@ class TableTextCommand : public Command {
   std::string text_;
 };
 
-// `help`: what --help prints.
+// `help`: prints the same text as --help.
 struct HelpCommand final : TableTextCommand {
   void declare(Arguments& arguments) override;
 

@@ -132,10 +132,10 @@ std::vector<PadState> latched(std::vector<PadState> states) {
 // Marks samples that stick after a slip of the same contact; slips before `from` [s] do not count.
 std::vector<bool> stuck_again(const std::vector<PadState>& states, const std::vector<double>& time, double from) {
   std::vector<bool> masked;
-  bool slipped = false, after = false;
+  bool slipped = false;
   for (std::size_t row = 0; row < states.size(); ++row) {
-    const bool begins = !std::exchange(after, time[row] >= from) && after;
-    if (begins || states[row] == PadState::no_contact) slipped = false;
+    const bool starts = time[row] >= from && (row == 0 || time[row - 1] < from);
+    if (starts || states[row] == PadState::no_contact) slipped = false;
     if (slips(states[row])) slipped = true;
     masked.push_back(slipped && states[row] == PadState::non_slip);
   }

@@ -11,14 +11,15 @@ namespace {
 
 constexpr std::size_t most_explained = 24;  // keys; of a longer list the names alone are shown
 
-// The schema itself in place of a reference to it.
+// Resolves a reference into the schema.
 const Json& resolved(const Json& part, const Json& schema) {
   const auto reference = part.find("$ref");
   if (reference == part.end()) return part;
   return resolved(schema.at(Json::json_pointer(reference->get<std::string>().substr(1))), schema);
 }
 
-// The map that a value may be: the schema, one of its alternatives, or what stands below names that are free. Null: it is no map.
+// Returns the schema of the map that a value may be: the schema itself, one of its alternatives, or that
+// below free names. Null: the value cannot be a map.
 const Json* map_in(const Json& part, const Json& schema) {
   const Json& value = resolved(part, schema);
   if (value.contains("properties")) return &value;
@@ -31,7 +32,7 @@ const Json* map_in(const Json& part, const Json& schema) {
   return nullptr;
 }
 
-// The words that a value may be, of a sequence those of its items.
+// Returns the words that a value, or an item of a sequence, may be.
 std::vector<std::string> words_in(const Json& part, const Json& schema) {
   const Json& value = resolved(part, schema);
   std::vector<std::string> words;

@@ -13,7 +13,8 @@ namespace slipbench {
 // The keys that a scene file may have, in alphabetical order.
 std::vector<std::string> scene_key_names();
 
-// The page of one of these: what the key is for, its keys and values, their defaults and what is allowed. `schema`: scene_schema().
+// Returns the page of a key: its purpose, keys and values, defaults and allowed values. `schema`:
+// scene_schema().
 std::string describe_key_text(const std::string& key, const Json& schema, const Style& style, std::size_t width);
 // The same as an entry of `describe --json`, with the key's part of the schema.
 Json describe_key_json(const std::string& key, const Json& schema);
