@@ -63,7 +63,7 @@ TEST(SignalKnown, DoesNotTakeTheLoadForNoise) {
         values[row] += static_cast<float>(level + ramp * static_cast<double>(row - touches) / static_cast<double>(rows));
     }
     const eval::Replayed seen = signal_known(record, stuck, 0, truth_of(record));
-    return std::ranges::find(seen.seen, PadState::gross) - seen.seen.begin();
+    return static_cast<double>(std::ranges::find(seen.seen, PadState::gross) - seen.seen.begin());
   };
   EXPECT_NEAR(first_of(500.0 * deviation, 50.0 * deviation), first_of(0.0, 0.0), 1);
 }
