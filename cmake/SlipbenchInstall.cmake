@@ -18,7 +18,7 @@ if(SLIPBENCH_WITH_OPENVINO)
   set(SLIPBENCH_OPENVINO_DIR ${SLIPBENCH_PLUGIN_DIR}/openvino)
   file(CREATE_LINK ${OpenVINO_ROOT_DIR}/libs ${PROJECT_BINARY_DIR}/${SLIPBENCH_OPENVINO_DIR} SYMBOLIC)
 endif()
-# A build reads files of its source tree through this link: tools/base/project.
+# A build reads files of its source tree through this link: tools/files/project.
 file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/${SLIPBENCH_DATA_DIR}/source SYMBOLIC)
 
 # slipbench_module(slipbench_cores): a library that is loaded while the program runs, and that finds its own libraries where the system has them.

@@ -57,7 +57,7 @@ endfunction()
 # slipbench_bundled_sensor(gel_markers)
 # The library of a sensor whose one source, NAME.cc, is written as that of a library of one's own: SensorKind NAME_sensor() makes it one of the program's.
 function(slipbench_bundled_sensor name)
-  slipbench_library(NAME ${name} SOURCES ${name}.cc ${PROJECT_SOURCE_DIR}/sensors/own/bundled_kind.cc DEPENDS slipbench::own)
+  slipbench_library(NAME ${name} SOURCES ${name}.cc ${PROJECT_SOURCE_DIR}/sensors/plugins/bundled_kind.cc DEPENDS slipbench::sensor_plugins)
   target_compile_definitions(slipbench_${name} PRIVATE SLIPBENCH_BUNDLED_TYPE="${name}" SLIPBENCH_BUNDLED_KIND=${name}_sensor)
   foreach(exported make_sensor sensor_abi sensor_parameters sensor_about)
     target_compile_definitions(slipbench_${name} PRIVATE slipbench_${exported}=${name}_${exported})

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/core/controller.h"
+#include "sim/api/controller.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {

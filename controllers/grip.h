@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "controllers/controller_kinds.h"
-#include "sim/core/controller.h"
+#include "sim/api/controller.h"
+#include "sim/api/sensor_frame.h"
 #include "sim/core/parameters.h"
-#include "sim/core/sensor_frame.h"
 
 namespace slipbench::controllers {
 

@@ -1,11 +1,11 @@
 // Plain C interface of a controller in a shared library: `controller: {type: plugin, library:
 // mine.so, parameters: {...}}`. Structures and rules shared with other plugins are in
-// sim/core/plugin_abi.h. Complete example: controllers/example.
+// sim/api/plugin_abi.h. Complete example: controllers/example.
 #pragma once
 
-#include "sim/core/plugin_abi.h"
+#include "sim/api/plugin_abi.h"
 
-// Version of this interface, including sim/core/plugin_abi.h. It grows with each change that breaks
+// Version of this interface, including sim/api/plugin_abi.h. It grows with each change that breaks
 // libraries built with an older version. Version 2 added all sensors, parameters and sizes of
 // structures.
 #define SLIPBENCH_CONTROLLER_ABI 2

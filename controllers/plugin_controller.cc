@@ -6,7 +6,7 @@
 #include "controllers/controller_kinds.h"
 #include "controllers/plugin_abi.h"
 #include "sim/core/error.h"
-#include "sim/core/process/plugin_library.h"
+#include "sim/plugins/plugin_library.h"
 
 namespace slipbench::controllers {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/math.h"
 #include "sim/core/parameters.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {

@@ -1,11 +1,11 @@
 // Plain C interface of a detector in a shared library: `detector: {type: plugin, library: mine.so,
-// parameters: {...}}`. Structures and rules shared with other plugins are in sim/core/plugin_abi.h.
+// parameters: {...}}`. Structures and rules shared with other plugins are in sim/api/plugin_abi.h.
 // Complete example: detectors/example.
 #pragma once
 
-#include "sim/core/plugin_abi.h"
+#include "sim/api/plugin_abi.h"
 
-// Version of this interface, including sim/core/plugin_abi.h. It grows with each change that breaks
+// Version of this interface, including sim/api/plugin_abi.h. It grows with each change that breaks
 // libraries built with an older version.
 #define SLIPBENCH_DETECTOR_ABI 1
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "detectors/plugin_abi.h"
-#include "sim/core/process/plugin_library.h"
 #include "sim/core/quantity.h"
+#include "sim/plugins/plugin_library.h"
 
 namespace slipbench {
 namespace {

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from mkdocs.structure.files import File
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tools/lint"), str(ROOT / "tools/python/reference")]
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "tools/lint"), str(ROOT / "docs/reference")]
 import headers  # noqa: E402
 import reference  # noqa: E402
 from readmes import LINK, anchor  # noqa: E402

@@ -9,9 +9,9 @@
 #include <nanobind/stl/vector.h>
 #include <Eigen/Geometry>
 
+#include "python/module.h"
 #include "sim/core/error.h"
-#include "tools/program/environment/grasp_environment.h"
-#include "tools/python/module.h"
+#include "tools/gym/grasp_environment.h"
 
 namespace nb = nanobind;
 

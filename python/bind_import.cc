@@ -15,12 +15,12 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "python/module.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/yaml_tree.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/commands/dataset_commands.h"
-#include "tools/program/import/source_table.h"
-#include "tools/python/module.h"
+#include "tools/cli/commands/dataset_commands.h"
+#include "tools/files/reject.h"
+#include "tools/formats/import/source_table.h"
 
 namespace nb = nanobind;
 

@@ -25,14 +25,14 @@
 #include "detectors/network/description.h"
 #include "detectors/network/engine.h"
 #include "detectors/network/frames.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/base/statistics/confusion.h"
-#include "tools/program/train/network/examples.h"
-#include "tools/program/train/network/operating_point.h"
-#include "tools/program/train/network/split.h"
-#include "tools/python/arrays.h"
-#include "tools/python/module.h"
+#include "python/arrays.h"
+#include "python/module.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/files/reject.h"
+#include "tools/statistics/confusion.h"
+#include "tools/train/network/examples.h"
+#include "tools/train/network/operating_point.h"
+#include "tools/train/network/split.h"
 
 namespace nb = nanobind;
 

@@ -15,12 +15,12 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include "sensors/own/own_sensor.h"
+#include "python/module.h"
+#include "sensors/plugins/own_sensor.h"
 #include "sim/core/error.h"
-#include "sim/core/process/plugin_library.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/python/module.h"
+#include "sim/plugins/plugin_library.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace nb = nanobind;
 

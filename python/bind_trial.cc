@@ -7,10 +7,10 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
-#include "tools/base/files/output_file.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/python/module.h"
+#include "python/module.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/files/output_file.h"
 
 namespace nb = nanobind;
 

@@ -12,11 +12,11 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include "python/arrays.h"
+#include "python/module.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/core/random.h"
-#include "tools/python/arrays.h"
-#include "tools/python/module.h"
 
 namespace nb = nanobind;
 

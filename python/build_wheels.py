@@ -14,7 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 WORK = ROOT / "build/wheel"
 BUILD = ROOT / "build/release"
 TOOLS = WORK / "tools"
@@ -60,7 +60,7 @@ def stage(folder):
     """Puts the packages slipbench, without its module, and slipbench_studies below `folder`.
     Returns their paths and the path of the wheel's metadata."""
     package, studies = folder / "slipbench", folder / "slipbench_studies"
-    shutil.copytree(ROOT / "tools/python/slipbench", package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "python/slipbench", package, ignore=shutil.ignore_patterns("__pycache__"))
     run("cmake", "--install", BUILD, "--component", "python", "--prefix", package, stdout=subprocess.DEVNULL)
     for module in (package / "bin").glob("_core*.so"):
         module.unlink()
@@ -87,7 +87,7 @@ def carry_licences(files, info):
     there = [path.stem for path in folder.glob("*.txt")]
     (folder / "libraries.txt").write_text(said("dpkg-query", "--show", *sorted(there)), encoding="utf-8")
     shutil.copy(next(VENV.glob("lib/python3*/site-packages/nanobind-*.dist-info/licenses/LICENSE")), folder / "nanobind.txt")
-    shutil.copy(ROOT / "tools/base/page/d3/d3_licence.txt", folder / "d3.txt")
+    shutil.copy(ROOT / "tools/page/d3/d3_licence.txt", folder / "d3.txt")
     for name in ("LICENSE", "NOTICE.md"):
         shutil.copy(ROOT / name, folder)
 

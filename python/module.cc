@@ -1,4 +1,4 @@
-#include "tools/python/module.h"
+#include "python/module.h"
 
 #include <exception>
 
@@ -7,7 +7,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/program/plugin/plugin_builds.h"
+#include "tools/plugin/plugin_builds.h"
 
 namespace nb = nanobind;
 

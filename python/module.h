@@ -8,7 +8,7 @@
 #include <nanobind/nanobind.h>
 
 #include "sim/scene/parser.h"
-#include "tools/program/sweep/warnings.h"
+#include "tools/trial/sweep/warnings.h"
 
 namespace slipbench::python {
 

@@ -1,6 +1,6 @@
 // Plain C interface of a sensor in a shared library: `sensors: {pad: {type: plugin, library:
 // mine.so, parameters: {...}}}`. Structures and rules shared with other plugins are in
-// sim/core/plugin_abi.h. Complete example: sensors/example.
+// sim/api/plugin_abi.h. Complete example: sensors/example.
 //
 // Vectors are in the pad frame P: +Z points from the touched object into the pad, so compression is
 // positive. A sensor reads the noise-free contact; detectors and controllers get only its output.
@@ -9,9 +9,9 @@
 
 #include <stdint.h>
 
-#include "sim/core/plugin_abi.h"
+#include "sim/api/plugin_abi.h"
 
-// Version of this interface, including sim/core/plugin_abi.h. It grows with each change that breaks
+// Version of this interface, including sim/api/plugin_abi.h. It grows with each change that breaks
 // libraries built with an older version.
 #define SLIPBENCH_SENSOR_ABI 1
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench {
 

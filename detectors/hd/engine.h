@@ -10,7 +10,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/model.h"
-#include "sim/core/pad_state.h"
+#include "sim/api/pad_state.h"
 
 namespace slipbench::hd {
 

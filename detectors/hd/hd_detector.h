@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "detectors/hd/memory_files.h"
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench::hd {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "detectors/hd/model.h"
-#include "sim/core/pad_state.h"
+#include "sim/api/pad_state.h"
 
 namespace slipbench::hd {
 

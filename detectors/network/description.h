@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/core/pad_state.h"
+#include "sim/api/pad_state.h"
 
 namespace slipbench::network {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "detectors/network/description.h"
-#include "sim/core/sensor_frame.h"
+#include "sim/api/sensor_frame.h"
 
 namespace slipbench::network {
 

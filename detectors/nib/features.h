@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "detectors/spectral/spectral_features.h"
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench::nib {

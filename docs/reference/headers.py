@@ -4,7 +4,7 @@ import re
 
 from tree import project_files
 
-BENCH = ("sim", "sensors", "detectors", "controllers", "tools/base")  # what others include; tools/program is the program
+BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "tools/dataset/", "tools/files/", "tools/page/", "tools/statistics/", "tools/workers/")  # what others include
 COMMENT = r"(?:^//.*\n)"
 CODE = r"^(?:template <.*\n)?(?!namespace\b|extern \"C\" {)(?:#define |[^\s/}#]).*\n(?:(?!^(?://|\w|#)).*\n)*"
 DECLARATION = re.compile(f"({COMMENT}*)({CODE})|({COMMENT}+)", re.MULTILINE)

@@ -1,5 +1,5 @@
 """Generates the reference of the package slipbench as Markdown from its docstrings: a page of the
-site (tools/docs). `python reference.py` prints it."""
+site (docs). `python reference.py` prints it."""
 
 import importlib
 import pkgutil

@@ -412,7 +412,7 @@ class Dataset(Mapping[int, StoredTrial]):
             labels: rule by which a sample slips: "strict", a whole unit slips, the default of
                 `evaluate()`; "micro", a part of a unit slips; "paper", the rule of the sensor's
                 paper; "recorded", the labels of an imported recording, which has no others.
-                LABELS.md compares them
+                docs/concepts/labels.md compares them
             part: "train", "valid" or "test" of the masks; empty: every trial
 
         Returns:

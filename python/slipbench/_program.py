@@ -1,4 +1,4 @@
-"""Common functions of the modules that the program starts in its place (tools/base/python)."""
+"""Common functions of the modules that the program starts in its place (tools/workers/python_package)."""
 
 from __future__ import annotations
 

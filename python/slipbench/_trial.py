@@ -79,8 +79,8 @@ class Labels(Described):
     Codes of a pad are those of `State`; codes of a unit: 0 detached, 1 stick, 2 slip (the whole
     unit), 3 partial (a part of it slips).
 
-    LABELS.md compares the three states. Labels of an imported recording have at most `t` and
-    `state_paper`; other attributes raise AttributeError.
+    docs/concepts/labels.md compares the three states. Labels of an imported recording have at most
+    `t` and `state_paper`; other attributes raise AttributeError.
 
     Attributes:
         t: [T] s, of the samples

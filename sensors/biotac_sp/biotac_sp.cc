@@ -10,9 +10,9 @@
 #include "sensors/biotac_sp/skin.h"
 #include "sensors/electronics/band_pass.h"
 #include "sensors/electronics/electronics.h"
+#include "sim/api/sensor.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
-#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace biotac_sp {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "sim/api/sensor_kind.h"
 #include "sim/core/parameters.h"
-#include "sim/core/sensor_kind.h"
 
 namespace slipbench {
 

@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/pad_layout.h"
 
 namespace slipbench::biotac_sp {
 

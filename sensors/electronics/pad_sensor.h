@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sensors/electronics/electronics.h"
-#include "sim/core/sensor.h"
+#include "sim/api/sensor.h"
 
 namespace slipbench {
 

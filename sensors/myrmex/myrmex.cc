@@ -7,9 +7,9 @@
 
 #include "sensors/electronics/pad_sensor.h"
 #include "sensors/myrmex/foam_cell.h"
+#include "sim/api/sensor.h"
 #include "sim/core/math.h"
 #include "sim/core/parameters.h"
-#include "sim/core/sensor.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {

@@ -1,7 +1,7 @@
 // An array of piezoresistive cells under a conductive foam: the Myrmex, 16 x 16 taxels of 5 mm.
 #pragma once
 
-#include "sim/core/sensor_kind.h"
+#include "sim/api/sensor_kind.h"
 
 namespace slipbench {
 

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "sensors/electronics/pad_sensor.h"
+#include "sim/api/sensor.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
-#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace nib_pad {

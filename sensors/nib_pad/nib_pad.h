@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sensors/electronics/electronics.h"
+#include "sim/api/sensor_kind.h"
 #include "sim/core/parameters.h"
-#include "sim/core/sensor_kind.h"
 
 namespace slipbench {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sensors/electronics/electronics.h"
-#include "sim/core/sensor_kind.h"
+#include "sim/api/sensor_kind.h"
 
 namespace slipbench {
 

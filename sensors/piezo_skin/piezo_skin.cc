@@ -7,10 +7,10 @@
 
 #include "sensors/electronics/band_pass.h"
 #include "sensors/electronics/pad_sensor.h"
+#include "sim/api/sensor.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/parameters.h"
-#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace piezo {

@@ -2,7 +2,7 @@
 // tangential force.
 #pragma once
 
-#include "sim/core/sensor_kind.h"
+#include "sim/api/sensor_kind.h"
 
 namespace slipbench {
 

@@ -1,8 +1,8 @@
 // SensorKind of one bundled sensor. This file is compiled into the library of each one
 // (slipbench_bundled_sensor in cmake/SlipbenchLibrary.cmake), which defines its name and renames
 // its exported symbols, so that several sensors fit into one program.
-#include "sensors/own/own_sensor.h"
-#include "sim/core/sensor_kind.h"
+#include "sensors/plugins/own_sensor.h"
+#include "sim/api/sensor_kind.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "sensors/own/own_sensor.h"
+#include "sensors/plugins/own_sensor.h"
 
 #include <algorithm>
 #include <cmath>

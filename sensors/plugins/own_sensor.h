@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sensors/plugin_abi.h"
+#include "sim/api/sensor.h"
 #include "sim/core/parameters.h"
-#include "sim/core/sensor.h"
 
 namespace slipbench {
 

@@ -2,10 +2,10 @@
 #include <sstream>
 #include <utility>
 
-#include "sensors/own/own_sensor.h"
+#include "sensors/plugins/own_sensor.h"
+#include "sim/api/sensor_kind.h"
 #include "sim/core/error.h"
-#include "sim/core/process/plugin_library.h"
-#include "sim/core/sensor_kind.h"
+#include "sim/plugins/plugin_library.h"
 
 namespace slipbench {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sensors/electronics/pad_sensor.h"
+#include "sim/api/sensor.h"
 #include "sim/core/error.h"
-#include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace {

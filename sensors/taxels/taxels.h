@@ -1,7 +1,7 @@
 // A flat grid of custom taxels: each reads its force along three axes and its displacement.
 #pragma once
 
-#include "sim/core/sensor_kind.h"
+#include "sim/api/sensor_kind.h"
 
 namespace slipbench {
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/pad_state.h"
+#include "sim/api/pad_state.h"
 
 namespace slipbench {
 

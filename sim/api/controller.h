@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "sim/core/detector.h"
-#include "sim/core/sensor_frame.h"
+#include "sim/api/detector.h"
+#include "sim/api/sensor_frame.h"
 
 namespace slipbench {
 

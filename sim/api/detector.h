@@ -1,5 +1,5 @@
 // A detector estimates slip from a sensor's frames. Its interface gives no access to the truth:
-// neither this header nor a detector may include sim/core/contact_frame.h or sim/core/sensor.h,
+// neither this header nor a detector may include sim/api/contact_frame.h or sim/api/sensor.h,
 // which tests/style checks.
 #pragma once
 
@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/core/pad_state.h"
-#include "sim/core/sensor_frame.h"
+#include "sim/api/pad_state.h"
+#include "sim/api/sensor_frame.h"
 
 namespace slipbench {
 
@@ -50,7 +50,7 @@ struct FrameSource {
 };
 
 // Name of the detector in a scene that stands for the truth
-// (tools/program/catalogue/program_catalogues.h). Texts for users call it the oracle.
+// (tools/registry/program_catalogues.h). Texts for users call it the oracle.
 inline constexpr std::string_view oracle_type = "truth";
 
 class Detector {

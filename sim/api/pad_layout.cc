@@ -1,4 +1,4 @@
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
 
 #include <cmath>
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
-#include "sim/core/sensor_frame.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/pad_layout.h"
+#include "sim/api/sensor_frame.h"
 
 namespace slipbench {
 

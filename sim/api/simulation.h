@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/core/contact_frame.h"
+#include "sim/api/contact_frame.h"
 #include "sim/core/pose.h"
 
 namespace slipbench {

@@ -1,4 +1,4 @@
-#include "sim/field/active_set.h"
+#include "sim/contact/active_set.h"
 
 #include <algorithm>
 #include <cmath>

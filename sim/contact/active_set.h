@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/contact_points.h"
+#include "sim/contact/kernel.h"
 #include "sim/core/pose.h"
-#include "sim/field/contact_points.h"
-#include "sim/field/kernel.h"
 
 namespace slipbench {
 

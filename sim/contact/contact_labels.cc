@@ -1,4 +1,4 @@
-#include "sim/field/contact_labels.h"
+#include "sim/contact/contact_labels.h"
 
 #include <algorithm>
 #include <array>

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sim/core/contact_frame.h"
-#include "sim/field/field.h"
-#include "sim/field/unit_rules.h"
+#include "sim/api/contact_frame.h"
+#include "sim/contact/field.h"
+#include "sim/contact/unit_rules.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "sim/field/contact_points.h"
+#include "sim/contact/contact_points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,10 +7,10 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/kernel.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-#include "sim/field/kernel.h"
-#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 

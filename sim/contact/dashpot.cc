@@ -2,8 +2,8 @@
 #include <array>
 #include <vector>
 
-#include "sim/core/pad_layout.h"
-#include "sim/field/effect.h"
+#include "sim/api/effect.h"
+#include "sim/api/pad_layout.h"
 
 namespace slipbench {
 namespace {

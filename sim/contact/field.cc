@@ -1,4 +1,4 @@
-#include "sim/field/field.h"
+#include "sim/contact/field.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/contact/return_mapping.h"
 #include "sim/core/error.h"
 #include "sim/core/vectorise.h"
-#include "sim/field/return_mapping.h"
 
 namespace slipbench {
 namespace {

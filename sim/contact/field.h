@@ -40,13 +40,13 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/effect.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/active_set.h"
+#include "sim/contact/contact_points.h"
+#include "sim/contact/kernel.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-#include "sim/field/active_set.h"
-#include "sim/field/contact_points.h"
-#include "sim/field/effect.h"
-#include "sim/field/kernel.h"
-#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 

@@ -1,9 +1,9 @@
-#include "sim/field/kernel.h"
+#include "sim/contact/kernel.h"
 
 #include <algorithm>
 
-#include "sim/field/return_mapping.h"
-#include "sim/field/vectorise.h"
+#include "sim/contact/return_mapping.h"
+#include "sim/contact/vectorise.h"
 
 namespace slipbench::kernel {
 namespace {

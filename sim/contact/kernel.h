@@ -7,10 +7,10 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/contact_frame.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/effect.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-#include "sim/field/effect.h"
-#include "sim/field/surface/surface.h"
 
 namespace slipbench::kernel {
 

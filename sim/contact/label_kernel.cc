@@ -4,8 +4,8 @@
 #include <cstring>
 #include <limits>
 
-#include "sim/field/kernel.h"
-#include "sim/field/vectorise.h"
+#include "sim/contact/kernel.h"
+#include "sim/contact/vectorise.h"
 
 namespace slipbench::kernel {
 namespace {

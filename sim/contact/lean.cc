@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "sim/contact/return_mapping.h"
 #include "sim/core/error.h"
-#include "sim/field/return_mapping.h"
 
 namespace slipbench {
 namespace {

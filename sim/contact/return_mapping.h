@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 
-#include "sim/field/effect.h"
-#include "sim/field/kernel.h"
-#include "sim/field/vectorise.h"
+#include "sim/api/effect.h"
+#include "sim/contact/kernel.h"
+#include "sim/contact/vectorise.h"
 
 namespace slipbench::kernel {
 

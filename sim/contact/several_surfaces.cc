@@ -1,4 +1,4 @@
-#include "sim/field/several_surfaces.h"
+#include "sim/contact/several_surfaces.h"
 
 #include <algorithm>
 #include <cstdint>

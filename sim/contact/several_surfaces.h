@@ -17,8 +17,8 @@
 
 #include <span>
 
+#include "sim/contact/field.h"
 #include "sim/core/pose.h"
-#include "sim/field/field.h"
 
 namespace slipbench {
 

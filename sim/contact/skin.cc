@@ -10,8 +10,8 @@
 //   shortest rotation of its z onto the normal.
 #include <algorithm>
 
-#include "sim/field/field.h"
-#include "sim/field/vectorise.h"
+#include "sim/contact/field.h"
+#include "sim/contact/vectorise.h"
 
 namespace slipbench {
 namespace {

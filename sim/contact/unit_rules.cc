@@ -1,4 +1,4 @@
-#include "sim/field/unit_rules.h"
+#include "sim/contact/unit_rules.h"
 
 #include <cmath>
 #include <limits>

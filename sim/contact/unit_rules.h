@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/contact_frame.h"
-#include "sim/field/field.h"
+#include "sim/api/contact_frame.h"
+#include "sim/contact/field.h"
 
 namespace slipbench::unit_rules {
 

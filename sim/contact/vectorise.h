@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "sim/contact/kernel.h"
 #include "sim/core/vectorise.h"
-#include "sim/field/kernel.h"
 
 namespace slipbench::kernel {
 

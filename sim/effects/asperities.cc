@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
 
+#include "sim/contact/vectorise.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/stick_slip.h"
-#include "sim/field/vectorise.h"
 
 namespace slipbench {
 namespace {

@@ -5,11 +5,11 @@
 #include <limits>
 #include <vector>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/effect.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/parameters.h"
 #include "sim/core/random.h"
-#include "sim/field/effect.h"
-#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <numbers>
 
+#include "sim/contact/kernel.h"
+#include "sim/contact/vectorise.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/stick_slip.h"
-#include "sim/field/kernel.h"
-#include "sim/field/vectorise.h"
 
 namespace slipbench {
 namespace {

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <numbers>
 
+#include "sim/contact/vectorise.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/wave_sum.h"
-#include "sim/field/vectorise.h"
 
 namespace slipbench {
 namespace {

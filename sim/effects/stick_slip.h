@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "sim/api/effect.h"
 #include "sim/core/math.h"
-#include "sim/field/effect.h"
 
 namespace slipbench {
 

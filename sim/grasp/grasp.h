@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/controller.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/controller.h"
+#include "sim/api/pad_layout.h"
 #include "sim/core/parameters.h"
 #include "sim/motion/guided.h"
 #include "sim/motion/profile.h"

@@ -10,8 +10,8 @@
 
 #include <limits>
 
-#include "sim/core/controller.h"
-#include "sim/motion/motion.h"
+#include "sim/api/controller.h"
+#include "sim/api/motion.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {

@@ -1,4 +1,4 @@
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 // Differences between the releases of MuJoCo for which the plugin is built; all code that depends
 // on a release is here. The plugin's sources are compiled against the headers of each
-// (tools/program/plugin).
+// (tools/plugin).
 #pragma once
 
 #include <string>

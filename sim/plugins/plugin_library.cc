@@ -1,4 +1,4 @@
-#include "sim/core/process/plugin_library.h"
+#include "sim/plugins/plugin_library.h"
 
 #include <dlfcn.h>
 

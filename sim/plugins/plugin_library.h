@@ -1,4 +1,4 @@
-// The program's side of sim/core/plugin_abi.h, shared by sensors, detectors and controllers from
+// The program's side of sim/api/plugin_abi.h, shared by sensors, detectors and controllers from
 // libraries.
 #pragma once
 
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "sim/api/plugin_abi.h"
+#include "sim/api/sensor_frame.h"
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
-#include "sim/core/plugin_abi.h"
-#include "sim/core/sensor_frame.h"
 
 namespace slipbench {
 

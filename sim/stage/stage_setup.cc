@@ -1,4 +1,4 @@
-#include "sim/simulation/stage_setup.h"
+#include "sim/stage/stage_setup.h"
 
 #include <algorithm>
 #include <numbers>

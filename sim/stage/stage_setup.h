@@ -6,12 +6,12 @@
 #include <memory>
 #include <vector>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/effect.h"
+#include "sim/api/motion.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
-#include "sim/field/effect.h"
-#include "sim/field/surface/surface.h"
-#include "sim/motion/motion.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {

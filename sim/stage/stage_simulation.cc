@@ -1,4 +1,4 @@
-#include "sim/simulation/stage_simulation.h"
+#include "sim/stage/stage_simulation.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
+#include "sim/contact/surface/thickness.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
-#include "sim/field/surface/thickness.h"
-#include "sim/simulation/stage_setup.h"
-#include "sim/simulation/step_plan.h"
+#include "sim/stage/stage_setup.h"
+#include "sim/stage/step_plan.h"
 
 namespace slipbench {
 namespace {

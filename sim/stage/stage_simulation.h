@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/pad_layout.h"
+#include "sim/api/simulation.h"
 #include "sim/scene/scene.h"
-#include "sim/simulation/simulation.h"
 
 namespace slipbench {
 

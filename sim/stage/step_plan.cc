@@ -1,4 +1,4 @@
-#include "sim/simulation/step_plan.h"
+#include "sim/stage/step_plan.h"
 
 #include <fmt/format.h>
 

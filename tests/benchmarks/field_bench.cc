@@ -8,9 +8,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
 #include "tests/oracle/pads.h"
 
 namespace slipbench {

@@ -10,7 +10,7 @@
 
 #include "tests/scenes.h"
 #include "tests/sensors/myrmex/rig.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::myrmex_test {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <benchmark/benchmark.h>
 
+#include "sim/api/motion.h"
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
-#include "sim/motion/motion.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/stage/stage_simulation.h"
 
 namespace slipbench {
 namespace {

@@ -1,8 +1,8 @@
 // Steps the press-and-slide bench without effects, for instruction counts: stage_steps TICKS
 #include <iostream>
 
-#include "sim/motion/motion.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/api/motion.h"
+#include "sim/stage/stage_simulation.h"
 #include "tests/oracle/pads.h"
 
 int main(int argc, char** argv) {

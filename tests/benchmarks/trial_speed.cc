@@ -6,7 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/scenes.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench::controllers {
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "tests/expect.h"
 
 namespace slipbench {

@@ -14,13 +14,13 @@ from pathlib import Path
 
 from PIL import Image
 
-ROOT = Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "tests/tools/base/page"), str(ROOT / "tools/lint")]
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests/tools/page"), str(ROOT / "tools/lint")]
 import chromium  # noqa: E402
 from tree import project_files  # noqa: E402
 
 # A text page, a page of tables and the wide Python reference.
-LOOKED_AT = ("index.html", "tools/base/dataset/index.html", "python.html")
+LOOKED_AT = ("index.html", "tools/dataset/index.html", "python.html")
 
 
 class Page(html.parser.HTMLParser):
@@ -46,7 +46,7 @@ class Site(unittest.TestCase):
     def setUpClass(cls):
         cls.work = cls.enterClassContext(tempfile.TemporaryDirectory())
         cls.root = Path(cls.work).resolve() / "site"
-        subprocess.run([sys.executable, "-m", "mkdocs", "build", "--quiet", "--config-file", ROOT / "tools/docs/mkdocs.yml", "--site-dir", cls.root],
+        subprocess.run([sys.executable, "-m", "mkdocs", "build", "--quiet", "--config-file", ROOT / "docs/mkdocs.yml", "--site-dir", cls.root],
                        check=True)
         cls.pages = {path: Page(path.read_text(encoding="utf-8")) for path in cls.root.rglob("*.html") if path.name != "404.html"}
 

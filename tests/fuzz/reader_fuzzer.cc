@@ -19,16 +19,16 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/memory_files.h"
+#include "sim/api/sensor.h"
 #include "sim/core/error.h"
-#include "sim/core/sensor.h"
 #include "sim/mujoco/mjcf.h"
-#include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/stored_trials.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/benchmark/benchmark.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/import/source_table.h"
-#include "tools/program/samples/samples.h"
+#include "tools/benchmark/benchmark.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/stored_trials.h"
+#include "tools/formats/import/source_table.h"
+#include "tools/learning_data/samples.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace {
 

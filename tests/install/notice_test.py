@@ -28,7 +28,7 @@ EXCEPTIONS = {"GCC-exception-3.1", "Linux-syscall-note"}
 PROGRAMS = ("bin/slipbench", "bin/slipbench-reader")
 PINS = {name: version for listing in ("requirements", "requirements-test", "requirements-mujoco")
         for name, version in re.findall(r"^([a-z-]+)==(\S+)", (ROOT / f"tools/setup/{listing}.txt").read_text(encoding="utf-8"), re.MULTILINE)}
-D3 = ROOT / "tools/base/page/d3"
+D3 = ROOT / "tools/page/d3"
 SONAME = re.compile(r"[\w.+-]+\.so(?:\.[\w.]+)?")
 
 

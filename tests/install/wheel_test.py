@@ -1,7 +1,7 @@
 """Builds the wheels and tries each as a user would, in a bare Debian 12 or 13.
 
 wheel_test.py ROOT BUILD: wheels of build_wheels.py run with python3-venv alone, under
-wheel_user.py. The Python lines of tools/python/README.md must print the same as in the build.
+wheel_user.py. The Python lines of python/README.md must print the same as in the build.
 """
 
 import json
@@ -26,7 +26,7 @@ class Wheels(unittest.TestCase):
         cls.addClassCleanup(cls.folder.cleanup)
         cls.here = Path(cls.folder.name)
         subprocess.run([ROOT / "tools/setup/setup.sh", "wheel"], check=True)
-        subprocess.run([sys.executable, ROOT / "tools/python/build_wheels.py", "-o", cls.here], check=True)
+        subprocess.run([sys.executable, ROOT / "python/build_wheels.py", "-o", cls.here], check=True)
         said = subprocess.run([sys.executable, HERE / "wheel_user.py", ROOT], cwd=cls.here, env=SETTINGS, stdout=subprocess.PIPE, text=True, check=True).stdout
         cls.build = json.loads(said.splitlines()[-1])
 

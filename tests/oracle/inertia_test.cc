@@ -8,7 +8,7 @@
 #include "sim/effects/stick_slip.h"
 #include "tests/oracle/effect_field.h"
 #include "tests/oracle/pads.h"
-#include "tests/sim/field/random_case.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::oracle::inertia_test {
 namespace {

@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
 
 namespace slipbench::oracle {
 

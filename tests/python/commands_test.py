@@ -160,7 +160,7 @@ class Pytest(unittest.TestCase):
         self.assertNotIn("Traceback", output)
 
     def test_the_readmes_example_passes(self):
-        readme = (Path(__file__).resolve().parents[3] / "tools/python/README.md").read_text(encoding="utf-8")
+        readme = (Path(__file__).resolve().parents[2] / "python/README.md").read_text(encoding="utf-8")
         example = re.search(r"^```py\n(.*?)^```$", readme, re.MULTILINE | re.DOTALL)[1]
         status, output = self.pytest({"test_readme.py": example})
         self.assertEqual(status, 0, output)

@@ -11,7 +11,7 @@ from pathlib import Path
 from public_names import functions
 
 del sys.argv[1]
-FOLDER = Path(__file__).resolve().parents[3] / "tools/python"
+FOLDER = Path(__file__).resolve().parents[2] / "python"
 # Runs the script of the second argument; writes the package functions it calls to the file of the
 # first.
 CALLS = """

@@ -2,7 +2,7 @@
 
 Without arguments: a bounded run that is always the same, as a test. To search for more, kind by kind:
 
-    PYTHONPATH=build/release/python build/venv/bin/python tests/tools/python/fuzz_import.py --runs 10000 --keep FOLDER
+    PYTHONPATH=build/release/python build/venv/bin/python tests/python/fuzz_import.py --runs 10000 --keep FOLDER
 
 With the package atheris, libFuzzer searches by coverage, from the sources in FOLDER/KIND and into them:
 

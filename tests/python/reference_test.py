@@ -17,7 +17,7 @@ import numpy as np
 from public_names import functions, modules, offered
 
 del sys.argv[1]
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools/python/reference"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs/reference"))
 import reference  # noqa: E402
 
 

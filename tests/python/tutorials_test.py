@@ -19,7 +19,7 @@ from nbclient import NotebookClient
 from traitlets.config import Config
 
 NAME = sys.argv.pop(1)
-FOLDER = Path(__file__).resolve().parents[3] / "tools/python/tutorials"
+FOLDER = Path(__file__).resolve().parents[2] / "python/tutorials"
 # By cell id: patterns that the cell must show, and how often.
 SHOWN = {
     "dataset_and_classifier": {

@@ -14,13 +14,13 @@ with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
     # Other libraries may lack types: h5py, pandas, scikit-learn.
     strict = [sys.executable, "-m", "mypy", "--strict", "--disable-error-code=import-untyped", f"--cache-dir={folder / 'cache'}"]
-    text = (root / "tools/python/README.md").read_text(encoding="utf-8")
+    text = (root / "python/README.md").read_text(encoding="utf-8")
     for file, example in re.findall(r"```python (\S+)\n(.*?)```", text, re.DOTALL):
         (folder / file).write_text(example, encoding="utf-8")
     # Examples for readers may omit the types of their own functions; everything they use of the
     # package has types.
     own = ["--allow-untyped-defs", "--allow-untyped-decorators", "--allow-untyped-calls"]
-    examples = [*sorted(folder.glob("*.py")), *sorted((root / "tools/python/examples").glob("*.py")), root / "scenes/mujoco/robots/robots.py"]
+    examples = [*sorted(folder.glob("*.py")), *sorted((root / "python/examples").glob("*.py")), root / "scenes/mujoco/robots/robots.py"]
     print([path.name for path in examples])
     ends = [subprocess.run([*strict, *own, *map(str, examples)], cwd=folder, check=False).returncode]
     # By name: the package of a build has links to its source folders.

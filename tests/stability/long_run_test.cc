@@ -5,7 +5,7 @@
 
 #include "sim/mujoco/articulated/articulated_stage.h"
 #include "tests/oracle/effect_field.h"
-#include "tests/sim/field/random_case.h"
+#include "tests/sim/contact/random_case.h"
 #include "tests/stability/hard_case.h"
 
 namespace slipbench::hard {

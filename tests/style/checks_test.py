@@ -20,7 +20,7 @@ CLEAN = {
     "sim/mujoco/b.cc": '#include <mujoco/mujoco.h>\n\n#include "sim/core/a.h"\n',
     "sensors/pad/README.md": "# sensors/pad\n",
     "sensors/pad/c.cc": '#include "sensors/pad/c.h"\n\n#include "sensors/electronics/d.h"\n#include "sim/core/a.h"\n',
-    "tests/sim/core/a_test.cc": '#include "tools/program/run/run.h"\n',
+    "tests/sim/core/a_test.cc": '#include "tools/trial/run.h"\n',
 }
 
 
@@ -31,22 +31,22 @@ from readmes import commands  # noqa: E402
 VIOLATIONS = (
     ("include_rule", "sensors/pad/d.h", '\n#include "detectors/e.h"\n', ":2:", "sensors/pad/"),
     ("include_rule", "sensors/pad/d.h", '#include "sensors/skin/e.h"\n', "sensors/electronics/"),
-    ("include_rule", "sensors/pad/d.h", '#include "sim/field/field.h"\n', "sim/core/"),
-    ("include_rule", "detectors/d.h", '#include "sim/field/field.h"\n', "sim/core/"),
+    ("include_rule", "sensors/pad/d.h", '#include "sim/contact/field.h"\n', "sim/core/"),
+    ("include_rule", "detectors/d.h", '#include "sim/contact/field.h"\n', "sim/core/"),
     ("include_rule", "sim/core/d.cc", '#include "sim/core/e.cc"\n', "no header"),
     ("include_rule", "detectors/d.hpp", "\n", ".h or .cc"),
-    ("include_rule", "detectors/d.h", '#include "sim/core/contact_frame.h"\n', "truth"),
-    ("include_rule", "rtl/d.h", '#include "sim/core/sensor.h"\n', "truth"),
+    ("include_rule", "detectors/d.h", '#include "sim/api/contact_frame.h"\n', "truth"),
+    ("include_rule", "rtl/d.h", '#include "sim/api/sensor.h"\n', "truth"),
     ("include_rule", "controllers/d.h", '#include "detectors/e.h"\n', "controllers/"),
-    ("include_rule", "sim/field/d.h", '#include "tools/program/run/run.h"\n', "sim/"),
-    ("include_rule", "tools/program/run/d.h", '#include "tests/e.h"\n', "tools/"),
+    ("include_rule", "sim/contact/d.h", '#include "tools/trial/run.h"\n', "sim/"),
+    ("include_rule", "tools/trial/d.h", '#include "tests/e.h"\n', "tools/"),
     ("include_rule", "sim/motion/d.h", "#include <mujoco/mujoco.h>\n", "only sim/mujoco"),
-    ("include_rule", "sim/field/d.h", '#include "sim/mujoco/version.h"\n', "sim/field/"),
-    ("include_rule", "sim/motion/d.h", '#include "sim/field/field.h"\n', "sim/core/"),
+    ("include_rule", "sim/contact/d.h", '#include "sim/mujoco/version.h"\n', "sim/contact/"),
+    ("include_rule", "sim/motion/d.h", '#include "sim/contact/field.h"\n', "sim/core/"),
     ("include_rule", "sim/scene/d.h", '#include "sim/grasp/drive.h"\n', "sim/core/"),
-    ("include_rule", "tools/base/dataset/d.h", '#include "tools/program/run/run.h"\n', "tools/base/"),
-    ("include_rule", "tools/base/dataset/d.h", '#include "sim/scene/scene.h"\n', "sim/core/"),
-    ("include_rule", "tools/program/run/d.h", '#include "tools/studies/result.h"\n', "tools/program/"),
+    ("include_rule", "tools/dataset/d.h", '#include "tools/trial/run.h"\n', "tools/files/"),
+    ("include_rule", "tools/dataset/d.h", '#include "sim/scene/scene.h"\n', "sim/core/"),
+    ("include_rule", "tools/trial/d.h", '#include "tools/studies/result.h"\n', "tools/files/"),
     ("include_rule", "sim/core/d.h", "#include <yaml-cpp/yaml.h>\n", "standard library"),
     ("include_rule", "sim/core/d.h", "#include <Random123/philox.h>\n", "standard library"),
     ("include_rule", "sim/core/d.h", '#include "a.h"\n', "project root"),
@@ -59,16 +59,16 @@ VIOLATIONS = (
     ("no_leftovers", "sim/core/d.h", "// TO" "DO: more\n", ":1:", "marker"),
     ("no_leftovers", "sim/core/d.cc", "int a;\n// int b = 1;\n", ":2:", "code in a comment"),
     ("no_leftovers", "sim/core/d.cc", "#if 0\n", ":1:", "code in a comment"),
-    ("no_leftovers", "tools/base/d.py", "# print(1)\n", ":1:", "code in a comment"),
+    ("no_leftovers", "tools/files/d.py", "# print(1)\n", ":1:", "code in a comment"),
     ("no_leftovers", "data.bin", "x" * 1_000_001, "1000001 bytes"),
-    ("include_rule", "detectors/d.h", "#include <sim/core/contact_frame.h>\n", "in quotes"),
-    ("include_rule", "detectors/d.h", '#include "detectors/../sim/core/contact_frame.h"\n', "from the project root"),
+    ("include_rule", "detectors/d.h", "#include <sim/api/contact_frame.h>\n", "in quotes"),
+    ("include_rule", "detectors/d.h", '#include "detectors/../sim/api/contact_frame.h"\n', "from the project root"),
     ("include_rule", "detectors/d.h", "#include HEADER\n", "cannot be read"),
-    ("include_rule", "detectors/d.h", '/* */ #include "sim/field/field.h"\n', "cannot be read"),
-    ("include_rule", "detectors/d.h", '#include /* */ "sim/field/field.h"\n', "cannot be read"),
+    ("include_rule", "detectors/d.h", '/* */ #include "sim/contact/field.h"\n', "cannot be read"),
+    ("include_rule", "detectors/d.h", '#include /* */ "sim/contact/field.h"\n', "cannot be read"),
     ("include_rule", "detectors/d.h", "# \\\n", "cannot be read"),
     ("include_rule", "sim/other/d.h", "#include <vector>\n", "layer of sim"),
-    ("include_rule", "tools/other/d.h", "#include <vector>\n", "floor of tools"),
+    ("include_rule", "tools/other/d.h", "#include <vector>\n", "folder of tools"),
     ("readmes", "sim/core/README.md", "```bash\n./slipbench list\n```\n", "```sh"),
     ("readmes", "sim/core/README.md", "```sh\ncmake --preset gone\n```\n", "begins with"),
     ("readmes", "sim/core/README.md", "- a\n  ```sh\n  ./slipbench list\n  ```\n", "line's begin"),
@@ -81,10 +81,10 @@ VIOLATIONS = (
     ("wording", "sim/core/d.h", "// The same to the bit.\n", "bit-identical"),
     ("wording", "sim/core/d.h", "// Copies it, lest it changes.\n", "so that ... not"),
     ("wording", "scenes/a.yaml", "# The pad stands ahead of the finger.\n", "is offset"),
-    ("wording", "tools/base/d.py", '"""The house rules."""\n', "project"),
+    ("wording", "tools/files/d.py", '"""The house rules."""\n', "project"),
     ("wording", "sim/core/d.h", "int a;\n  // Of a pad: its area.\n", ":2:", "'Of'"),
     ("wording", "sim/core/d.h", "int area;  // What a pad covers.\n", ":1:", "'What'"),
-    ("wording", "tools/base/d.py", 'def f():\n    """Whether the pad is idle."""\n', ":2:", "True if"),
+    ("wording", "tools/files/d.py", 'def f():\n    """Whether the pad is idle."""\n', ":2:", "True if"),
     ("wording", "cmake/d.cmake", "# What a build reads.\n", ":1:", "'What'"),
 )
 
@@ -127,8 +127,8 @@ class ChecksTest(PlantedViolation):
 
     def test_folder_without_readme(self):
         self.plant("sim/core/a.h", "\n")
-        self.plant("sim/field/f.h", "\n")
-        self.assertIn("sim/field: no README.md", self.run_check("readmes").stdout)
+        self.plant("sim/contact/f.h", "\n")
+        self.assertIn("sim/contact: no README.md", self.run_check("readmes").stdout)
 
     def test_tests_folder_that_mirrors_nothing(self):
         self.plant("tests/oracle/f.cc", "\n")
@@ -191,16 +191,16 @@ class ChecksTest(PlantedViolation):
 
     def test_type_defined_twice(self):
         self.plant("sim/core/d.h", "class Gauge {\n};\n")
-        self.assert_found("one_definition", "tools/base/e.h", "struct Gauge final : public Base {\n};\n", "Gauge", "sim/core/d.h:1")
+        self.assert_found("one_definition", "tools/files/e.h", "struct Gauge final : public Base {\n};\n", "Gauge", "sim/core/d.h:1")
 
     def test_type_of_another_namespace(self):
         self.plant("sim/core/d.h", "namespace slipbench {\n\nclass Gauge {\n};\n")
-        self.plant("tools/base/e.h", "namespace slipbench::base {\n\nclass Gauge {\n};\n")
+        self.plant("tools/files/e.h", "namespace slipbench::base {\n\nclass Gauge {\n};\n")
         self.assertEqual(self.run_check("one_definition").returncode, 0)
 
     def test_type_announced_twice(self):
         self.plant("sim/core/d.h", "class Gauge;\n")
-        self.plant("tools/base/e.h", "class Gauge;\nclass Gauge {\n};\n")
+        self.plant("tools/files/e.h", "class Gauge;\nclass Gauge {\n};\n")
         self.assertEqual(self.run_check("one_definition").returncode, 0)
 
 

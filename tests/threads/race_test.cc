@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/base/workers/ordered_workers.h"
+#include "tools/workers/ordered_workers.h"
 
 namespace slipbench::testing {
 namespace {

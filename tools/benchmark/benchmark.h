@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
-#include "tools/base/page/page.h"
-#include "tools/base/record/json.h"
-#include "tools/program/benchmark/protocol.h"
+#include "tools/benchmark/protocol.h"
+#include "tools/dataset/record/json.h"
+#include "tools/page/page.h"
 
 namespace slipbench::benchmark {
 

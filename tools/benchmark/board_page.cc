@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/benchmark.h"
+#include "tools/benchmark/benchmark.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/base/page/svg.h"
+#include "tools/page/svg.h"
 
 namespace slipbench::benchmark {
 namespace {

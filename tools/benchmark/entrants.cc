@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/entrants.h"
+#include "tools/benchmark/entrants.h"
 
 #include <algorithm>
 #include <array>
@@ -12,18 +12,18 @@
 
 #include "detectors/hd/memory_files.h"
 #include "detectors/network/engine.h"
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
+#include "sim/api/motion.h"
 #include "sim/core/process/interrupted.h"
-#include "sim/motion/motion.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/project/project_file.h"
-#include "tools/base/python/python_package.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/eval/evaluate.h"
-#include "tools/program/eval/replay.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/eval/evaluate.h"
+#include "tools/eval/replay.h"
+#include "tools/files/project/project_file.h"
+#include "tools/files/reject.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/workers/python_package/python_package.h"
 
 namespace slipbench::benchmark {
 namespace {

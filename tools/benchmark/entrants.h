@@ -11,8 +11,8 @@
 
 #include "sim/scene/parser.h"
 #include "sim/scene/scene.h"
-#include "tools/base/record/json.h"
-#include "tools/program/benchmark/protocol.h"
+#include "tools/benchmark/protocol.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench::benchmark {
 

@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/known_signal.h"
+#include "tools/benchmark/known_signal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/statistics/descriptive.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench::benchmark {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstddef>
 
 #include "sim/scene/scene.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/program/eval/metrics.h"
-#include "tools/program/eval/replay.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/eval/metrics.h"
+#include "tools/eval/replay.h"
 
 namespace slipbench::benchmark {
 

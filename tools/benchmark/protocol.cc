@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/protocol.h"
+#include "tools/benchmark/protocol.h"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,9 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/base/project/project_file.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/benchmark/known_signal.h"
+#include "tools/benchmark/known_signal.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/files/project/project_file.h"
 
 namespace slipbench::benchmark {
 namespace {

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/record/trial_record.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/eval/metrics.h"
-#include "tools/program/eval/replay.h"
-#include "tools/program/train/network/operating_point.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/eval/metrics.h"
+#include "tools/eval/replay.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/train/network/operating_point.h"
 
 namespace slipbench::benchmark {
 

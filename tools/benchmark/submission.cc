@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/trial_difference.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/benchmark/benchmark.h"
-#include "tools/program/benchmark/protocol.h"
+#include "tools/benchmark/benchmark.h"
+#include "tools/benchmark/protocol.h"
+#include "tools/dataset/trial_difference.h"
+#include "tools/files/reject.h"
 
 namespace slipbench::benchmark {
 namespace {

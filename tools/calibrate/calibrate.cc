@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/calibrate.h"
+#include "tools/calibrate/calibrate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include "sim/core/math.h"
 #include "sim/core/random.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/calibrate/recordings.h"
+#include "tools/calibrate/recordings.h"
+#include "tools/files/reject.h"
 
 namespace slipbench::calibrate {
 namespace {

@@ -1,8 +1,8 @@
 // A scene fitted to recordings: `slipbench calibrate`.
 #pragma once
 
-#include "tools/base/page/page.h"
-#include "tools/program/calibrate/search.h"
+#include "tools/calibrate/search.h"
+#include "tools/page/page.h"
 
 namespace slipbench {
 struct ImportFormat;

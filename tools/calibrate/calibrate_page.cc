@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/calibrate.h"
+#include "tools/calibrate/calibrate.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/page/svg.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
+#include "tools/page/svg.h"
 
 namespace slipbench::calibrate {
 namespace {

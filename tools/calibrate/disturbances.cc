@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/search.h"
+#include "tools/calibrate/search.h"
 
 #include <algorithm>
 #include <cmath>

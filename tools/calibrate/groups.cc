@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/search.h"
+#include "tools/calibrate/search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 
 #include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/workers/ordered_workers.h"
+#include "tools/files/reject.h"
+#include "tools/workers/ordered_workers.h"
 
 namespace slipbench::calibrate {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/search.h"
+#include "tools/calibrate/search.h"
 
 #include <algorithm>
 #include <cctype>
@@ -15,8 +15,8 @@
 #include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/files/reject.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::calibrate {
 namespace {

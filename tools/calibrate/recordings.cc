@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/recordings.h"
+#include "tools/calibrate/recordings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "sim/core/quantity.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/given_once.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/import/import.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/given_once.h"
+#include "tools/files/reject.h"
+#include "tools/formats/import/import.h"
 
 namespace slipbench::calibrate {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 struct ImportFormat;

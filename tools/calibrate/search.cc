@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/search.h"
+#include "tools/calibrate/search.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +11,7 @@
 #include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
-#include "tools/base/workers/ordered_workers.h"
+#include "tools/workers/ordered_workers.h"
 
 namespace slipbench::calibrate {
 namespace {

@@ -11,8 +11,8 @@
 #include "sim/core/quantity.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/base/record/json.h"
-#include "tools/program/calibrate/recordings.h"
+#include "tools/calibrate/recordings.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench::calibrate {
 

@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/snapshots.h"
+#include "tools/calibrate/snapshots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@
 
 #include "sensors/papillarray/papillarray.h"
 #include "sim/core/math.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/statistics/descriptive.h"
+#include "tools/files/reject.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench::calibrate {
 namespace {

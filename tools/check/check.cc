@@ -1,4 +1,4 @@
-#include "tools/program/check/check.h"
+#include "tools/check/check.h"
 
 #include <algorithm>
 #include <array>
@@ -13,10 +13,10 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "tools/base/page/page.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/report/report.h"
+#include "tools/page/page.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/report/report.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench {
 namespace {

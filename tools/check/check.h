@@ -12,9 +12,9 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/warnings.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/trial/sweep/warnings.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/cli/arguments.h"
+#include "tools/cli/arguments.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,9 +8,9 @@
 #include <CLI/CLI.hpp>
 
 #include "sim/core/parameters.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/cli/command.h"
-#include "tools/program/cli/terminal.h"
+#include "tools/cli/command.h"
+#include "tools/cli/terminal.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -15,7 +15,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/parser.h"
-#include "tools/program/cli/command_help.h"
+#include "tools/cli/command_help.h"
 
 namespace CLI {
 class App;

@@ -1,4 +1,4 @@
-#include "tools/program/cli/completion.h"
+#include "tools/cli/completion.h"
 
 #include <algorithm>
 #include <stdexcept>

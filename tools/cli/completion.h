@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/program/cli/command_help.h"
+#include "tools/cli/command_help.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/cli/manual.h"
+#include "tools/cli/manual.h"
 
 #include <sstream>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/program/cli/command_help.h"
+#include "tools/cli/command_help.h"
 
 namespace slipbench {
 

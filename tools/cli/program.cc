@@ -1,4 +1,4 @@
-#include "tools/program/cli/command.h"
+#include "tools/cli/command.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -14,10 +14,10 @@
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/doctor/doctor.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/terminal.h"
+#include "tools/doctor/doctor.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/cli/terminal.h"
+#include "tools/cli/terminal.h"
 
 #include <fcntl.h>
 #include <sys/ioctl.h>
@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/program/cli/command.h"
+#include "tools/cli/command.h"
 
 namespace slipbench {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/page/page.h"
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
+#include "tools/page/page.h"
 
 namespace slipbench {
 

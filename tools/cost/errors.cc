@@ -1,4 +1,4 @@
-#include "tools/program/cost/errors.h"
+#include "tools/cost/errors.h"
 
 #include <functional>
 #include <memory>
@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sim/simulation/stage_setup.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "sim/stage/stage_setup.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

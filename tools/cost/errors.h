@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/cost/explore.h"
+#include "tools/cost/explore.h"
 
 #include <time.h>
 
@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/files/reject.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench::cost {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/base/page/page.h"
-#include "tools/program/cost/errors.h"
+#include "tools/cost/errors.h"
+#include "tools/page/page.h"
 
 namespace slipbench::cost {
 

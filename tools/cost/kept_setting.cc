@@ -1,4 +1,4 @@
-#include "tools/program/cost/kept_setting.h"
+#include "tools/cost/kept_setting.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -21,11 +21,11 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/json.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/output_file.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench {
 namespace {

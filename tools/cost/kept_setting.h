@@ -6,8 +6,8 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/program/cost/errors.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/cost/errors.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/math/decade.h"
-#include "tools/program/cost/explore.h"
+#include "tools/cost/explore.h"
 
 namespace slipbench::cost {
 namespace {

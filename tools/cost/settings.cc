@@ -1,4 +1,4 @@
-#include "tools/program/cost/explore.h"
+#include "tools/cost/explore.h"
 
 #include <algorithm>
 #include <array>

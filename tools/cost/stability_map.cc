@@ -1,4 +1,4 @@
-#include "tools/program/cost/stability_map.h"
+#include "tools/cost/stability_map.h"
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 
 #include "sim/mujoco/pads/register_plugin.h"
 #include "sim/mujoco/pads/step_probe.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench::cost {
 namespace {

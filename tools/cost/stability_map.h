@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench::cost {
 
@@ -40,7 +40,7 @@ struct StabilityMap {
   [[nodiscard]] std::size_t above() const;  // number of ratios above 1
 };
 
-// Deterministic; for its CPU time see tools/program/cost/README.md.
+// Deterministic; for its CPU time see tools/cost/README.md.
 StabilityMap measure_stability(const StabilityOptions& options = {});
 
 // {"slipbench_stability": 1, "text": [...], "combinations": [{"case", "integrator", "mass_kg",

@@ -1,4 +1,4 @@
-#include "tools/base/dataset/batches.h"
+#include "tools/dataset/batches.h"
 
 #include <unistd.h>
 
@@ -12,11 +12,11 @@
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/dataset/dataset_file.h"
-#include "tools/base/dataset/dataset_target.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/stored_trials.h"
-#include "tools/base/files/reject.h"
+#include "tools/dataset/dataset_file.h"
+#include "tools/dataset/dataset_target.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/stored_trials.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

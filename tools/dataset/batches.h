@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/header.h"
-#include "tools/base/dataset/run_folder.h"
-#include "tools/base/dataset/stored_trial.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/dataset/run_folder.h"
+#include "tools/dataset/stored_trial.h"
+#include "tools/dataset/writer.h"
 
 namespace slipbench {
 

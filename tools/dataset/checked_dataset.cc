@@ -1,4 +1,4 @@
-#include "tools/base/dataset/checked_dataset.h"
+#include "tools/dataset/checked_dataset.h"
 
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"

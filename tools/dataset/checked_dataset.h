@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "tools/base/dataset/reader.h"
+#include "tools/dataset/reader.h"
 
 namespace slipbench {
 

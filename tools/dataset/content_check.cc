@@ -1,8 +1,8 @@
-#include "tools/base/dataset/content_check.h"
+#include "tools/dataset/content_check.h"
 
 #include <cstdio>
 
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/dataset/reader.h"
+#include "tools/dataset/reader.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/base/dataset/dataset_file.h"
+#include "tools/dataset/dataset_file.h"
 
 #include <fcntl.h>
 
@@ -14,9 +14,9 @@
 #include <fmt/format.h>
 
 #include "sim/core/process/regular_file.h"
-#include "tools/base/dataset/stored_trials.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/content_digest.h"
+#include "tools/dataset/record/content_digest.h"
+#include "tools/dataset/stored_trials.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/header.h"
-#include "tools/base/dataset/stored_trial.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/hdf5/hdf5_place.h"
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/stored_trial.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/base/dataset/dataset_target.h"
+#include "tools/dataset/dataset_target.h"
 
 #include <array>
 #include <filesystem>
@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "sim/core/process/check_readable.h"
-#include "tools/base/dataset/header.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -1,9 +1,9 @@
-#include "tools/base/dataset/finished_dataset.h"
+#include "tools/dataset/finished_dataset.h"
 
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/reader.h"
 
 namespace slipbench {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/header.h"
+#include "tools/dataset/header.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/base/dataset/header.h"
+#include "tools/dataset/header.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,8 +12,8 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/random.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

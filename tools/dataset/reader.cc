@@ -1,4 +1,4 @@
-#include "tools/base/dataset/reader.h"
+#include "tools/dataset/reader.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/run_folder.h"
-#include "tools/base/dataset/stored_trials.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/hdf5/hdf5_place.h"
-#include "tools/base/record/content_digest.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/record/content_digest.h"
+#include "tools/dataset/run_folder.h"
+#include "tools/dataset/stored_trials.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/dataset/header.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench {
 

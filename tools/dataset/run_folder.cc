@@ -1,4 +1,4 @@
-#include "tools/base/dataset/run_folder.h"
+#include "tools/dataset/run_folder.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/header.h"
-#include "tools/base/files/reject.h"
+#include "tools/dataset/header.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/files/output_file.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench {
 

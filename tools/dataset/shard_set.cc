@@ -1,4 +1,4 @@
-#include "tools/base/dataset/shard_set.h"
+#include "tools/dataset/shard_set.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -11,12 +11,12 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/process/check_readable.h"
-#include "tools/base/dataset/dataset_file.h"
-#include "tools/base/dataset/stored_trials.h"
-#include "tools/base/dataset/trial_difference.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/hdf5/hdf5_place.h"
+#include "tools/dataset/dataset_file.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/stored_trials.h"
+#include "tools/dataset/trial_difference.h"
+#include "tools/dataset/writer.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/header.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/stored_trial.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/stored_trial.h"
 
 namespace slipbench {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "tools/base/files/output_file.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench {
 

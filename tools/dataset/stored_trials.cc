@@ -1,4 +1,4 @@
-#include "tools/base/dataset/stored_trials.h"
+#include "tools/dataset/stored_trials.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/base/hdf5/hdf5_place.h"
-#include "tools/base/record/content_digest.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/record/content_digest.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/base/dataset/trial_difference.h"
+#include "tools/dataset/trial_difference.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/record/encoder.h"
 
 namespace slipbench {
 namespace {

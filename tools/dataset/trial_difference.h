@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/base/dataset/writer.h"
+#include "tools/dataset/writer.h"
 
 #include <unistd.h>
 
@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/dataset_file.h"
-#include "tools/base/dataset/dataset_target.h"
-#include "tools/base/dataset/stored_trials.h"
-#include "tools/base/hdf5/hdf5_place.h"
+#include "tools/dataset/dataset_file.h"
+#include "tools/dataset/dataset_target.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/stored_trials.h"
 
 namespace slipbench {
 

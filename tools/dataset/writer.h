@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/dataset/header.h"
-#include "tools/base/dataset/run_folder.h"
-#include "tools/base/dataset/stored_trial.h"
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/run_folder.h"
+#include "tools/dataset/stored_trial.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/doctor/doctor.h"
+#include "tools/doctor/doctor.h"
 
 #include <libdeflate.h>
 #include <unistd.h>

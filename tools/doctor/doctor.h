@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench {
 

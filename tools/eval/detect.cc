@@ -1,4 +1,4 @@
-#include "tools/program/eval/detect.h"
+#include "tools/eval/detect.h"
 
 #include <algorithm>
 #include <array>
@@ -12,13 +12,13 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/given_once.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/eval/recorded_trial.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/eval/recorded_trial.h"
+#include "tools/files/given_once.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench::eval {
 namespace {

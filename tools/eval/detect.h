@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/page/page.h"
-#include "tools/base/record/json.h"
-#include "tools/program/eval/evaluate.h"
+#include "tools/dataset/record/json.h"
+#include "tools/eval/evaluate.h"
+#include "tools/page/page.h"
 
 namespace slipbench::eval {
 

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/counted.h"
-#include "tools/base/page/timeline.h"
-#include "tools/program/eval/detect.h"
+#include "tools/dataset/reader.h"
+#include "tools/eval/detect.h"
+#include "tools/files/counted.h"
+#include "tools/page/timeline.h"
 
 namespace slipbench::eval {
 namespace {

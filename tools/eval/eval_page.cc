@@ -1,4 +1,4 @@
-#include "tools/program/eval/evaluate.h"
+#include "tools/eval/evaluate.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/reader.h"
-#include "tools/base/page/svg.h"
-#include "tools/base/page/timeline.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/eval/metrics.h"
-#include "tools/program/eval/recorded_trial.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/dataset/reader.h"
+#include "tools/eval/metrics.h"
+#include "tools/eval/recorded_trial.h"
+#include "tools/page/svg.h"
+#include "tools/page/timeline.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench::eval {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/eval/evaluate.h"
+#include "tools/eval/evaluate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,16 +11,16 @@
 
 #include "detectors/hd/memory_files.h"
 #include "sim/core/math.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/page/timeline.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/eval/recorded_trial.h"
-#include "tools/program/eval/replay.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/eval/recorded_trial.h"
+#include "tools/eval/replay.h"
+#include "tools/files/reject.h"
+#include "tools/page/timeline.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench::eval {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <set>
 
-#include "tools/base/page/page.h"
-#include "tools/program/eval/metrics.h"
+#include "tools/eval/metrics.h"
+#include "tools/page/page.h"
 
 namespace slipbench::eval {
 

@@ -1,4 +1,4 @@
-#include "tools/program/eval/metrics.h"
+#include "tools/eval/metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "detectors/hd/words.h"
-#include "sim/core/contact_frame.h"
-#include "sim/motion/motion.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/samples/samples.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/motion.h"
+#include "tools/files/reject.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench::eval {
 namespace {

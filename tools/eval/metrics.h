@@ -5,10 +5,10 @@
 #include <limits>
 #include <string_view>
 
-#include "tools/base/record/json.h"
-#include "tools/base/statistics/confusion.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/eval/replay.h"
+#include "tools/dataset/record/json.h"
+#include "tools/eval/replay.h"
+#include "tools/statistics/confusion.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench::eval {
 

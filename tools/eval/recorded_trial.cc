@@ -1,4 +1,4 @@
-#include "tools/program/eval/recorded_trial.h"
+#include "tools/eval/recorded_trial.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/program/run/recorded_scene.h"
+#include "tools/files/reject.h"
+#include "tools/trial/recorded_scene.h"
 
 namespace slipbench::eval {
 namespace {

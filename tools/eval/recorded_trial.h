@@ -8,10 +8,10 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/record/json.h"
-#include "tools/program/eval/metrics.h"
-#include "tools/program/eval/replay.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/json.h"
+#include "tools/eval/metrics.h"
+#include "tools/eval/replay.h"
 
 namespace slipbench::eval {
 

@@ -1,4 +1,4 @@
-#include "tools/program/eval/replay.h"
+#include "tools/eval/replay.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@
 
 #include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/trial_run.h"
-#include "tools/program/samples/samples.h"
+#include "tools/files/reject.h"
+#include "tools/learning_data/samples.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/trial_run.h"
 
 namespace slipbench::eval {
 namespace {

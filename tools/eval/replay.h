@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "detectors/network/engine.h"
-#include "sim/core/detector.h"
-#include "sim/core/pad_state.h"
+#include "sim/api/detector.h"
+#include "sim/api/pad_state.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/scene.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench::eval {
 

@@ -1,10 +1,10 @@
-#include "tools/base/files/given_once.h"
+#include "tools/files/given_once.h"
 
 #include <filesystem>
 #include <set>
 #include <system_error>
 
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/base/files/output_file.h"
+#include "tools/files/output_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -18,7 +18,7 @@
 #include <openssl/evp.h>
 
 #include "sim/core/process/regular_file.h"
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

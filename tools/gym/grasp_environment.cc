@@ -1,4 +1,4 @@
-#include "tools/program/environment/grasp_environment.h"
+#include "tools/gym/grasp_environment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/pad_state.h"
+#include "sim/api/pad_state.h"
 #include "sim/grasp/grasp.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/files/reject.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 namespace {

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "controllers/grip.h"
+#include "sim/api/simulation.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "sim/simulation/simulation.h"
-#include "tools/program/run/trial_run.h"
-#include "tools/program/sweep/warnings.h"
+#include "tools/trial/sweep/warnings.h"
+#include "tools/trial/trial_run.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/samples/myrmex_images.h"
+#include "tools/learning_data/myrmex_images.h"
 
 #include <algorithm>
 #include <charconv>
@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "sensors/myrmex/foam_cell.h"
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/samples/samples.h"
+#include "tools/learning_data/samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,13 +9,13 @@
 
 #include "detectors/channel.h"
 #include "detectors/hd/words.h"
+#include "sim/api/motion.h"
 #include "sim/core/math.h"
-#include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/json.h"
-#include "tools/program/run/recorded_scene.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/reject.h"
+#include "tools/trial/recorded_scene.h"
 
 namespace slipbench {
 namespace {

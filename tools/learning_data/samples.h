@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/core/pad_state.h"
-#include "sim/core/sensor_frame.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/record/trial_record.h"
+#include "sim/api/pad_state.h"
+#include "sim/api/sensor_frame.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 

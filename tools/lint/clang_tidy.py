@@ -17,11 +17,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 PROGRAM = "clang-tidy-14"
-FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools")
-# MuJoCo indexes with int throughout and returns a plugin's data as an integer; tools/program/plugin
+FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "python")
+# MuJoCo indexes with int throughout and returns a plugin's data as an integer; tools/plugin
 # compiles the same sources again.
 OF_MUJOCO = ",-bugprone-implicit-widening-of-multiplication-result,-performance-no-int-to-ptr"
-WITH_MUJOCO = ("sim/mujoco/", "tools/program/plugin/")
+WITH_MUJOCO = ("sim/mujoco/", "tools/plugin/")
 UNITY = "-bugprone-suspicious-include"  # inherent to unity sources; include_rule.py finds it elsewhere
 
 

@@ -1,18 +1,18 @@
 """Checks which files may include which. A detector that could include the simulation could read the
 truth; this check prevents that.
 
-- sim/core: itself, the standard library and Eigen; Random123, SLEEF with its vector type, the
-  loader of libraries and system calls for files and threads in a .cc; in plugin_abi.h, which is C,
-  <stddef.h>.
-- sensors/X: sim/core, sensors/X, sensors/plugin_abi.h, and sensors/electronics, which every sensor
-  uses.
-- detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which receives
-  it), and themselves.
+- sim/core, sim/api: themselves and the layers below, the standard library and Eigen; Random123,
+  SLEEF with its vector type, the loader of libraries and system calls for files and threads in a
+  .cc; in plugin_abi.h, which is C, <stddef.h>.
+- sensors/X: sim/core, sim/api, sim/plugins, sensors/X, sensors/plugin_abi.h, and
+  sensors/electronics, which every sensor uses.
+- detectors, controllers: sim/core, sim/api without the truth (TRUTH), sim/plugins, and themselves.
 - rtl: as detectors, and detectors, whose golden models it runs in lockstep.
 - the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: only sim/mujoco
   and its tests (also tests/stability and tests/install/consumer).
-- tools/base: sim/core and base itself. tools/program: all of the bench, base and program.
-- tools/python: as tools/program, and python.
+- tools: the folders of BASE, which know no scene, include sim/core, sim/api and each other; the
+  others include all of the bench and tools, but not tools/studies.
+- python: as tools, and python.
 - tests: everything.
 
 A header of the project is included in quotes, by its path from the root; sources end in .h and .cc.
@@ -25,34 +25,38 @@ from tree import lines_of, main, project_files
 INCLUDE = re.compile(r'#include (["<])([^">]+)[">]')
 ANY_INCLUDE = re.compile(r"^\s*(?:/\*.*\*/\s*)?#\s*(?:include|\\$)")
 STANDARD = re.compile(r"[a-z_0-9]+")
-TRUTH = ("sim/core/contact_frame.h", "sim/core/sensor.h")
+# The truth, and the interfaces that receive or return it.
+TRUTH = ("sim/api/contact_frame.h", "sim/api/effect.h", "sim/api/motion.h", "sim/api/sensor.h", "sim/api/simulation.h")
 MUJOCO = ("sim/mujoco/", "tests/sim/mujoco/", "tests/stability/", "tests/install/consumer/")  # who may include its headers
-TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "tests")
+TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "python", "tests")
 # The layers of sim, as in sim/README.md, with the other layers that each may include.
 SIM_LAYERS = {
     "core": (),
-    "field": ("core",),
-    "effects": ("core", "field"),
-    "motion": ("core",),
+    "api": ("core",),
+    "plugins": ("core", "api"),
+    "contact": ("core", "api"),
+    "effects": ("core", "api", "contact"),
+    "motion": ("core", "api"),
     "scene": ("core",),
-    "grasp": ("core", "motion", "scene"),
-    "simulation": ("core", "field", "effects", "motion", "scene", "grasp"),
-    "mujoco": ("core", "field", "effects", "motion", "scene", "grasp", "simulation"),
+    "grasp": ("core", "api", "motion", "scene"),
+    "stage": ("core", "api", "contact", "effects", "motion", "scene", "grasp"),
+    "mujoco": ("core", "api", "contact", "effects", "motion", "scene", "grasp", "stage"),
 }
-# The layers of tools, from the lowest up.
-FLOORS = ("base", "program")
-BESIDE = {"python": "program"}  # on top of a layer, but not a layer itself
+# The folders of tools with sources: those that know no scene, and the tasks of the program.
+BASE = ("dataset", "files", "page", "statistics", "workers")
+TASKS = ("benchmark", "calibrate", "check", "cli", "cost", "doctor", "eval", "formats", "gym", "learning_data", "plugin", "reader",
+         "registry", "report", "train", "trial", "verify", "view")
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
+FOR_PARTS = ("sim/core/", "sim/api/", "sim/plugins/")  # for sensors, detectors and controllers
 
 
 def allowed_in_tools(path):
     """The same for a file in tools."""
-    folder = path.parts[1]
-    floor = BESIDE.get(folder, folder)
-    if floor not in FLOORS:
-        return None
-    below = tuple(f"tools/{name}/" for name in (*FLOORS[:FLOORS.index(floor) + 1], folder))
-    return (("sim/core/",) if floor == "base" else BENCH) + below
+    if path.parts[1] in BASE:
+        return ("sim/core/", "sim/api/", *(f"tools/{folder}/" for folder in BASE))
+    if path.parts[1] in TASKS:
+        return (*BENCH, *(f"tools/{folder}/" for folder in (*BASE, *TASKS)))
+    return None
 
 
 def allowed_folders(path):
@@ -63,13 +67,15 @@ def allowed_folders(path):
             return None
         return tuple(f"sim/{layer}/" for layer in (path.parts[1], *SIM_LAYERS[path.parts[1]]))
     if top == "sensors":
-        return ("sim/core/", f"sensors/{path.parts[1]}/", "sensors/electronics/", "sensors/plugin_abi.h")
+        return (*FOR_PARTS, f"sensors/{path.parts[1]}/", "sensors/electronics/", "sensors/plugin_abi.h")
     if top in ("detectors", "controllers"):
-        return ("sim/core/", f"{top}/")
+        return (*FOR_PARTS, f"{top}/")
     if top == "rtl":
-        return ("sim/core/", "detectors/", "rtl/")
+        return (*FOR_PARTS, "detectors/", "rtl/")
     if top == "tools":
         return allowed_in_tools(path)
+    if top == "python":
+        return (*BENCH, *(f"tools/{folder}/" for folder in (*BASE, *TASKS)), "python/")
     return tuple(f"{folder}/" for folder in TOP_FOLDERS)
 
 
@@ -78,7 +84,7 @@ def fault_of(path, quoted, header):
     folder = path.parent.as_posix()
     allowed = allowed_folders(path)
     if allowed is None:
-        return f'{folder} is no layer of sim ({", ".join(SIM_LAYERS)}) and no floor of tools ({", ".join(FLOORS)})'
+        return f'{folder} is no layer of sim ({", ".join(SIM_LAYERS)}) and no folder of tools ({", ".join((*BASE, *TASKS))})'
     if quoted:
         if not header.endswith(".h"):
             return f'"{header}" is no header'
@@ -93,11 +99,11 @@ def fault_of(path, quoted, header):
         return f"<{header}> is of the project; allowed: in quotes"
     if header.startswith("mujoco/") and not f"{folder}/".startswith(MUJOCO):
         return f"only sim/mujoco may include <{header}>"
-    if path.parts[:2] == ("sim", "core"):
+    if path.parts[:2] in (("sim", "core"), ("sim", "api")):
         hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("sleef.h", "emmintrin.h", "dlfcn.h", "fcntl.h", "poll.h", "spawn.h", "sys/wait.h", "unistd.h"))
         in_c = path.name == "plugin_abi.h" and header == "stddef.h"
         if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or hidden or in_c):
-            return f"sim/core may include the standard library and Eigen only, not <{header}>"
+            return f"{folder} may include the standard library and Eigen only, not <{header}>"
     return None
 
 

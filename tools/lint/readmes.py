@@ -1,5 +1,5 @@
 """Checks the texts against the tree: every folder of sources has a README.md, and in every text
-(README.md, RESULTS.md and the like)
+(README.md, docs/results/README.md and the like)
 
 - a relative link leads to a file, and its anchor to a heading;
 - a name in backticks or a path from the root that looks like a file (it begins with a folder of the

@@ -81,6 +81,9 @@ def picture(files, graph):
         shift = sum(middle[group] - x for group, x in zip(row, at)) / len(row)
         for group, x in zip(row, at):
             place[group] = (x + shift, GAP + (len(rows) - 1 - level) * ROW)
+    left, right = min(x for x, _ in place.values()) - WIDTH / 2 - GAP, max(x for x, _ in place.values()) + WIDTH / 2 + GAP
+    place = {group: (x - left, y) for group, (x, y) in place.items()}
+    width = round(right - left)
     lines = []
     for group in sorted(below):
         for other in sorted(direct[group]):

@@ -1,6 +1,6 @@
 # Embeds files as bytes in the program, so that an installation needs no other files.
-# include(tools/base/page/embed.cmake)
-# slipbench_embed(generated NAMESPACE slipbench::cost HEADER tools/program/cost/explore.h FILES a.js b.css)
+# include(tools/page/embed.cmake)
+# slipbench_embed(generated NAMESPACE slipbench::cost HEADER tools/cost/explore.h FILES a.js b.css)
 # sets `generated` to a C++ source that defines NAMESPACE::assets(), which HEADER declares, with the
 # files in this order.
 if(NOT CMAKE_SCRIPT_MODE_FILE)

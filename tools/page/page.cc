@@ -1,4 +1,4 @@
-#include "tools/base/page/page.h"
+#include "tools/page/page.h"
 
 #include <zlib.h>
 
@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
 
 namespace slipbench::page {
 namespace {

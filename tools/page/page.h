@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench::page {
 
@@ -21,7 +21,7 @@ struct Asset {
   std::string_view text;
 };
 
-// The files of tools/base/page/web and d3, in the order in which a page loads them.
+// The files of tools/page/web and d3, in the order in which a page loads them.
 const std::vector<Asset>& assets();
 
 // Text of the file `name`; for a library without its pointer to a source map, which a browser would
@@ -99,7 +99,7 @@ std::string section_html(const std::string& title, const std::string& note, cons
 // Standard base64 (RFC 4648) with padding.
 std::string base64(std::span<const std::uint8_t> bytes);
 
-// Packs `values` [rows, columns] (C order) for tools/program/report/web/data.js: column-major; each
+// Packs `values` [rows, columns] (C order) for tools/report/web/data.js: column-major; each
 // value as a 16 bit multiple of a step that is 1/32767 of the largest magnitude; differences along
 // a column; low bytes, then high bytes; zlib; base64. Non-finite values become NaN. Keeps every
 // `stride`-th row, from row 0.

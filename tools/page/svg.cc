@@ -1,4 +1,4 @@
-#include "tools/base/page/svg.h"
+#include "tools/page/svg.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "sim/core/math.h"
 #include "sim/core/math/decade.h"
-#include "tools/base/page/page.h"
+#include "tools/page/page.h"
 
 namespace slipbench::page {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/base/page/timeline.h"
+#include "tools/page/timeline.h"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/base/page/page.h"
-#include "tools/base/page/svg.h"
+#include "tools/files/reject.h"
+#include "tools/page/page.h"
+#include "tools/page/svg.h"
 
 namespace slipbench::page {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/core/pad_state.h"
-#include "tools/base/record/trial_record.h"
+#include "sim/api/pad_state.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench::page {
 

@@ -1,8 +1,8 @@
 // libslipbench_mujoco.so, for mj_loadPluginLibrary of any MuJoCo. It links to no MuJoCo: it finds
 // the one that is loaded, and loads the build for that release from its own folder. Without such a
 // build it lists the supported releases.
-#include "tools/program/plugin/loaded_mujocos.h"
-#include "tools/program/plugin/plugin_builds.h"
+#include "tools/plugin/loaded_mujocos.h"
+#include "tools/plugin/plugin_builds.h"
 
 namespace slipbench {
 namespace {

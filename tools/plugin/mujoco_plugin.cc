@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sim/mujoco/pads/register_plugin.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 }  // namespace
 }  // namespace slipbench
 
-// C interface for slipbench.mujoco (tools/python), called by ctypes. Each function writes up to
+// C interface for slipbench.mujoco (python), called by ctypes. Each function writes up to
 // `size` - 1 characters of its result and a zero to `text`, and returns the length of the whole
 // result. On an error it returns -1 and `text` is the message.
 namespace {

@@ -7,7 +7,7 @@
 
 namespace slipbench {
 
-// "3.3.7, 4.0.1": oldest first, slipbench's own last. tools/program/plugin/CMakeLists.txt creates a
+// "3.3.7, 4.0.1": oldest first, slipbench's own last. tools/plugin/CMakeLists.txt creates a
 // build for each.
 inline constexpr const char* plugin_versions_text = SLIPBENCH_PLUGIN_VERSIONS;
 

@@ -17,9 +17,9 @@
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"
-#include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/header.h"
-#include "tools/base/dataset/reader.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/reader.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/mjcf.h"
 #endif

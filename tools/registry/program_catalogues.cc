@@ -1,4 +1,4 @@
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/registry/program_catalogues.h"
 
 #include <cmath>
 #include <limits>
@@ -10,9 +10,9 @@
 #include "detectors/hd/words.h"
 #include "detectors/nib/slip_detectors.h"
 #include "rtl/verilated/rtl_engine.h"
-#include "sim/motion/motion.h"
-#include "tools/program/catalogue/registry.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "sim/api/motion.h"
+#include "tools/registry/registry.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

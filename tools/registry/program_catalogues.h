@@ -11,12 +11,12 @@
 
 #include "controllers/controller_kinds.h"
 #include "detectors/hd/engine.h"
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
+#include "sim/api/simulation.h"
 #include "sim/core/parameters.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
-#include "sim/simulation/simulation.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 

@@ -1,11 +1,11 @@
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/registry/sensor_catalogue.h"
 
-#include "sim/simulation/stage_setup.h"
-#include "tools/program/catalogue/registry.h"
+#include "sim/stage/stage_setup.h"
+#include "tools/registry/registry.h"
 
 namespace slipbench {
 
-// Each is defined in the folder of its sensor; plugin_sensor() in sensors/own.
+// Each is defined in the folder of its sensor; plugin_sensor() in sensors/plugins.
 SensorKind papillarray_sensor();
 SensorKind nib_pad_sensor();
 SensorKind piezo_skin_sensor();

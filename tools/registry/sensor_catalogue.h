@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "sim/core/sensor.h"
-#include "sim/core/sensor_kind.h"
+#include "sim/api/sensor.h"
+#include "sim/api/sensor_kind.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 

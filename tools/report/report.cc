@@ -1,4 +1,4 @@
-#include "tools/program/report/report.h"
+#include "tools/report/report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,17 +12,17 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/report/report_parts.h"
-#include "tools/program/run/recorded_scene.h"
-#include "tools/program/sweep/warnings.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/output_file.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/report/report_parts.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/recorded_scene.h"
+#include "tools/trial/sweep/warnings.h"
 
 namespace slipbench {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/page/page.h"
+#include "tools/page/page.h"
 
 namespace slipbench {
 
@@ -26,7 +26,7 @@ struct ReportOptions {
 // Throws InputError if `html_path` cannot be written or exists and is not a report.
 void check_report_target(const std::string& html_path, const std::string& dataset_path);
 
-// Reads the dataset at `dataset_path` (HDF5, tools/base/dataset) after slipbench-reader
+// Reads the dataset at `dataset_path` (HDF5, tools/dataset) after slipbench-reader
 // (checked_dataset.h), and writes the page to `html_path`, under a temporary name first. Trials may
 // have any length. Throws InputError if the dataset is unreadable, damaged (its content_sha256 is
 // checked), incomplete or without trial `options.trial`, and if the page cannot be written or would

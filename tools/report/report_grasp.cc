@@ -7,18 +7,18 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "sim/api/motion.h"
 #include "sim/core/error.h"
 #include "sim/core/math/rotation.h"
 #include "sim/core/pose.h"
 #include "sim/grasp/grasp.h"
-#include "sim/motion/motion.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/scene_values.h"
-#include "tools/base/page/page.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/report/report_parts.h"
-#include "tools/program/run/recorded_scene.h"
+#include "tools/page/page.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/report/report_parts.h"
+#include "tools/trial/recorded_scene.h"
 
 namespace slipbench::report {
 namespace {

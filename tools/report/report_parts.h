@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/record/json.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/program/report/report.h"
+#include "tools/dataset/record/json.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/report/report.h"
 
 namespace slipbench {
 class DatasetReader;

@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/pad_state.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/page/page.h"
-#include "tools/base/page/timeline.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/report/report_parts.h"
+#include "sim/api/pad_state.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/reject.h"
+#include "tools/page/page.h"
+#include "tools/page/timeline.h"
+#include "tools/report/report_parts.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench::report {
 namespace {

@@ -8,12 +8,12 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/core/contact_frame.h"
+#include "sim/api/contact_frame.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/report/report_parts.h"
+#include "tools/files/reject.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/report/report_parts.h"
 
 namespace slipbench::report {
 namespace {

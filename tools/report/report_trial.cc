@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "detectors/nib/features.h"
-#include "tools/base/page/page.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/report/report_parts.h"
+#include "tools/page/page.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/report/report_parts.h"
 
 namespace slipbench::report {
 namespace {

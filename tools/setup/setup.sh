@@ -112,7 +112,7 @@ install_mujoco() {
   touch "$root/build/installed"
 }
 
-# Installs the tools of tools/python/build_wheels.py outside of the environment of the tests.
+# Installs the tools of python/build_wheels.py outside of the environment of the tests.
 install_wheel_tools() {
   [[ ! -d $root/build/wheel/tools ]] || return 0
   say "installing into build/wheel/tools: $(sed -n 's/^\([^# ]*==[^ ]*\).*/\1/p' "$here/requirements-wheel.txt" | tr '\n' ' ')"

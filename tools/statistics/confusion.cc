@@ -1,9 +1,9 @@
-#include "tools/base/statistics/confusion.h"
+#include "tools/statistics/confusion.h"
 
 #include <algorithm>
 #include <numeric>
 
-#include "tools/base/statistics/descriptive.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "sim/core/pad_state.h"
+#include "sim/api/pad_state.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/base/statistics/descriptive.h"
+#include "tools/statistics/descriptive.h"
 
 #include <algorithm>
 #include <chrono>

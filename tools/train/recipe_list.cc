@@ -1,9 +1,9 @@
-#include "tools/program/train/recipe_list.h"
+#include "tools/train/recipe_list.h"
 
 #include <algorithm>
 #include <array>
 
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench::train {
 namespace {

@@ -1,5 +1,5 @@
 // Names of the recipes of `train`. The recipes are in
-// tools/python/slipbench/learning/recipes.py; gst_hd is in train_hd.h.
+// python/slipbench/learning/recipes.py; gst_hd is in train_hd.h.
 #pragma once
 
 #include <span>

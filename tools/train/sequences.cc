@@ -1,4 +1,4 @@
-#include "tools/program/train/sequences.h"
+#include "tools/train/sequences.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,12 @@
 
 #include "sim/core/math.h"
 #include "sim/core/random.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/program/samples/samples.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/files/reject.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench {
 

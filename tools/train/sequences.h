@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/core/pad_state.h"
-#include "tools/program/samples/samples.h"
+#include "sim/api/pad_state.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench {
 
@@ -77,7 +77,7 @@ struct BootstrapDraw {
 BootstrapDraw bootstrap(std::span<const std::size_t> conditions, std::uint64_t seed, std::size_t draw);
 
 // Results over sequences; `early`, `missed` and the like as in Detection
-// (tools/base/record/trial_record.h): the first frame called slip decides.
+// (tools/dataset/record/trial_record.h): the first frame called slip decides.
 struct Delays {
   std::vector<double>
       delay;              // s, of the seen sequences: from the true onset to the first frame called slip, which is at or after it

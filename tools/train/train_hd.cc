@@ -1,4 +1,4 @@
-#include "tools/program/train/train_hd.h"
+#include "tools/train/train_hd.h"
 
 #include <algorithm>
 #include <memory>
@@ -11,9 +11,9 @@
 #include "detectors/hd/engine.h"
 #include "detectors/hd/memories.h"
 #include "sim/core/random.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/workers/ordered_workers.h"
-#include "tools/program/train/network/examples.h"
+#include "tools/files/reject.h"
+#include "tools/train/network/examples.h"
+#include "tools/workers/ordered_workers.h"
 
 namespace slipbench {
 namespace {

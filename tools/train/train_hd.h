@@ -14,11 +14,11 @@
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/model.h"
 #include "detectors/hd/words.h"
-#include "tools/base/record/json.h"
-#include "tools/base/statistics/confusion.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/network/operating_point.h"
-#include "tools/program/train/sequences.h"
+#include "tools/dataset/record/json.h"
+#include "tools/statistics/confusion.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/train/network/operating_point.h"
+#include "tools/train/sequences.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/run/trial_run.h"
+#include "tools/trial/trial_run.h"
 
 #include <algorithm>
 #include <stdexcept>

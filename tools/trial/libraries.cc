@@ -1,4 +1,4 @@
-#include "tools/program/run/libraries.h"
+#include "tools/trial/libraries.h"
 
 #include <algorithm>
 #include <string_view>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/run/recorded_scene.h"
+#include "tools/trial/recorded_scene.h"
 
 #include <algorithm>
 #include <array>

@@ -7,10 +7,10 @@
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/scene.h"
-#include "tools/base/dataset/header.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/record/json.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/json.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/run/trial_run.h"
+#include "tools/trial/trial_run.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/run/recorded_scene.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/trial/recorded_scene.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 #include <algorithm>
 #include <memory>
@@ -9,13 +9,13 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
-#include "sim/simulation/stage_simulation.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/libraries.h"
-#include "tools/program/run/recorded_scene.h"
-#include "tools/program/run/trial_run.h"
+#include "sim/stage/stage_simulation.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/trial/libraries.h"
+#include "tools/trial/recorded_scene.h"
+#include "tools/trial/trial_run.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated/articulated_stage.h"
 #include "sim/mujoco/bodies/dynamic_simulation.h"

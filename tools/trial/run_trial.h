@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 
@@ -61,7 +61,7 @@ double check_trial(const Scene& scene, std::uint64_t trial);
 struct PlannedSteps {
   double shortest = 0.0;  // s, of any pad
   double count = 0.0;     // of all pads with their own steps
-  double seconds = 0.0;   // least total duration, by the step durations on the machine of RESULTS.md
+  double seconds = 0.0;   // least total duration, by the step durations on the machine of docs/results/README.md
 };
 
 // Builds the trial to count its steps. Throws as check_trial().

@@ -18,15 +18,15 @@
 #include <Eigen/Core>
 
 #include "controllers/controller_kinds.h"
-#include "sim/core/contact_frame.h"
-#include "sim/core/controller.h"
-#include "sim/core/detector.h"
-#include "sim/core/sensor.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/controller.h"
+#include "sim/api/detector.h"
+#include "sim/api/sensor.h"
+#include "sim/api/simulation.h"
 #include "sim/grasp/grasp.h"
 #include "sim/scene/scene.h"
-#include "sim/simulation/simulation.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/verify/contact.h"
+#include "tools/verify/contact.h"
 
 #include <algorithm>
 #include <array>
@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "sim/field/contact_points.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "sim/contact/contact_points.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench::verify {
 namespace {

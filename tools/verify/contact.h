@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "sim/scene/scene.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/program/verify/verify.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/verify/verify.h"
 
 namespace slipbench::verify {
 

@@ -1,4 +1,4 @@
-#include "tools/program/verify/verify.h"
+#include "tools/verify/verify.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/contact_frame.h"
+#include "sim/api/contact_frame.h"
 #include "sim/core/math.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench::verify {
 namespace {
@@ -183,7 +183,7 @@ class EventCheck {
 };
 
 // The slip's translation is the mean velocity of the units that slip, as a whole or in part
-// (sim/field/unit_rules.h). If it is negligible against the fastest unit, as at the rim of a dome
+// (sim/contact/unit_rules.h). If it is negligible against the fastest unit, as at the rim of a dome
 // that is pressed straight and spreads to all sides, it has no direction. Velocities are float32.
 constexpr double no_motion = 1e-6, rounding_of_velocity = 2e-7;
 

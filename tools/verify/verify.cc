@@ -1,4 +1,4 @@
-#include "tools/program/verify/verify.h"
+#include "tools/verify/verify.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -13,15 +13,15 @@
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/shard_set.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/workers/ordered_children.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/recorded_scene.h"
-#include "tools/program/verify/contact.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/shard_set.h"
+#include "tools/files/reject.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/recorded_scene.h"
+#include "tools/verify/contact.h"
+#include "tools/workers/ordered_children.h"
 
 namespace slipbench {
 namespace {

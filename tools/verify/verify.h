@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
-#include "tools/base/record/json.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/json.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 
@@ -80,7 +80,7 @@ class Verification {
 // Times must rise strictly, those of a sensor at its rate to 1e-6 of a sample.
 void check_times(const TrialRecord& record, Verification& verification);
 
-// Values must be finite, except where README.md of tools/base/dataset allows NaN: without contact,
+// Values must be finite, except where README.md of tools/dataset allows NaN: without contact,
 // or where the slip has no direction.
 void check_values(const TrialRecord& record, Verification& verification);
 

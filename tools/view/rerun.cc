@@ -1,4 +1,4 @@
-#include "tools/program/view/rerun.h"
+#include "tools/view/rerun.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -19,13 +19,13 @@
 #include <utility>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/run_folder.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/export/export.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/run_folder.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
+#include "tools/formats/export/export.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench {
 namespace {

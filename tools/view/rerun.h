@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/page/page.h"
+#include "tools/page/page.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/base/workers/child_process.h"
+#include "tools/workers/child_process.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -20,7 +20,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/base/workers/interrupt_guard.h"
+#include "tools/workers/interrupt_guard.h"
 
 #include <unistd.h>
 

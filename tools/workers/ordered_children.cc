@@ -1,4 +1,4 @@
-#include "tools/base/workers/ordered_children.h"
+#include "tools/workers/ordered_children.h"
 
 #include <algorithm>
 #include <utility>

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/workers/child_process.h"
+#include "tools/workers/child_process.h"
 
 namespace slipbench {
 

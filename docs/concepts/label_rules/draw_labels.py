@@ -1,7 +1,7 @@
 """Draws labels.svg: one trial by all label rules. Argument: output folder, default: this folder.
 
 Needs the package slipbench and matplotlib: PYTHONPATH=build/release/python build/venv/bin/python
-tools/python/label_rules/draw_labels.py
+docs/concepts/label_rules/draw_labels.py
 """
 
 import sys

@@ -1,4 +1,4 @@
-#include "sim/field/surface/distance_grid.h"
+#include "sim/contact/surface/distance_grid.h"
 
 #include <array>
 #include <cmath>

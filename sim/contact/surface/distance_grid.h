@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/field/surface/surface_point.h"
+#include "sim/contact/surface/surface_point.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "sim/field/surface/mesh_distance.h"
+#include "sim/contact/surface/mesh_distance.h"
 
 #include <algorithm>
 #include <cmath>

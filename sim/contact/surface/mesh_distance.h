@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/field/surface/distance_grid.h"
+#include "sim/contact/surface/distance_grid.h"
 
 namespace slipbench {
 

@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "sim/contact/surface/distance_grid.h"
 #include "sim/core/vectorise.h"
-#include "sim/field/surface/distance_grid.h"
 
 namespace slipbench {
 

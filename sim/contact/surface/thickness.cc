@@ -1,4 +1,4 @@
-#include "sim/field/surface/thickness.h"
+#include "sim/contact/surface/thickness.h"
 
 #include <algorithm>
 #include <limits>

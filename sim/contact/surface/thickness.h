@@ -1,7 +1,7 @@
 // Thickness of a touched shape.
 #pragma once
 
-#include "sim/field/surface/surface.h"
+#include "sim/contact/surface/surface.h"
 
 namespace slipbench {
 

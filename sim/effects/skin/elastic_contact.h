@@ -24,7 +24,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
 
 namespace slipbench {
 

@@ -13,13 +13,13 @@
 
 #include <mujoco/mujoco.h>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
+#include "sim/contact/surface/surface.h"
+#include "sim/contact/unit_rules.h"
 #include "sim/core/pose.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
-#include "sim/field/surface/surface.h"
-#include "sim/field/unit_rules.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {

@@ -17,8 +17,8 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
-#include "sim/simulation/stage_setup.h"
-#include "sim/simulation/step_plan.h"
+#include "sim/stage/stage_setup.h"
+#include "sim/stage/step_plan.h"
 
 namespace slipbench {
 namespace {

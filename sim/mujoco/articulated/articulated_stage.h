@@ -5,13 +5,13 @@
 #include <memory>
 #include <span>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/pad_layout.h"
+#include "sim/api/simulation.h"
+#include "sim/contact/field.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-#include "sim/field/field.h"
-#include "sim/field/surface/surface.h"
 #include "sim/scene/scene.h"
-#include "sim/simulation/simulation.h"
 
 namespace slipbench {
 

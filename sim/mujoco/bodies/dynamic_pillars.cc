@@ -9,7 +9,7 @@
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/geom_surface.h"
-#include "sim/simulation/stage_setup.h"
+#include "sim/stage/stage_setup.h"
 
 namespace slipbench {
 namespace {

@@ -22,7 +22,7 @@
 #include "sim/mujoco/pads/field_plugin.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "sim/mujoco/pads/implicit.h"
-#include "sim/simulation/stage_setup.h"
+#include "sim/stage/stage_setup.h"
 
 namespace slipbench {
 namespace {

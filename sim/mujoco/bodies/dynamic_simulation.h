@@ -12,11 +12,11 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/pad_layout.h"
+#include "sim/api/simulation.h"
 #include "sim/core/pose.h"
 #include "sim/scene/scene.h"
-#include "sim/simulation/simulation.h"
 
 struct mjData_;
 struct mjModel_;

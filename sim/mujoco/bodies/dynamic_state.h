@@ -12,13 +12,13 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Core>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/motion.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
-#include "sim/motion/motion.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "sim/mujoco/bodies/free_bodies.h"
@@ -26,7 +26,7 @@
 #include "sim/mujoco/linear/stability.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pads/pad_instance.h"
-#include "sim/simulation/step_plan.h"
+#include "sim/stage/step_plan.h"
 
 namespace slipbench {
 

@@ -10,17 +10,17 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "sim/api/motion.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/grasp/push.h"
-#include "sim/motion/motion.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
-#include "sim/simulation/stage_setup.h"
-#include "sim/simulation/step_plan.h"
+#include "sim/stage/stage_setup.h"
+#include "sim/stage/step_plan.h"
 
 namespace slipbench {
 namespace {

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
+#include "sim/api/simulation.h"
 #include "sim/grasp/grasp.h"
 #include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "sim/scene/scene.h"
-#include "sim/simulation/simulation.h"
 
 namespace slipbench {
 

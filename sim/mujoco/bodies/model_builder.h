@@ -26,7 +26,7 @@
 #include <span>
 #include <string>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
 #include "sim/mujoco/mujoco_call.h"

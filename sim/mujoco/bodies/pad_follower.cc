@@ -9,9 +9,9 @@
 
 #include "sim/core/error.h"
 
+#include "sim/contact/several_surfaces.h"
 #include "sim/core/math/rotation.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/field/several_surfaces.h"
 #include "sim/mujoco/pads/geom_surface.h"
 
 namespace slipbench {

@@ -32,8 +32,8 @@
 
 #include <array>
 
+#include "sim/contact/field.h"
 #include "sim/core/pose.h"
-#include "sim/field/field.h"
 #include "sim/mujoco/linear/stability.h"
 
 struct mjModel_;

@@ -24,9 +24,9 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/field.h"
 #include "sim/core/pose.h"
-#include "sim/field/field.h"
 
 struct mjData_;
 struct mjModel_;
@@ -111,7 +111,7 @@ enum class Stepping { velocity_first, runge_kutta };
 
 // Returns the step [s] beyond which the model diverges under explicit pads (see above), less 1 %:
 // the tangents neglect that loads rotate with the surface, which makes 0.3 % where soft pads are
-// indented by a fifth of their pitch (tools/program/cost/stability_map.h). Infinite if nothing
+// indented by a fifth of their pitch (tools/cost/stability_map.h). Infinite if nothing
 // vibrates.
 [[nodiscard]] double divergence_step(const LinearModel& model, Stepping stepping);
 

@@ -1,5 +1,5 @@
 // Adds pads to a model under construction by MuJoCo's mjSpec: the C++ counterpart of
-// slipbench.mujoco.attach_pad() in tools/python. README.md shows a call; MuJoCo must know the
+// slipbench.mujoco.attach_pad() in python. README.md shows a call; MuJoCo must know the
 // plugin before (mj_loadPluginLibrary() or register_field_plugin()). The sensor has the pad's
 // name; pad_instance.h describes its sensordata.
 #pragma once

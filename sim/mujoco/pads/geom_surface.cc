@@ -10,8 +10,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include "sim/contact/surface/mesh_distance.h"
 #include "sim/core/error.h"
-#include "sim/field/surface/mesh_distance.h"
 
 namespace slipbench {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
+#include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-#include "sim/field/surface/surface.h"
 
 struct mjModel_;
 

@@ -43,9 +43,9 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
+#include "sim/contact/field.h"
 #include "sim/core/pose.h"
-#include "sim/field/field.h"
 #include "sim/mujoco/linear/stability.h"
 
 struct mjModel_;

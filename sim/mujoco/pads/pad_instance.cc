@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "sim/contact/several_surfaces.h"
+#include "sim/contact/surface/thickness.h"
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/field/several_surfaces.h"
-#include "sim/field/surface/thickness.h"
 #include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/geom_surface.h"
 

@@ -13,7 +13,7 @@
 // - A pad far from all that it may touch rests: its elements are not evaluated, and its readings do
 //   not change. It stores its last pose, so that the step in which it comes back is bit-identical
 //   to one without rest.
-// - The springs obey the friction law of sim/field; the dashpots are added to their force, and the
+// - The springs obey the friction law of sim/contact; the dashpots are added to their force, and the
 //   sum is kept inside the friction cone. Labels and sensors read the springs: the force that
 //   deflects a unit's tip.
 //
@@ -38,13 +38,13 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Core>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/pad_layout.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/pad_layout.h"
+#include "sim/api/sensor.h"
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-#include "sim/core/sensor.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
-#include "sim/field/surface/surface.h"
 #include "sim/mujoco/linear/stability.h"
 #include "sim/mujoco/pads/implicit.h"
 #include "sim/mujoco/pads/register_plugin.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "sim/core/sensor.h"
+#include "sim/api/sensor.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "detectors/nib/features.h"
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 
 namespace slipbench::nib {
 

@@ -2,9 +2,9 @@
 // slips. Exit status 0: at mu f_n/(k_t v), as expected.
 #include <cmath>
 
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
 #include "sim/core/quantity.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
 
 int main() {
   const double speed = slipbench::parse_quantity("4 mm/s", slipbench::Quantity::speed);

@@ -12,9 +12,9 @@
 #include <Eigen/Geometry>
 
 #include "sensors/biotac_sp/biotac_sp.h"
-#include "sim/core/sensor.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/field.h"
+#include "sim/api/sensor.h"
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/field.h"
 
 namespace slipbench::biotac_sp_test {
 

@@ -4,11 +4,11 @@
 #include <numbers>
 #include <numeric>
 
-#include "sim/core/sensor.h"
-#include "sim/core/sensor_kind.h"
+#include "sim/api/sensor.h"
+#include "sim/api/sensor_kind.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench {
 

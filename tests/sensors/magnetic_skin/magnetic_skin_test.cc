@@ -3,9 +3,9 @@
 #include <map>
 #include <numbers>
 
-#include "sim/core/contact_frame.h"
-#include "sim/core/sensor.h"
-#include "sim/core/sensor_kind.h"
+#include "sim/api/contact_frame.h"
+#include "sim/api/sensor.h"
+#include "sim/api/sensor_kind.h"
 #include "tests/expect.h"
 
 namespace slipbench {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sensors/myrmex/myrmex.h"
-#include "sim/core/sensor.h"
+#include "sim/api/sensor.h"
 
 namespace slipbench::myrmex_test {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sensors/nib_pad/nib_pad.h"
-#include "sim/core/sensor.h"
+#include "sim/api/sensor.h"
 
 namespace slipbench::nib_pad_test {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "sim/api/sensor.h"
 #include "sim/core/random.h"
-#include "sim/core/sensor.h"
 #include "tests/expect.h"
 
 namespace slipbench {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sensors/electronics/band_pass.h"
-#include "sim/core/sensor.h"
+#include "sim/api/sensor.h"
 #include "tests/expect.h"
 
 namespace slipbench::piezo_skin_test {

@@ -3,13 +3,13 @@
 #include <fstream>
 #include <vector>
 
-#include "sensors/own/own_sensor.h"
+#include "sensors/plugins/own_sensor.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 namespace {

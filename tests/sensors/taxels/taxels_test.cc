@@ -5,8 +5,8 @@
 #include <memory>
 #include <numbers>
 
-#include "sim/core/sensor.h"
-#include "sim/field/contact_labels.h"
+#include "sim/api/sensor.h"
+#include "sim/contact/contact_labels.h"
 #include "tests/expect.h"
 #include "tests/oracle/effect_field.h"
 

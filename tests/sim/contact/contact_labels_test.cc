@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/field/contact_labels.h"
+#include "sim/contact/contact_labels.h"
 #include "tests/oracle/pads.h"
-#include "tests/sim/field/random_case.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::testing_field::contact_labels_test {
 namespace {

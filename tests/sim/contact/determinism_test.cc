@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contact/contact_labels.h"
 #include "sim/core/random.h"
-#include "sim/field/contact_labels.h"
 #include "tests/oracle/pads.h"
 
 namespace slipbench {

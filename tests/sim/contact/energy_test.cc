@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/sim/field/random_case.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::testing_field::energy_test {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/oracle/pads.h"
-#include "tests/sim/field/random_case.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::testing_field::pad_shape_test {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "sim/contact/field.h"
 #include "sim/core/random.h"
-#include "sim/field/field.h"
 
 namespace slipbench::testing_field {
 

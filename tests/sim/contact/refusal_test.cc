@@ -6,7 +6,7 @@
 
 #include "tests/expect.h"
 #include "tests/oracle/pads.h"
-#include "tests/sim/field/random_case.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::testing_field::refusal_test {
 namespace {

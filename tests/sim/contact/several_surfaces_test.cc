@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contact/contact_labels.h"
+#include "sim/contact/several_surfaces.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/field/contact_labels.h"
-#include "sim/field/several_surfaces.h"
 #include "tests/oracle/pads.h"
-#include "tests/sim/field/random_case.h"
-#include "tests/sim/simulation/simulation_rig.h"
+#include "tests/sim/contact/random_case.h"
+#include "tests/sim/stage/simulation_rig.h"
 
 namespace slipbench::testing_field::several_surfaces_test {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/field/contact_labels.h"
-#include "tests/sim/field/random_case.h"
+#include "sim/contact/contact_labels.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::testing_field::sparse_test {
 namespace {

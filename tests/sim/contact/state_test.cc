@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/field/contact_labels.h"
-#include "tests/sim/field/same_field.h"
+#include "sim/contact/contact_labels.h"
+#include "tests/sim/contact/same_field.h"
 
 namespace slipbench::testing_field::state_test {
 namespace {

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/contact/surface/mesh_distance.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/random.h"
-#include "sim/field/surface/mesh_distance.h"
-#include "sim/field/surface/surface.h"
 #include "tests/expect.h"
 #include "tests/oracle/meshes.h"
 

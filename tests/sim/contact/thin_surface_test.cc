@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/field/surface/thickness.h"
+#include "sim/contact/surface/thickness.h"
 #include "tests/oracle/pads.h"
-#include "tests/sim/field/random_case.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::testing_field::thin_surface_test {
 namespace {

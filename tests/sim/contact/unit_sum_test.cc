@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contact/kernel.h"
 #include "sim/core/random.h"
-#include "sim/field/kernel.h"
 
 namespace slipbench::testing_field::unit_sum_test {
 namespace {

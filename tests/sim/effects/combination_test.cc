@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contact/contact_labels.h"
 #include "sim/core/error.h"
-#include "sim/field/contact_labels.h"
+#include "tests/sim/contact/random_case.h"
 #include "tests/sim/effects/effect_rig.h"
-#include "tests/sim/field/random_case.h"
 
 namespace slipbench::testing_effects::combination_test {
 namespace {

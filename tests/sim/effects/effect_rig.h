@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/contact/field.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/field/field.h"
 
 namespace slipbench::testing_effects {
 

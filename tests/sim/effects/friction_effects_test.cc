@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/field/contact_labels.h"
+#include "sim/contact/contact_labels.h"
 #include "tests/sim/effects/effect_rig.h"
 
 namespace slipbench::testing_effects::friction_effects_test {

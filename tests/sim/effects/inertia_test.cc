@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/field/contact_labels.h"
+#include "sim/contact/contact_labels.h"
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 

@@ -6,8 +6,8 @@
 #include <tuple>
 
 #include "tests/expect.h"
+#include "tests/sim/contact/random_case.h"
 #include "tests/sim/effects/effect_rig.h"
-#include "tests/sim/field/random_case.h"
 
 namespace slipbench::testing_effects::lean_test {
 namespace {

@@ -1,8 +1,8 @@
 // Effect::memory holds all state that effects carry between steps.
 #include <gtest/gtest.h>
 
+#include "tests/sim/contact/same_field.h"
 #include "tests/sim/effects/effect_rig.h"
-#include "tests/sim/field/same_field.h"
 
 namespace slipbench::testing_effects::state_test {
 namespace {

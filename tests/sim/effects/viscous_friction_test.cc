@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contact/contact_labels.h"
 #include "sim/core/random.h"
-#include "sim/field/contact_labels.h"
 #include "tests/sim/effects/effect_rig.h"
 
 namespace slipbench::testing_effects::viscous_friction_test {

@@ -5,7 +5,7 @@
 #include "sim/grasp/grasp.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

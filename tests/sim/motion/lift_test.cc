@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 
 namespace slipbench {
 namespace {

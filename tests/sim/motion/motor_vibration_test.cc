@@ -1,5 +1,5 @@
 // The motors' vibration: its lines, its strength and its silence.
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 
 #include <cmath>
 #include <complex>

@@ -1,5 +1,5 @@
 // The press: position, speed, timing and refusals.
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 
 #include <cmath>
 #include <memory>

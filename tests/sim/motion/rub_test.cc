@@ -1,6 +1,6 @@
 // The rubbing finger: the requested spot touches, rates match the poses, and the processes have the
 // law's moments.
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "sim/api/motion.h"
 #include "sim/core/random.h"
-#include "sim/motion/motion.h"
 #include "tests/expect.h"
 
 namespace slipbench::stage_test {

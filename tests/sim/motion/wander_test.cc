@@ -1,5 +1,5 @@
 // The calibration's hand motion: within its limits, spread over them, with consistent velocities.
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 
 #include <algorithm>
 #include <array>

@@ -108,7 +108,7 @@ TEST(ShippedScenes, RecordingsAreTenPressesThatSlideOrTurn) {
   EXPECT_NE(node_at(shipped("papillarray/recordings.yaml").root(), split_path("motion.tilt.1", {})), nullptr);
 }
 
-// tests/tools/program/run/bodies_test.cc runs these scenes.
+// tests/tools/trial/bodies_test.cc runs these scenes.
 TEST(ShippedScenes, BodiesMoveByForces) {
   const Catalogues catalogues = test_catalogues();
   for (const std::string name : {"held_box", "pressed_box", "sliding_block"}) {

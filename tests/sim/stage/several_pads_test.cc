@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/sim/simulation/simulation_rig.h"
+#include "tests/sim/stage/simulation_rig.h"
 
 namespace slipbench::testing_bench {
 namespace {

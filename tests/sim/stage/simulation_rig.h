@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "sim/api/motion.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/motion/motion.h"
-#include "sim/simulation/stage_setup.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/stage/stage_setup.h"
+#include "sim/stage/stage_simulation.h"
 #include "tests/oracle/pads.h"
 
 namespace slipbench::testing_bench {

@@ -2,7 +2,7 @@
 
 #include "sim/scene/catalogues.h"
 #include "tests/expect.h"
-#include "tests/sim/simulation/simulation_rig.h"
+#include "tests/sim/stage/simulation_rig.h"
 
 namespace slipbench::testing_bench {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/simulation/step_plan.h"
-#include "tests/sim/simulation/simulation_rig.h"
+#include "sim/stage/step_plan.h"
+#include "tests/sim/stage/simulation_rig.h"
 
 namespace slipbench::testing_bench {
 namespace {

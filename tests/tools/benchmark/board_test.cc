@@ -14,15 +14,15 @@
 
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tools/base/project/project_file.h"
-#include "tools/program/benchmark/benchmark.h"
-#include "tools/program/benchmark/entrants.h"
-#include "tools/program/benchmark/protocol.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/eval/metrics.h"
-#include "tools/program/eval/replay.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/benchmark/benchmark.h"
+#include "tools/benchmark/entrants.h"
+#include "tools/benchmark/protocol.h"
+#include "tools/eval/metrics.h"
+#include "tools/eval/replay.h"
+#include "tools/files/project/project_file.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench::benchmark {
 namespace {

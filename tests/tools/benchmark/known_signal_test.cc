@@ -1,5 +1,5 @@
 // Who knows a slip's signal: against the closed form of a step in white noise.
-#include "tools/program/benchmark/known_signal.h"
+#include "tools/benchmark/known_signal.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/protocol.h"
+#include "tools/benchmark/protocol.h"
 
 #include <cmath>
 #include <limits>

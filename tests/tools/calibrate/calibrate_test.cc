@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/calibrate.h"
+#include "tools/calibrate/calibrate.h"
 
 #include <cmath>
 #include <filesystem>
@@ -9,14 +9,14 @@
 
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/export/export.h"
-#include "tools/program/import/import.h"
-#include "tools/program/import/source_table.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/writer.h"
+#include "tools/formats/export/export.h"
+#include "tools/formats/import/import.h"
+#include "tools/formats/import/source_table.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench::calibrate::calibrate_test {
 namespace {

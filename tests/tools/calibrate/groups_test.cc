@@ -1,14 +1,14 @@
-#include "tools/program/calibrate/search.h"
+#include "tools/calibrate/search.h"
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/calibrate/calibrate.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/calibrate/calibrate.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench::calibrate::groups_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/recordings.h"
+#include "tools/calibrate/recordings.h"
 
 #include <cmath>
 #include <fstream>
@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/calibrate/calibrate.h"
-#include "tools/program/calibrate/search.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/calibrate/calibrate.h"
+#include "tools/calibrate/search.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench::calibrate::recordings_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/snapshots.h"
+#include "tools/calibrate/snapshots.h"
 
 #include <algorithm>
 #include <array>

@@ -6,9 +6,9 @@
 
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
-#include "tests/tools/program/commands/child_process.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/check/check.h"
+#include "tests/tools/cli/commands/child_process.h"
+#include "tools/check/check.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench {
 namespace {

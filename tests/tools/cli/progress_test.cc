@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "tests/expect.h"
-#include "tools/program/cli/terminal.h"
+#include "tools/cli/terminal.h"
 
 namespace slipbench {
 namespace {

@@ -7,11 +7,11 @@
 #include <stdexcept>
 
 #include "tests/expect.h"
-#include "tests/tools/base/page/web_files.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tests/tools/program/cost/example.h"
-#include "tools/base/page/svg.h"
-#include "tools/program/report/report.h"
+#include "tests/tools/cost/example.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tests/tools/page/web_files.h"
+#include "tools/page/svg.h"
+#include "tools/report/report.h"
 
 namespace slipbench::cost {
 namespace {
@@ -78,7 +78,7 @@ TEST(CostPage, TextIsNeverMarkup) {
   EXPECT_THAT(page, AllOf(Not(HasSubstr("<script>alert")), Not(HasSubstr("a <reason>")), Not(HasSubstr("a <rule>")),
                           Not(HasSubstr("<b>.yaml")), HasSubstr("<title>&lt;b&gt;.yaml · slipbench cost</title>")));
   EXPECT_THAT(cost_page(stability()), HasSubstr("<title>stability · slipbench cost</title>"));
-  for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) {
+  for (const auto& [name, text] : web_files("tools/cost/web", ".js")) {
     EXPECT_THAT(text, AllOf(Not(HasSubstr("innerHTML")), Not(HasSubstr(".html(")), Not(HasSubstr("insertAdjacent")))) << name;
   }
 }
@@ -105,7 +105,7 @@ TEST(CostPage, LeavesNoScriptOut) {
   std::set<std::string> embedded;
   for (const page::Asset& file : assets()) embedded.insert(std::string(file.name));
   for (const char* extension : {".js", ".css"}) {
-    for (const auto& [name, text] : web_files("tools/program/cost/web", extension)) EXPECT_TRUE(embedded.contains(name)) << name;
+    for (const auto& [name, text] : web_files("tools/cost/web", extension)) EXPECT_TRUE(embedded.contains(name)) << name;
   }
 }
 
@@ -158,8 +158,8 @@ TEST_F(CostFileTest, OtherFilesAreKept) {
 // Scripts may use their own definitions and those shared by all pages.
 TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
   std::set<std::string> defined;
-  for (const auto& [name, text] : web_files("tools/base/page/web", ".js")) defined.merge(matches(text, R"(\bsb\.(\w+) = )"));
-  const auto scripts = web_files("tools/program/cost/web", ".js");
+  for (const auto& [name, text] : web_files("tools/page/web", ".js")) defined.merge(matches(text, R"(\bsb\.(\w+) = )"));
+  const auto scripts = web_files("tools/cost/web", ".js");
   ASSERT_GE(scripts.size(), 6U);
   for (const auto& [name, text] : scripts) {
     for (const std::string& member : matches(text, R"(\n *sb\.(\w+) = )")) {
@@ -178,7 +178,7 @@ TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
 // a member that no script reads would not be shown.
 TEST(CostScripts, ReadTheMembersThatThereAre) {
   std::string all;
-  for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) all += text;
+  for (const auto& [name, text] : web_files("tools/cost/web", ".js")) all += text;
   Json data = exploration();
   data["stability"] = stability();  // of --stability alone
   data["remarks"] = Json::array();
@@ -209,20 +209,20 @@ TEST(CostScripts, ReadTheMembersThatThereAre) {
 
 // The names by which the page recognises failures.
 TEST(CostScripts, KnowWhatWasNotRun) {
-  EXPECT_THAT(web_files("tools/program/cost/web", ".js").at("marks.js"),
+  EXPECT_THAT(web_files("tools/cost/web", ".js").at("marks.js"),
               HasSubstr("row.status === '" + std::string(status_name(Status::over_budget)) + "'"));
 }
 
 TEST(CostStyles, UseOnlyTheKitsColours) {
-  const std::set<std::string> colours = variables(web_files("tools/base/page/web", ".css").at("theme.css"), ":root");
-  std::string all = web_files("tools/program/cost/web", ".css").at("cost.css");
-  for (const auto& [name, text] : web_files("tools/program/cost/web", ".js")) all += text;
+  const std::set<std::string> colours = variables(web_files("tools/page/web", ".css").at("theme.css"), ":root");
+  std::string all = web_files("tools/cost/web", ".css").at("cost.css");
+  for (const auto& [name, text] : web_files("tools/cost/web", ".js")) all += text;
   for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(colours.contains(variable)) << variable;
 }
 
 // Two series differ in both colour and shape: there are as many colours as shapes.
 TEST(CostStyles, HaveAColourForEachShape) {
-  const std::string marks = web_files("tools/base/page/web", ".js").at("chart.js");
+  const std::string marks = web_files("tools/page/web", ".js").at("chart.js");
   const std::size_t begin = marks.find("const shapes = [");
   ASSERT_NE(begin, std::string::npos);
   const std::string shapes = marks.substr(begin, marks.find("];", begin) - begin);

@@ -1,4 +1,4 @@
-#include "tools/program/cost/errors.h"
+#include "tools/cost/errors.h"
 
 #include <numbers>
 #include <stdexcept>

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "tools/program/cost/explore.h"
+#include "tools/cost/explore.h"
 
 namespace slipbench::cost {
 

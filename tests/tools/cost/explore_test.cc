@@ -1,10 +1,10 @@
 // The explorer on small scenes: it runs and compares what it reports, within its budget's plan.
 // Times are not tested.
-#include "tools/program/cost/explore.h"
+#include "tools/cost/explore.h"
 
 #include "tests/expect.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench::cost {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/cost/kept_setting.h"
+#include "tools/cost/kept_setting.h"
 
 #include <algorithm>
 #include <fstream>
@@ -8,8 +8,8 @@
 
 #include "sim/core/quantity.h"
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench::testing {
 namespace {

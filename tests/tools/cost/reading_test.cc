@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "tests/expect.h"
-#include "tests/tools/program/cost/example.h"
+#include "tests/tools/cost/example.h"
 
 namespace slipbench::cost {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/cost/explore.h"
+#include "tools/cost/explore.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "sim/core/quantity.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::cost {
 namespace {

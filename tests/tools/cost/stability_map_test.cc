@@ -1,4 +1,4 @@
-#include "tools/program/cost/stability_map.h"
+#include "tools/cost/stability_map.h"
 
 #include <cmath>
 #include <set>

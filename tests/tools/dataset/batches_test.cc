@@ -11,11 +11,11 @@
 #include <hdf5.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/batches.h"
-#include "tools/base/dataset/finished_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/output_file.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/batches.h"
+#include "tools/dataset/finished_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench::testing::batches_test {
 namespace {

@@ -1,5 +1,5 @@
 // Foreign files, which slipbench-reader reads before this process does.
-#include "tools/base/dataset/checked_dataset.h"
+#include "tools/dataset/checked_dataset.h"
 
 #include <atomic>
 #include <csignal>
@@ -12,9 +12,9 @@
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/hdf5/hdf5_place.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/writer.h"
 
 namespace slipbench::testing {
 namespace {

@@ -8,9 +8,9 @@
 #include <hdf5.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/writer.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/writer.h"
 
 namespace slipbench::testing {
 namespace {

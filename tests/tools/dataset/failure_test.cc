@@ -11,11 +11,11 @@
 #include <zlib.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/hdf5/hdf5_place.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/writer.h"
 
 namespace slipbench::testing::failure_test {
 namespace {

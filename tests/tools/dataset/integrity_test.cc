@@ -7,10 +7,10 @@
 #include <hdf5.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/record/content_digest.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/record/content_digest.h"
+#include "tools/dataset/writer.h"
 
 namespace slipbench::testing::integrity_test {
 namespace {

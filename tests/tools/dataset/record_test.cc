@@ -1,11 +1,11 @@
 #include <cmath>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/header.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/record/json.h"
-#include "tools/base/record/trial_record.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/record/json.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench::testing {
 namespace {

@@ -4,10 +4,10 @@
 #include <hdf5.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/files/output_file.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/writer.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench::testing::target_test {
 namespace {

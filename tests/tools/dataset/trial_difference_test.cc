@@ -1,4 +1,4 @@
-#include "tools/base/dataset/trial_difference.h"
+#include "tools/dataset/trial_difference.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "tests/tools/base/record/test_records.h"
+#include "tests/tools/dataset/record/test_records.h"
 
 namespace slipbench {
 namespace {

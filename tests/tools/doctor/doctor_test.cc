@@ -1,10 +1,10 @@
-#include "tools/program/doctor/doctor.h"
+#include "tools/doctor/doctor.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/expect.h"
-#include "tests/tools/program/doctor/path_folder.h"
+#include "tests/tools/doctor/path_folder.h"
 
 namespace slipbench {
 namespace {

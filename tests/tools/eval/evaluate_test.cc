@@ -1,4 +1,4 @@
-#include "tools/program/eval/evaluate.h"
+#include "tools/eval/evaluate.h"
 
 #include <filesystem>
 #include <fstream>
@@ -6,9 +6,9 @@
 
 #include "detectors/hd/memory_files.h"
 #include "tests/expect.h"
-#include "tests/tools/program/train/small_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/program/eval/replay.h"
+#include "tests/tools/train/small_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/eval/replay.h"
 
 namespace slipbench::eval::evaluate_test {
 namespace {

@@ -4,12 +4,12 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/tools/base/record/test_records.h"
-#include "tests/tools/program/eval/loop_scene.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/program/eval/evaluate.h"
-#include "tools/program/run/recorded_scene.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tests/tools/eval/loop_scene.h"
+#include "tools/dataset/reader.h"
+#include "tools/eval/evaluate.h"
+#include "tools/trial/recorded_scene.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench::eval::testing {
 namespace {

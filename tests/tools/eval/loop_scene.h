@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes.h"
-#include "tools/program/eval/metrics.h"
-#include "tools/program/eval/replay.h"
+#include "tools/eval/metrics.h"
+#include "tools/eval/replay.h"
 
 namespace slipbench::eval::testing {
 

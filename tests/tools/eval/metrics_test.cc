@@ -1,9 +1,9 @@
-#include "tools/program/eval/metrics.h"
+#include "tools/eval/metrics.h"
 
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/core/contact_frame.h"
+#include "sim/api/contact_frame.h"
 #include "tests/expect.h"
 
 namespace slipbench::eval::metrics_test {

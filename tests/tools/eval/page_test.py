@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "page"))
 import chromium  # noqa: E402
 
 # Slides of half a second at two speeds and several frictions.

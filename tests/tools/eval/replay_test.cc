@@ -1,4 +1,4 @@
-#include "tools/program/eval/replay.h"
+#include "tools/eval/replay.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "tests/expect.h"
-#include "tests/tools/program/eval/loop_scene.h"
+#include "tests/tools/eval/loop_scene.h"
 
 namespace slipbench::eval::testing {
 namespace {

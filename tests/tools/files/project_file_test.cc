@@ -1,4 +1,4 @@
-#include "tools/base/project/project_file.h"
+#include "tools/files/project/project_file.h"
 
 #include "tests/expect.h"
 

@@ -1,4 +1,4 @@
-#include "tools/base/files/output_file.h"
+#include "tools/files/output_file.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/base/record/test_records.h"
+#include "tests/tools/dataset/record/test_records.h"
 
 namespace slipbench {
 namespace {

@@ -1,5 +1,5 @@
 // Images of a Myrmex: the paper's augmentation against closed forms, and the public tools' layout.
-#include "tools/program/samples/myrmex_images.h"
+#include "tools/learning_data/myrmex_images.h"
 
 #include <cmath>
 #include <numbers>

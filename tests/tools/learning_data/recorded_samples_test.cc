@@ -1,4 +1,4 @@
-#include "tools/program/samples/samples.h"
+#include "tools/learning_data/samples.h"
 
 #include "tests/expect.h"
 

@@ -1,11 +1,11 @@
-#include "tools/base/page/page.h"
+#include "tools/page/page.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include "tests/expect.h"
-#include "tests/tools/base/page/unpack.h"
-#include "tests/tools/base/page/web_files.h"
+#include "tests/tools/page/unpack.h"
+#include "tests/tools/page/web_files.h"
 
 namespace slipbench::page {
 namespace {
@@ -110,12 +110,12 @@ TEST(Page, TablesAndListsAreText) {
 // Every file of the folder is embedded: CMakeLists.txt lists all.
 TEST(Kit, LeavesNoFileOut) {
   for (const char* extension : {".js", ".css", ".html", ".txt"}) {
-    for (const auto& [name, text] : web_files("tools/base/page/web", extension)) EXPECT_EQ(embedded(assets(), name), text);
+    for (const auto& [name, text] : web_files("tools/page/web", extension)) EXPECT_EQ(embedded(assets(), name), text);
   }
 }
 
 TEST(Kit, HasEveryColourInBothThemes) {
-  const auto styles = web_files("tools/base/page/web", ".css");
+  const auto styles = web_files("tools/page/web", ".css");
   const std::set<std::string> light = variables(styles.at("theme.css"), ":root");
   const std::string& theme = styles.at("theme.css");
   EXPECT_EQ(light, variables(theme.substr(theme.find("@media")), ":root"));
@@ -123,7 +123,7 @@ TEST(Kit, HasEveryColourInBothThemes) {
     for (const std::string& variable : matches(text, R"(var\(--(\w+)\))"))
       EXPECT_TRUE(light.contains(variable)) << name << " " << variable;
   }
-  for (const auto& [name, text] : web_files("tools/base/page/web", ".js")) EXPECT_EQ(unpaired_brackets(text), "") << name;
+  for (const auto& [name, text] : web_files("tools/page/web", ".js")) EXPECT_EQ(unpaired_brackets(text), "") << name;
 }
 
 std::string base64_of(const std::string& text) {

@@ -1,7 +1,7 @@
-#include "tools/base/page/svg.h"
+#include "tools/page/svg.h"
 
 #include "tests/expect.h"
-#include "tests/tools/base/page/web_files.h"
+#include "tests/tools/page/web_files.h"
 
 namespace slipbench::page {
 namespace {
@@ -50,7 +50,7 @@ TEST(Svg, FilesHaveTheirColoursInThem) {
 }
 
 TEST(Svg, ASeriesHasItsColour) {
-  const auto styles = testing::web_files("tools/base/page/web", ".css");
+  const auto styles = testing::web_files("tools/page/web", ".css");
   for (std::size_t k = 0; k < series_count; ++k) {
     const std::string name = "s" + std::to_string(k);
     EXPECT_THAT(styles.at("drawing.css"), HasSubstr("." + name + " { color: var(--" + name + "); }"));

@@ -1,4 +1,4 @@
-#include "tools/base/page/timeline.h"
+#include "tools/page/timeline.h"
 
 #include <limits>
 

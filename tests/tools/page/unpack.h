@@ -10,7 +10,7 @@
 
 #include <zlib.h>
 
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench::page {
 

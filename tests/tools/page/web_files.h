@@ -11,7 +11,7 @@
 
 namespace slipbench::testing {
 
-// Returns the files of a project folder by name: web_files("tools/program/report/web", ".js").
+// Returns the files of a project folder by name: web_files("tools/report/web", ".js").
 inline std::map<std::string, std::string> web_files(const std::string& folder, const std::string& extension) {
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(SLIPBENCH_SOURCE_DIR "/") + folder)) {

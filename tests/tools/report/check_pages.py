@@ -11,10 +11,10 @@ from pathlib import Path
 
 from PIL import Image
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "page"))
 import chromium  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[4]
+ROOT = Path(__file__).resolve().parents[3]
 SCENES = ROOT / "scenes"
 
 # Pressed and slid within half a second, so that some units slip.

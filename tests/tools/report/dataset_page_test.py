@@ -10,7 +10,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "page"))
 import chromium  # noqa: E402
 
 PROGRAM = Path(sys.argv.pop(1)).resolve()

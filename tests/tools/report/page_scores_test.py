@@ -14,7 +14,7 @@ from pathlib import Path
 import h5py
 import numpy
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "page"))
 import chromium  # noqa: E402
 
 PROGRAM = Path(sys.argv.pop(2)).resolve()

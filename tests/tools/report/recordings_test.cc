@@ -2,8 +2,8 @@
 #include <limits>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/report/report.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/report/report.h"
 
 namespace slipbench::report {
 namespace {

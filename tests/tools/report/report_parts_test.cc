@@ -1,4 +1,4 @@
-#include "tools/program/report/report_parts.h"
+#include "tools/report/report_parts.h"
 
 #include <cmath>
 #include <cstdint>
@@ -6,9 +6,9 @@
 #include <numbers>
 #include <string>
 
-#include "sim/core/contact_frame.h"
+#include "sim/api/contact_frame.h"
 #include "tests/expect.h"
-#include "tests/tools/program/report/sample.h"
+#include "tests/tools/report/sample.h"
 
 namespace slipbench::report {
 namespace {

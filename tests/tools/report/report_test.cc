@@ -1,13 +1,13 @@
-#include "tools/program/report/report.h"
+#include "tools/report/report.h"
 
 #include <filesystem>
 #include <limits>
 
 #include "tests/expect.h"
-#include "tests/tools/program/report/sample.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/report/report_parts.h"
+#include "tests/tools/report/sample.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/writer.h"
+#include "tools/report/report_parts.h"
 
 namespace slipbench::report {
 namespace {

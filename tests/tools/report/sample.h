@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/tools/base/page/unpack.h"
-#include "tests/tools/base/record/test_records.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tests/tools/page/unpack.h"
 
 namespace slipbench::report {
 

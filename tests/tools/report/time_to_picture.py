@@ -1,6 +1,6 @@
 """Measures the time to a page's first picture in headless Chromium.
 
-    python3 tests/tools/program/report/time_to_picture.py PAGE.html ...
+    python3 tests/tools/report/time_to_picture.py PAGE.html ...
 
 Prints the median and the longest time [s] of five openings, from the navigation until a frame with
 a chart is drawn, and the file's size. This is not a test, because the time depends on the machine
@@ -11,7 +11,7 @@ import statistics
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "page"))
 from chromium import Chromium  # noqa: E402
 
 # A picture is drawn two frames after it appears. Times count from the start of the navigation.

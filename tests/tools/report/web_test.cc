@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/base/page/web_files.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/report/report.h"
+#include "tests/tools/page/web_files.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/report/report.h"
 
 namespace slipbench::report {
 namespace {
@@ -17,7 +17,7 @@ using ::slipbench::testing::unpaired_brackets;
 using ::slipbench::testing::variables;
 
 std::map<std::string, std::string> web_files(const std::string& extension) {
-  return ::slipbench::testing::web_files("tools/program/report/web", extension);
+  return ::slipbench::testing::web_files("tools/report/web", extension);
 }
 
 // Every file of the folder is part of the page of grasps between soft skins: CMakeLists.txt lists
@@ -37,7 +37,7 @@ TEST(ReportPage, HoldsItsFiles) {
 
 TEST(Scripts, UseOnlyWhatSomeScriptDefines) {
   std::set<std::string> defined;
-  for (const auto& [name, text] : ::slipbench::testing::web_files("tools/base/page/web", ".js"))
+  for (const auto& [name, text] : ::slipbench::testing::web_files("tools/page/web", ".js"))
     defined.merge(matches(text, R"(\bsb\.(\w+) = )"));
   std::map<std::string, std::set<std::string>> used;
   for (const auto& [name, text] : web_files(".js")) {
@@ -82,7 +82,7 @@ TEST(Scripts, ShowEndlessValues) {
 
 TEST(Styles, UseOnlyTheKitsColours) {
   const std::set<std::string> colours =
-      variables(::slipbench::testing::web_files("tools/base/page/web", ".css").at("theme.css"), ":root");
+      variables(::slipbench::testing::web_files("tools/page/web", ".css").at("theme.css"), ":root");
   std::string all = web_files(".css").at("report.css");
   for (const auto& [name, text] : web_files(".js")) all += text;
   for (const std::string& variable : matches(all, R"(var\(--(\w+)\))")) EXPECT_TRUE(colours.contains(variable)) << variable;

@@ -1,4 +1,4 @@
-#include "tools/base/statistics/confusion.h"
+#include "tools/statistics/confusion.h"
 
 #include <cmath>
 

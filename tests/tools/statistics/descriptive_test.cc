@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/base/statistics/descriptive.h"
+#include "tools/statistics/descriptive.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/train/sequences.h"
+#include "tools/train/sequences.h"
 
 #include <array>
 #include <limits>

@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/expect.h"
-#include "tests/tools/program/train/small_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/project/project_file.h"
-#include "tools/program/train/sequences.h"
+#include "tests/tools/train/small_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/project/project_file.h"
+#include "tools/train/sequences.h"
 
 namespace slipbench::testing {
 namespace {

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <string>
 
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench::testing {
 

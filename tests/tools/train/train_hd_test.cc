@@ -1,4 +1,4 @@
-#include "tools/program/train/train_hd.h"
+#include "tools/train/train_hd.h"
 
 #include <filesystem>
 #include <set>
@@ -6,8 +6,8 @@
 #include "detectors/hd/engine.h"
 #include "sim/core/random.h"
 #include "tests/expect.h"
-#include "tests/tools/program/train/small_dataset.h"
-#include "tools/base/dataset/reader.h"
+#include "tests/tools/train/small_dataset.h"
+#include "tools/dataset/reader.h"
 
 namespace slipbench::testing::train_test {
 namespace {

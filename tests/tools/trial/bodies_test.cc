@@ -9,13 +9,13 @@
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/export/export.h"
-#include "tools/program/report/report.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/formats/export/export.h"
+#include "tools/report/report.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 namespace {

@@ -9,12 +9,12 @@
 
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/output_file.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/warnings.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/output_file.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/trial/sweep/warnings.h"
 
 namespace slipbench::testing {
 namespace {

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes.h"
-#include "tests/tools/program/run/same_record.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/run_trial.h"
+#include "tests/tools/trial/same_record.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::testing_run {
 namespace {

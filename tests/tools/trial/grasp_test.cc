@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/run_trial.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::testing {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::lever_test {
 namespace {

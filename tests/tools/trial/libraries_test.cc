@@ -1,4 +1,4 @@
-#include "tools/program/run/libraries.h"
+#include "tools/trial/libraries.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::network_trial_test {
 namespace {

@@ -1,19 +1,19 @@
 // Access to the truth: the oracle has it, no detector does.
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/registry/program_catalogues.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "detectors/network/engine.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/stage/stage_simulation.h"
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/run/trial_run.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/trial_run.h"
 
 namespace slipbench {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "detectors/spectral/spectral_features.h"
 #include "tests/scenes.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench::piezo_bench_test {
 namespace {

@@ -9,10 +9,10 @@
 
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/sweep_shard.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/trial/sweep/sweep_shard.h"
 
 namespace slipbench {
 namespace {

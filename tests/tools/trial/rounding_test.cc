@@ -10,7 +10,7 @@
 
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 namespace slipbench {
 namespace {

@@ -1,12 +1,12 @@
-#include "tools/program/run/run_trial.h"
+#include "tools/trial/run_trial.h"
 
 #include <tuple>
 #include <utility>
 
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/trial_run.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/trial/trial_run.h"
 
 namespace slipbench {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench::testing_run {
 

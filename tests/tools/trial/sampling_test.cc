@@ -9,12 +9,12 @@
 
 #include "sim/grasp/grasp.h"
 #include "sim/motion/guided.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/stage/stage_simulation.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/run/trial_run.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/trial_run.h"
 
 namespace slipbench::sampling_test {
 namespace {

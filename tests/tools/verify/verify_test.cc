@@ -1,15 +1,15 @@
-#include "tools/program/verify/verify.h"
+#include "tools/verify/verify.h"
 
 #include <functional>
 #include <limits>
 
 #include "tests/expect.h"
 #include "tests/scenes.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/batches.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/verify/contact.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/batches.h"
+#include "tools/dataset/writer.h"
+#include "tools/trial/run_trial.h"
+#include "tools/verify/contact.h"
 
 namespace slipbench::testing::verify_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/base/workers/child_process.h"
+#include "tools/workers/child_process.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "tools/base/workers/ordered_workers.h"
+#include "tools/workers/ordered_workers.h"
 
 #include <pthread.h>
 #include <sys/resource.h>

@@ -1,10 +1,10 @@
-#include "tools/program/commands/command_table.h"
+#include "tools/cli/commands/command_table.h"
 
-#include "tools/program/commands/dataset_commands.h"
-#include "tools/program/commands/detectors/detector_commands.h"
-#include "tools/program/commands/help_commands.h"
-#include "tools/program/commands/reproduce_command.h"
-#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/cli/commands/dataset_commands.h"
+#include "tools/cli/commands/detectors/detector_commands.h"
+#include "tools/cli/commands/help_commands.h"
+#include "tools/cli/commands/reproduce_command.h"
+#include "tools/cli/commands/simulation/simulation_commands.h"
 
 namespace slipbench {
 

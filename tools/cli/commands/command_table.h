@@ -1,7 +1,7 @@
 // The commands of slipbench.
 #pragma once
 
-#include "tools/program/cli/command.h"
+#include "tools/cli/command.h"
 
 namespace slipbench {
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/cli/command.h"
-#include "tools/program/export/export.h"
-#include "tools/program/import/import.h"
-#include "tools/program/report/report.h"
+#include "tools/cli/command.h"
+#include "tools/formats/export/export.h"
+#include "tools/formats/import/import.h"
+#include "tools/report/report.h"
 
 namespace slipbench {
 

@@ -1,16 +1,16 @@
-#include "tools/program/commands/help_commands.h"
+#include "tools/cli/commands/help_commands.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/completion.h"
-#include "tools/program/cli/manual.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/doctor/doctor.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/completion.h"
+#include "tools/cli/manual.h"
+#include "tools/cli/terminal.h"
+#include "tools/doctor/doctor.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/cli/command.h"
+#include "tools/cli/command.h"
 
 namespace slipbench {
 

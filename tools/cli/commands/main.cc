@@ -1,6 +1,6 @@
-#include "tools/program/cli/terminal.h"
-#include "tools/program/commands/command_table.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/cli/commands/command_table.h"
+#include "tools/cli/terminal.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 int main(int argc, char** argv) {
   if (argc > 0 && *argv[0] != '\0') slipbench::keep_program_name(slipbench::shell_word(argv[0]));

@@ -1,10 +1,10 @@
-#include "tools/program/commands/reproduce_command.h"
+#include "tools/cli/commands/reproduce_command.h"
 
-#include "tools/base/page/page.h"
-#include "tools/base/python/python_package.h"
-#include "tools/base/record/json.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/terminal.h"
+#include "tools/dataset/record/json.h"
+#include "tools/page/page.h"
+#include "tools/workers/python_package/python_package.h"
 
 namespace slipbench {
 namespace {

@@ -1,11 +1,11 @@
-#include "tools/program/text/check_text.h"
+#include "tools/cli/format/check_text.h"
 
 #include <cstddef>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/format/sweep_text.h"
 
 namespace slipbench {
 namespace {

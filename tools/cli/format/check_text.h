@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "tools/program/check/check.h"
-#include "tools/program/cli/terminal.h"
+#include "tools/check/check.h"
+#include "tools/cli/terminal.h"
 
 namespace slipbench {
 

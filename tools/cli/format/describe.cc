@@ -1,4 +1,4 @@
-#include "tools/program/text/describe.h"
+#include "tools/cli/format/describe.h"
 
 #include <algorithm>
 #include <array>
@@ -9,14 +9,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_values.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/statistics/confusion.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/recipe_list.h"
+#include "tools/files/reject.h"
+#include "tools/statistics/confusion.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/train/recipe_list.h"
 
 namespace slipbench {
 namespace {

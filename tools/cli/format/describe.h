@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "sim/scene/catalogues.h"
-#include "tools/base/record/json.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/train/train_hd.h"
+#include "tools/cli/terminal.h"
+#include "tools/dataset/record/json.h"
+#include "tools/train/train_hd.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/text/describe_key.h"
+#include "tools/cli/format/describe_key.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

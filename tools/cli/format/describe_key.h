@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/record/json.h"
-#include "tools/program/cli/terminal.h"
+#include "tools/cli/terminal.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench {
 

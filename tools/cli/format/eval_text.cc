@@ -1,4 +1,4 @@
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/format/sweep_text.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/program/eval/evaluate.h"
+#include "tools/eval/evaluate.h"
 
 namespace slipbench {
 namespace {

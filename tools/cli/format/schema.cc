@@ -1,4 +1,4 @@
-#include "tools/program/text/schema.h"
+#include "tools/cli/format/schema.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@
 #include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
-#include "tools/program/text/describe.h"
+#include "tools/cli/format/describe.h"
 
 namespace slipbench {
 namespace {

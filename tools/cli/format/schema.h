@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sim/scene/catalogues.h"
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/format/sweep_text.h"
 
 #include <algorithm>
 #include <array>
@@ -15,10 +15,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/detector.h"
-#include "sim/core/sensor.h"
-#include "tools/base/statistics/confusion.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "sim/api/detector.h"
+#include "sim/api/sensor.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/statistics/confusion.h"
 
 namespace slipbench {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
-#include "tools/base/record/json.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/cost/explore.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/warnings.h"
+#include "tools/cli/terminal.h"
+#include "tools/cost/explore.h"
+#include "tools/dataset/record/json.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/trial/sweep/warnings.h"
 
 namespace slipbench {
 
@@ -87,7 +87,7 @@ std::string speed_text(const SweepSummary& summary, double elapsed);
 
 // For grasps with fields, the time steps of their trials and the resulting accuracy: "time step
 // 0.625 ms to 0.714 ms (auto): a slip begins ...". Empty for other scenes. Measured on
-// scenes/learn/grasp.yaml (tools/program/cost/README.md).
+// scenes/learn/grasp.yaml (tools/cost/README.md).
 std::string steps_text(const SweepSummary& summary);
 
 // Prints each warning as a line on stderr, even without progress and summary: "slipbench: warning:

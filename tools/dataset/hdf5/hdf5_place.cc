@@ -1,4 +1,4 @@
-#include "tools/base/hdf5/hdf5_place.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/process/regular_file.h"
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench::hdf5 {
 namespace {

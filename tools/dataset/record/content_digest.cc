@@ -1,4 +1,4 @@
-#include "tools/base/record/content_digest.h"
+#include "tools/dataset/record/content_digest.h"
 
 #include <algorithm>
 #include <array>

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/files/output_file.h"
-#include "tools/base/hdf5/hdf5_place.h"
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench {
 

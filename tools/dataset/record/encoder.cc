@@ -1,4 +1,4 @@
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/record/encoder.h"
 
 #include <libdeflate.h>
 
@@ -17,7 +17,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
-#include "tools/base/record/content_digest.h"
+#include "tools/dataset/record/content_digest.h"
 
 namespace slipbench {
 namespace {

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "tools/base/files/output_file.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/files/output_file.h"
 
 namespace slipbench {
 

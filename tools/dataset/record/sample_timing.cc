@@ -1,4 +1,4 @@
-#include "tools/base/record/sample_timing.h"
+#include "tools/dataset/record/sample_timing.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/base/record/json.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/core/contact_frame.h"
-#include "tools/base/record/sample_timing.h"
-#include "tools/base/statistics/confusion.h"
+#include "sim/api/contact_frame.h"
+#include "tools/dataset/record/sample_timing.h"
+#include "tools/statistics/confusion.h"
 
 namespace slipbench {
 

@@ -1,10 +1,10 @@
-#include "tools/base/project/project_file.h"
+#include "tools/files/project/project_file.h"
 
 #include <filesystem>
 #include <system_error>
 
 #include "sim/core/process/own_library.h"
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/quantity.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/export/formats.h"
+#include "tools/files/reject.h"
+#include "tools/formats/export/formats.h"
 
 namespace slipbench {
 namespace {

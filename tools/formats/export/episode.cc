@@ -1,4 +1,4 @@
-#include "tools/program/export/formats.h"
+#include "tools/formats/export/formats.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

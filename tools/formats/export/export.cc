@@ -1,4 +1,4 @@
-#include "tools/program/export/export.h"
+#include "tools/formats/export/export.h"
 
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -19,13 +19,13 @@
 #include <zlib.h>
 
 #include "detectors/hd/words.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/python/python_package.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/json.h"
-#include "tools/program/export/formats.h"
-#include "tools/program/samples/myrmex_images.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/reject.h"
+#include "tools/formats/export/formats.h"
+#include "tools/learning_data/myrmex_images.h"
+#include "tools/workers/python_package/python_package.h"
 
 namespace slipbench {
 namespace {
@@ -307,7 +307,7 @@ std::vector<std::string> sensors_of(const DatasetReader& reader, const std::vect
   return sensors;
 }
 
-// Returns the request for Python (tools/python/slipbench/_export/request.py).
+// Returns the request for Python (python/slipbench/_export/request.py).
 Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {
   const DatasetReader reader = checked_dataset(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);

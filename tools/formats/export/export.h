@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/output_file.h"
-#include "tools/program/samples/samples.h"
+#include "tools/dataset/reader.h"
+#include "tools/files/output_file.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench {
 
@@ -70,7 +70,7 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 
-// True if tools/python/slipbench/_export writes this format. It also writes the dataset card of
+// True if python/slipbench/_export writes this format. It also writes the dataset card of
 // every format.
 bool is_python_format(ExportFormat format);
 

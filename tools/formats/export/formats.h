@@ -1,8 +1,8 @@
 // Formats of an export: a function, or an object that receives trials, for each.
 #pragma once
 
-#include "tools/base/record/trial_record.h"
-#include "tools/program/export/export.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/formats/export/export.h"
 
 namespace slipbench {
 

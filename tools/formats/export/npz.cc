@@ -1,4 +1,4 @@
-#include "tools/program/export/formats.h"
+#include "tools/formats/export/formats.h"
 
 #include <algorithm>
 #include <memory>
@@ -10,7 +10,7 @@
 #include <archive_entry.h>
 #include <fmt/format.h>
 
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/record/encoder.h"
 
 namespace slipbench {
 namespace {

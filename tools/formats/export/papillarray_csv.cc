@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/math.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/export/formats.h"
+#include "tools/files/reject.h"
+#include "tools/formats/export/formats.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/export/formats.h"
+#include "tools/formats/export/formats.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -12,11 +12,11 @@
 
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/regular_file.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/hdf5/hdf5_place.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/json.h"
+#include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/export/formats.h"
+#include "tools/formats/export/formats.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/files/reject.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/program/import/source_table.h"
-#include "tools/program/samples/samples.h"
+#include "tools/files/reject.h"
+#include "tools/formats/import/source_table.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/import/import.h"
+#include "tools/formats/import/import.h"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,11 @@
 
 #include "detectors/hd/words.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/import/resample.h"
-#include "tools/program/import/source_table.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/dataset/writer.h"
+#include "tools/files/reject.h"
+#include "tools/formats/import/resample.h"
+#include "tools/formats/import/source_table.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/record/trial_record.h"
-#include "tools/program/sweep/warnings.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/trial/sweep/warnings.h"
 
 namespace slipbench {
 

@@ -9,8 +9,8 @@
 
 #include "detectors/channel.h"
 #include "sim/core/error.h"
-#include "tools/program/import/source_table.h"
-#include "tools/program/samples/samples.h"
+#include "tools/formats/import/source_table.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench {
 namespace {

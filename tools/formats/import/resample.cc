@@ -1,4 +1,4 @@
-#include "tools/program/import/resample.h"
+#include "tools/formats/import/resample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim/core/quantity.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/import/source_table.h"
+#include "tools/files/reject.h"
+#include "tools/formats/import/source_table.h"
 
 namespace slipbench {
 namespace {

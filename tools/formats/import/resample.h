@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/import/source_table.h"
+#include "tools/formats/import/source_table.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -12,14 +12,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/api/sensor.h"
 #include "sim/core/error.h"
 #include "sim/core/math/decade.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
-#include "sim/core/sensor.h"
-#include "tools/base/files/counted.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/files/counted.h"
+#include "tools/files/reject.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/record/json.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/json.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 

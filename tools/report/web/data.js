@@ -6,7 +6,7 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Inverse of tools/base/page/page.cc: columns as arrays.
+// Inverse of tools/page/page.cc: columns as arrays.
 sb.unpack = async packed => {
   const bytes = await inflate(packed.data);
   const {rows, columns} = packed;

@@ -6,7 +6,7 @@ const page = sb.page;
 const negative = 'hold_preset';  // the controller that never tightens
 
 // The exact 95 % interval of k of n (Clopper and Pearson), as in
-// tools/base/statistics/descriptive.cc.
+// tools/statistics/descriptive.cc.
 function upperTail(k, n, p) {
   let log = k * Math.log(p) + (n - k) * Math.log1p(-p);
   for (let i = 1; i <= k; ++i) log += Math.log((n - k + i) / i);

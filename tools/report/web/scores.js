@@ -1,4 +1,4 @@
-// Scores of a detector's answers, as defined in tools/base/statistics/confusion.h. `counts`:
+// Scores of a detector's answers, as defined in tools/statistics/confusion.h. `counts`:
 // [truth][class]; null: undefined.
 
 const contact = [1, 2, 3], slip = [2, 3];

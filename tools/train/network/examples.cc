@@ -1,4 +1,4 @@
-#include "tools/program/train/network/examples.h"
+#include "tools/train/network/examples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,16 +14,16 @@
 #include <fmt/ranges.h>
 
 #include "detectors/network/frames.h"
-#include "sim/core/contact_frame.h"
+#include "sim/api/contact_frame.h"
 #include "sim/core/random.h"
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/content_check.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/json.h"
-#include "tools/program/samples/myrmex_images.h"
-#include "tools/program/samples/samples.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/content_check.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/reject.h"
+#include "tools/learning_data/myrmex_images.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench::train {
 

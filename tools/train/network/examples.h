@@ -13,8 +13,8 @@
 
 #include "detectors/hd/words.h"
 #include "detectors/network/description.h"
-#include "sim/core/pad_state.h"
-#include "tools/base/record/trial_record.h"
+#include "sim/api/pad_state.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench::train {
 
@@ -86,7 +86,7 @@ struct ExampleOptions {
   ClassRule classes = ClassRule::slip;
   std::string sensor;  // empty: every sensor of the input's type and rate (network::rate_fits) whose values fit its picks
   std::size_t turned =
-      0;  // for a myrmex: number of additional copies of each example with turned images (samples/myrmex_images.h)
+      0;  // for a myrmex: number of additional copies of each example with turned images (tools/learning_data/myrmex_images.h)
   std::size_t at_most =
       0;  // maximum number of drawn frames per class and example; 0: all. For networks that see one frame at a time
   std::uint64_t seed = 1;  // of the draws: RandomStream(seed, trial, "frames") and "turns"

@@ -1,4 +1,4 @@
-#include "tools/program/train/network/operating_point.h"
+#include "tools/train/network/operating_point.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "sim/core/math.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/network/examples.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/train/network/examples.h"
 
 namespace slipbench::train {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "detectors/network/description.h"
-#include "tools/base/statistics/confusion.h"
+#include "tools/statistics/confusion.h"
 
 namespace slipbench::train {
 
@@ -20,7 +20,7 @@ struct SlipSeries {
   std::vector<std::uint8_t> truth;  // [T] 1: slip, 0: hold, `masked` (examples.h): neither
 };
 
-// Parameters of the score of slip-1 (tools/program/benchmark/README.md).
+// Parameters of the score of slip-1 (tools/benchmark/README.md).
 inline constexpr double half_delay = 0.1;   // s, delay for half of the credit
 inline constexpr double alarm_limit = 1.0;  // false alarms per minute up to which credit counts in full
 

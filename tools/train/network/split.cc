@@ -1,4 +1,4 @@
-#include "tools/program/train/network/split.h"
+#include "tools/train/network/split.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 
 #include "sim/core/math.h"
 #include "sim/core/random.h"
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench::train {
 namespace {

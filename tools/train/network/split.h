@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "detectors/hd/words.h"
-#include "tools/program/train/network/examples.h"
+#include "tools/train/network/examples.h"
 
 namespace slipbench::train {
 

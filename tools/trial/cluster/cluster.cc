@@ -1,4 +1,4 @@
-#include "tools/program/cluster/cluster.h"
+#include "tools/trial/cluster/cluster.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "sim/scene/parser.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/program/sweep/sweep_shard.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
+#include "tools/trial/sweep/sweep_shard.h"
 
 namespace slipbench {
 namespace {

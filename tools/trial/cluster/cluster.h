@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/scene/catalogues.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 

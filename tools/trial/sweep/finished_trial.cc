@@ -1,4 +1,4 @@
-#include "tools/program/sweep/finished_trial.h"
+#include "tools/trial/sweep/finished_trial.h"
 
 #include <array>
 #include <cstdint>

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "tools/base/record/encoder.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 

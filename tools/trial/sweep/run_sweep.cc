@@ -1,4 +1,4 @@
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 #include <algorithm>
 #include <cctype>
@@ -18,18 +18,18 @@
 
 #include "sim/core/process/interrupted.h"
 #include "sim/scene/section_readers.h"
-#include "tools/base/dataset/finished_dataset.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/json.h"
-#include "tools/base/workers/child_process.h"
-#include "tools/base/workers/ordered_children.h"
-#include "tools/base/workers/ordered_workers.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/recorded_scene.h"
-#include "tools/program/run/trial_run.h"
-#include "tools/program/sweep/finished_trial.h"
-#include "tools/program/sweep/sweep_shard.h"
+#include "tools/dataset/finished_dataset.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/reject.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/recorded_scene.h"
+#include "tools/trial/sweep/finished_trial.h"
+#include "tools/trial/sweep/sweep_shard.h"
+#include "tools/trial/trial_run.h"
+#include "tools/workers/child_process.h"
+#include "tools/workers/ordered_children.h"
+#include "tools/workers/ordered_workers.h"
 
 namespace slipbench {
 namespace {

@@ -13,11 +13,11 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/batches.h"
-#include "tools/base/dataset/header.h"
-#include "tools/base/record/trial_record.h"
-#include "tools/base/workers/child_process.h"
-#include "tools/program/run/run_trial.h"
+#include "tools/dataset/batches.h"
+#include "tools/dataset/header.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/trial/run_trial.h"
+#include "tools/workers/child_process.h"
 
 namespace slipbench {
 
@@ -144,7 +144,7 @@ std::string shell_word(const std::string& word);
 // run. Throws InputError for an invalid scene or target, and if options.only is not one of its
 // trials. If the target fails, finished work is kept in the folder OUT.h5.partial, which the
 // message names. A scene with an accuracy requirement is a std::logic_error: its setting must be
-// found before (tools/program/cost). The output does not depend on `jobs`.
+// found before (tools/cost). The output does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 // As above; `read`: read_sweep(options, catalogues).
 SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,

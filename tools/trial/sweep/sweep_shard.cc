@@ -1,4 +1,4 @@
-#include "tools/program/sweep/sweep_shard.h"
+#include "tools/trial/sweep/sweep_shard.h"
 
 #include <sys/stat.h>
 
@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "sim/core/random.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/files/reject.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {

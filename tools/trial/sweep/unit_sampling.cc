@@ -1,4 +1,4 @@
-#include "tools/program/sweep/unit_sampling.h"
+#include "tools/trial/sweep/unit_sampling.h"
 
 #include <algorithm>
 #include <cmath>

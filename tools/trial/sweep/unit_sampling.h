@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/pad_layout.h"
+#include "sim/api/pad_layout.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/sweep/warnings.h"
+#include "tools/trial/sweep/warnings.h"
 
 #include <algorithm>
 #include <array>
@@ -15,16 +15,16 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/detector.h"
+#include "sim/api/detector.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
-#include "tools/base/dataset/header.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/recorded_scene.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/unit_sampling.h"
+#include "tools/dataset/header.h"
+#include "tools/registry/sensor_catalogue.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/recorded_scene.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/unit_sampling.h"
 
 namespace slipbench {
 namespace {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
-#include "tools/base/record/json.h"
-#include "tools/base/statistics/confusion.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/dataset/record/json.h"
+#include "tools/statistics/confusion.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 

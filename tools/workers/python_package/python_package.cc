@@ -1,4 +1,4 @@
-#include "tools/base/python/python_package.h"
+#include "tools/workers/python_package/python_package.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -19,7 +19,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/process/own_library.h"
-#include "tools/base/files/reject.h"
+#include "tools/files/reject.h"
 
 namespace slipbench {
 namespace {

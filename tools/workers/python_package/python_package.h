@@ -11,7 +11,7 @@ namespace slipbench {
 // A module of the package `slipbench`.
 //
 // The interpreter is that of SLIPBENCH_PYTHON, which the package sets when it runs the program
-// (tools/python/slipbench/__main__.py). Without that variable it is build/venv of the program's
+// (python/slipbench/__main__.py). Without that variable it is build/venv of the program's
 // build.
 class PythonModule {
  public:

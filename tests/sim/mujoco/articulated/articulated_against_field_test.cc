@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/field/contact_labels.h"
+#include "sim/contact/contact_labels.h"
 #include "sim/mujoco/articulated/articulated_stage.h"
 #include "tests/oracle/pads.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
@@ -190,7 +190,7 @@ TEST_F(HeldBox, IsDroppedByBothWhenTheGripIsTooWeak) {
   const std::vector<double> of_field = onsets(field, 1.39), of_pillars = onsets(pillars, 1.39);
   // The edges begin to slip when their share of the grip no longer holds their share of the
   // weight; the middle, the last to hold, when 2 mu F = m g: at 1.3626 s, and 1.7 ms later due to
-  // the fingers' damping (tests/tools/program/run/bodies_test.cc). Within a step of 1 ms the grip
+  // the fingers' damping (tests/tools/trial/bodies_test.cc). Within a step of 1 ms the grip
   // falls by 0.36 %; the limit for the grip is 0.5 %.
   for (const std::size_t u : {1, 3, 4, 5, 7}) EXPECT_NEAR(of_pillars[u], of_field[u], 1e-3) << u;
   EXPECT_NEAR(of_pillars[4], 1.3626 + 0.0017, 1e-3);

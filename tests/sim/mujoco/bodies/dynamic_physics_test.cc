@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/motion/motion.h"
+#include "sim/api/motion.h"
 #include "sim/mujoco/mujoco_call.h"
-#include "sim/simulation/stage_setup.h"
+#include "sim/stage/stage_setup.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 #include "tests/sim/mujoco/bodies/dynamic_scenes.h"
 

@@ -14,7 +14,7 @@
 #include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "sim/mujoco/pads/register_plugin.h"
 #include "tests/scenes.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench {
 

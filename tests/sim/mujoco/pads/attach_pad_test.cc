@@ -1,4 +1,4 @@
-// attach_pad() against the file with the same pads written out. tests/tools/python/mujoco_test.py
+// attach_pad() against the file with the same pads written out. tests/python/mujoco_test.py
 // compares attach_pad() with Python's.
 #include <fstream>
 #include <iterator>

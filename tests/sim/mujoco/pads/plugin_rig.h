@@ -12,7 +12,7 @@
 #include "sim/mujoco/pads/field_plugin.h"
 #include "sim/mujoco/pads/register_plugin.h"
 #include "tests/sim/mujoco/pads/models.h"
-#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench::testing_plugin {
 

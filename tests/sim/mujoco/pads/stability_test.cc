@@ -353,7 +353,7 @@ TEST(Stability, DivergenceIsWhereTheStepsSpectralRadiusLeavesOne) {
 // A box on a slide with a damper of D = 40 N s/m between two pads, stepped by MuJoCo's Euler:
 // omega^2 = 18 k_n/m, d = D/m = 400/s. The limit is (h omega)^2 = 4 + 2 h d, 3.56 ms; with explicit
 // dampers it is (h omega)^2 + 2 h d = 4, 2.08 ms. (Pads' dashpots and free bodies:
-// tests/tools/program/cost/stability_map_test.cc.)
+// tests/tools/cost/stability_map_test.cc.)
 TEST(Stability, DampersOfJointsCountAsEulerTakesThem) {
   using testing_plugin::config;
   testing_plugin::know_the_plugin();

@@ -3,8 +3,8 @@
 
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/text/describe.h"
+#include "tools/cli/format/describe.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/tools/program/commands/child_process.h"
+#include "tests/tools/cli/commands/child_process.h"
 
 #include <fcntl.h>
 #include <pty.h>

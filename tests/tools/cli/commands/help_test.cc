@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/program/commands/child_process.h"
+#include "tests/tools/cli/commands/child_process.h"
 
 namespace slipbench {
 namespace {
@@ -29,7 +29,7 @@ std::string shortened(const std::string& sweep) {
 }
 
 // In the order of the commands, since the later ones read what the earlier ones have written.
-// That of `benchmark` takes minutes; tests/tools/program/benchmark runs what its examples do on fewer trials.
+// That of `benchmark` takes minutes; tests/tools/benchmark runs what its examples do on fewer trials.
 TEST(Help, EveryExampleWorks) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "scenes/papillarray");

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/expect.h"
-#include "tests/tools/program/commands/child_process.h"
-#include "tests/tools/program/import/sources.h"
+#include "tests/tools/cli/commands/child_process.h"
+#include "tests/tools/formats/import/sources.h"
 
 namespace slipbench {
 namespace {

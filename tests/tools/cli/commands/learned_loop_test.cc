@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/expect.h"
-#include "tests/tools/program/commands/child_process.h"
+#include "tests/tools/cli/commands/child_process.h"
 
 namespace slipbench {
 namespace {

@@ -1,7 +1,7 @@
 // The built program with a person before it: colours and a progress bar.
 
 #include "tests/expect.h"
-#include "tests/tools/program/commands/child_process.h"
+#include "tests/tools/cli/commands/child_process.h"
 
 namespace slipbench::program_terminal_test {
 namespace {

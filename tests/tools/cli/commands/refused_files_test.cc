@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "tests/expect.h"
-#include "tests/tools/program/commands/child_process.h"
+#include "tests/tools/cli/commands/child_process.h"
 
 namespace slipbench {
 namespace {

@@ -1,11 +1,11 @@
 
-#include "tools/program/text/describe.h"
+#include "tools/cli/format/describe.h"
 #include "tests/expect.h"
-#include "tests/tools/program/cost/example.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/text/describe_key.h"
-#include "tools/program/text/schema.h"
-#include "tools/program/text/sweep_text.h"
+#include "tests/tools/cost/example.h"
+#include "tools/cli/format/describe_key.h"
+#include "tools/cli/format/schema.h"
+#include "tools/cli/format/sweep_text.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench {
 namespace {

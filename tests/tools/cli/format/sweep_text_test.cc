@@ -1,4 +1,4 @@
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/format/sweep_text.h"
 
 #include <cmath>
 #include <limits>

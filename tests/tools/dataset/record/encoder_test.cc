@@ -1,4 +1,4 @@
-#include "tools/base/record/encoder.h"
+#include "tools/dataset/record/encoder.h"
 
 #include <atomic>
 #include <stdexcept>
@@ -8,7 +8,7 @@
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
-#include "tests/tools/base/record/test_records.h"
+#include "tests/tools/dataset/record/test_records.h"
 
 namespace slipbench::testing {
 namespace {

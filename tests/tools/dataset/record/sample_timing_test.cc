@@ -1,6 +1,6 @@
 // Rates from time stamps, and even spacing. Expected values are those of the clocks that make the
 // stamps.
-#include "tools/base/record/sample_timing.h"
+#include "tools/dataset/record/sample_timing.h"
 
 #include <cmath>
 #include <functional>
@@ -8,7 +8,7 @@
 
 #include "sim/core/random.h"
 #include "tests/expect.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/trial_record.h"
 
 namespace slipbench {
 namespace {

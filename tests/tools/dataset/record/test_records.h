@@ -14,9 +14,9 @@
 
 #include "tests/expect.h"
 #include "tests/files.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/base/record/encoder.h"
-#include "tools/base/record/trial_record.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/trial_record.h"
+#include "tools/dataset/writer.h"
 
 namespace slipbench::testing {
 

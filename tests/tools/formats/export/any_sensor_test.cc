@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/program/export/export.h"
-#include "tools/program/export/formats.h"
-#include "tools/program/samples/samples.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/reader.h"
+#include "tools/formats/export/export.h"
+#include "tools/formats/export/formats.h"
+#include "tools/learning_data/samples.h"
 
 namespace slipbench::any_sensor_test {
 namespace {

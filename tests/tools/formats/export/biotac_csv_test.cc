@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/export/export.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/formats/export/export.h"
 
 namespace slipbench::biotac_csv_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/export/export.h"
+#include "tools/formats/export/export.h"
 
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -8,9 +8,9 @@
 #include <csignal>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/writer.h"
-#include "tools/program/export/formats.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/writer.h"
+#include "tools/formats/export/formats.h"
 
 namespace slipbench::testing {
 namespace {

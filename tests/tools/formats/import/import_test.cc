@@ -8,13 +8,13 @@
 
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
-#include "tests/tools/program/import/sources.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/export/export.h"
-#include "tools/program/import/source_table.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/verify/verify.h"
+#include "tests/tools/formats/import/sources.h"
+#include "tools/dataset/reader.h"
+#include "tools/formats/export/export.h"
+#include "tools/formats/import/source_table.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/verify/verify.h"
 
 namespace slipbench::import_test {
 namespace {

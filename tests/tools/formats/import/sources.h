@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/import/import.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/formats/import/import.h"
 
 namespace slipbench::testing {
 

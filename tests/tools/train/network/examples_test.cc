@@ -1,4 +1,4 @@
-#include "tools/program/train/network/examples.h"
+#include "tools/train/network/examples.h"
 
 #include <cmath>
 #include <numbers>
@@ -6,8 +6,8 @@
 #include <string>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/train/network/split.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/train/network/split.h"
 
 namespace slipbench::train::examples_test {
 namespace {

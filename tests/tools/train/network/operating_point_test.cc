@@ -1,10 +1,10 @@
-#include "tools/program/train/network/operating_point.h"
+#include "tools/train/network/operating_point.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "tools/program/train/network/examples.h"
+#include "tools/train/network/examples.h"
 
 namespace slipbench::train::operating_point_test {
 namespace {

@@ -1,5 +1,5 @@
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/warnings.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/trial/sweep/warnings.h"
 
 #include <atomic>
 #include <chrono>
@@ -16,11 +16,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/sweep/finished_trial.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/dataset/reader.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/finished_trial.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench::testing {
 namespace {

@@ -1,5 +1,5 @@
 // Sampling of a wave by the points of a unit, against the closed-form sum over a row of points.
-#include "tools/program/sweep/unit_sampling.h"
+#include "tools/trial/sweep/unit_sampling.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 // Valid scenes that are hardly intended.
-#include "tools/program/sweep/warnings.h"
+#include "tools/trial/sweep/warnings.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/tools/dataset/record/test_records.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench::testing {
 namespace {

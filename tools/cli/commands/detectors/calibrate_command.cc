@@ -1,4 +1,4 @@
-#include "tools/program/commands/detectors/detector_commands.h"
+#include "tools/cli/commands/detectors/detector_commands.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,14 +8,14 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/calibrate/snapshots.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/import/import.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/calibrate/snapshots.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/terminal.h"
+#include "tools/files/reject.h"
+#include "tools/formats/import/import.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench {
 namespace {

@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/files/counted.h"
-#include "tools/base/python/python_package.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/commands/detectors/detector_commands.h"
-#include "tools/program/eval/replay.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/commands/detectors/detector_commands.h"
+#include "tools/cli/terminal.h"
+#include "tools/eval/replay.h"
+#include "tools/files/counted.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/workers/python_package/python_package.h"
 
 namespace slipbench {
 namespace {

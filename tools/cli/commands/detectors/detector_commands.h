@@ -10,14 +10,14 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/model.h"
 #include "sim/scene/parser.h"
-#include "tools/base/record/json.h"
-#include "tools/program/benchmark/benchmark.h"
-#include "tools/program/calibrate/calibrate.h"
-#include "tools/program/cli/command.h"
-#include "tools/program/eval/detect.h"
-#include "tools/program/eval/evaluate.h"
-#include "tools/program/train/network/split.h"
-#include "tools/program/train/train_hd.h"
+#include "tools/benchmark/benchmark.h"
+#include "tools/calibrate/calibrate.h"
+#include "tools/cli/command.h"
+#include "tools/dataset/record/json.h"
+#include "tools/eval/detect.h"
+#include "tools/eval/evaluate.h"
+#include "tools/train/network/split.h"
+#include "tools/train/train_hd.h"
 
 namespace slipbench {
 

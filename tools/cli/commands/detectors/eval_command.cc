@@ -13,16 +13,16 @@
 #include "detectors/hd/words.h"
 #include "detectors/network/engine.h"
 #include "sim/core/process/regular_file.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/commands/detectors/detector_commands.h"
-#include "tools/program/eval/replay.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/commands/detectors/detector_commands.h"
+#include "tools/cli/format/sweep_text.h"
+#include "tools/cli/terminal.h"
+#include "tools/eval/replay.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
+#include "tools/statistics/descriptive.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench {
 namespace {
@@ -146,7 +146,7 @@ void BenchmarkCommand::declare(Arguments& arguments) {
 Puts every detector on a board: those that ship, those that the protocol teaches, the negative controls (always slip, never slip, a
 clock, the motion known, the motion known and timed), and the DETECTORs given. A protocol is fixed: recordings and grasps
 of scenes/benchmark/PROTOCOL, which share no seed with what is learnt from, and a score that false alarms lower
-(tools/program/benchmark/README.md).
+(tools/benchmark/README.md).
 
 Three tracks: open recordings; closed loop, where a gripper tightens by what the detector says; transfer, with --real, where what was taught on
 simulations is judged on recordings of real sensors.

@@ -1,4 +1,4 @@
-#include "tools/program/commands/detectors/detector_commands.h"
+#include "tools/cli/commands/detectors/detector_commands.h"
 
 #include <algorithm>
 #include <charconv>
@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/base/files/reject.h"
-#include "tools/base/python/python_package.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/text/describe.h"
-#include "tools/program/train/recipe_list.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/format/describe.h"
+#include "tools/cli/terminal.h"
+#include "tools/files/reject.h"
+#include "tools/train/recipe_list.h"
+#include "tools/trial/sweep/run_sweep.h"
+#include "tools/workers/python_package/python_package.h"
 
 namespace slipbench {
 namespace {

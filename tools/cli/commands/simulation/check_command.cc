@@ -8,17 +8,17 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/record/json.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/commands/simulation/simulation_commands.h"
-#include "tools/program/cost/kept_setting.h"
-#include "tools/program/sweep/warnings.h"
-#include "tools/program/text/check_text.h"
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/commands/simulation/simulation_commands.h"
+#include "tools/cli/format/check_text.h"
+#include "tools/cli/format/sweep_text.h"
+#include "tools/cli/terminal.h"
+#include "tools/cost/kept_setting.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/output_file.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/warnings.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench {
 namespace {

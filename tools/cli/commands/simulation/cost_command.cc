@@ -1,18 +1,18 @@
-#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/cli/commands/simulation/simulation_commands.h"
 
 #include <cstdio>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/doctor/doctor.h"
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/format/sweep_text.h"
+#include "tools/cli/terminal.h"
+#include "tools/doctor/doctor.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/workers/interrupt_guard.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
-#include "tools/program/cost/stability_map.h"
+#include "tools/cost/stability_map.h"
 #endif
 
 namespace slipbench {

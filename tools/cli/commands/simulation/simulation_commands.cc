@@ -1,4 +1,4 @@
-#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/cli/commands/simulation/simulation_commands.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -13,15 +13,15 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/shard_set.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/json.h"
-#include "tools/base/workers/interrupt_guard.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/sweep/warnings.h"
-#include "tools/program/text/sweep_text.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/format/sweep_text.h"
+#include "tools/cli/terminal.h"
+#include "tools/dataset/record/json.h"
+#include "tools/dataset/shard_set.h"
+#include "tools/files/reject.h"
+#include "tools/registry/program_catalogues.h"
+#include "tools/trial/sweep/warnings.h"
+#include "tools/workers/interrupt_guard.h"
 
 namespace slipbench {
 namespace {

@@ -10,12 +10,12 @@
 
 #include "detectors/hd/words.h"
 #include "sim/scene/catalogues.h"
-#include "tools/program/check/check.h"
-#include "tools/program/cli/command.h"
-#include "tools/program/cluster/cluster.h"
-#include "tools/program/cost/explore.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/run_sweep.h"
+#include "tools/check/check.h"
+#include "tools/cli/command.h"
+#include "tools/cost/explore.h"
+#include "tools/trial/cluster/cluster.h"
+#include "tools/trial/run_trial.h"
+#include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 
@@ -115,7 +115,7 @@ inline constexpr std::array recording_words{hd::Word<Recording>{"full", Recordin
                                             hd::Word<Recording>{"outcome", Recording::outcome}};
 
 // Where the scene says `accuracy`, appends to `sweep.overrides` the setting that meets it in the trials that `sweep` asks for
-// (tools/program/cost/kept_setting.h), so that from here on it is a scene like any other and its command says how it was computed.
+// (tools/cost/kept_setting.h), so that from here on it is a scene like any other and its command says how it was computed.
 // `command` tells what it is. Throws InputError.
 void settle_accuracy(SweepOptions& sweep, const Catalogues& catalogues, const Command& command);
 

@@ -1,19 +1,19 @@
-#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/cli/commands/simulation/simulation_commands.h"
 
 #include <cstdio>
 #include <filesystem>
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/checked_dataset.h"
-#include "tools/base/dataset/reader.h"
-#include "tools/base/files/output_file.h"
-#include "tools/base/files/reject.h"
-#include "tools/base/record/json.h"
-#include "tools/program/cli/arguments.h"
-#include "tools/program/cli/terminal.h"
-#include "tools/program/report/report.h"
-#include "tools/program/view/rerun.h"
+#include "tools/cli/arguments.h"
+#include "tools/cli/terminal.h"
+#include "tools/dataset/checked_dataset.h"
+#include "tools/dataset/reader.h"
+#include "tools/dataset/record/json.h"
+#include "tools/files/output_file.h"
+#include "tools/files/reject.h"
+#include "tools/report/report.h"
+#include "tools/view/rerun.h"
 
 namespace slipbench {
 namespace {

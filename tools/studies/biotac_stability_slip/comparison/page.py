@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 import recordings as rec
 from recordings import GROUPS
 
-KIT = Path(__file__).resolve().parents[3] / "base" / "page" / "web"
+KIT = Path(__file__).resolve().parents[3] / "page" / "web"
 COLOURS = {"real": "#1f66ad", "synthetic": "#c2450f"}  # --s0 and --s1 of theme.css
 ELECTRODE_COLOURS = colormaps["hsv"](np.arange(24) / 24)
 rc("font", size=7)
@@ -26,7 +26,7 @@ figcaption { font-size: 12px; color: var(--soft); }
 
 
 def composed(title, body):
-    """The page of tools/base/page around `body` (HTML)."""
+    """The page of tools/page around `body` (HTML)."""
     styles = "\n".join((KIT / name).read_text(encoding="utf-8") for name in ("theme.css", "page.css")) + STYLE
     digest = base64.b64encode(hashlib.sha256(f"\n{styles}\n".encode()).digest()).decode()
     policy = (f"default-src 'none'; style-src-elem 'sha256-{digest}'; style-src-attr 'unsafe-inline'; img-src data:; "
