@@ -19,8 +19,6 @@ struct NamedBody {
   std::vector<double> size = {};  // [3] m, extent along its own axes; empty: not given
 };
 
-class HeldBox;  // sim/grasp/grasp.h
-
 // Every pad has its own ticks, the k-th (from 0) at t = k * time_step (step_plan.h). They are those
 // of the pad alone, so that its results do not depend on the other pads. The simulation goes from
 // one instant at which a pad has a tick to the next.
@@ -53,8 +51,6 @@ class Simulation {
   [[nodiscard]] virtual bool rotating() const = 0;
   // The trial's factor on the scene's friction.
   [[nodiscard]] virtual double friction_scale() const { return 1.0; }
-  // The gripper and its box; null if the simulation has none.
-  [[nodiscard]] virtual HeldBox* held_box() { return nullptr; }
 
  protected:
   Simulation() = default;

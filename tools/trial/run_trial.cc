@@ -81,7 +81,7 @@ DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene
 
 ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial,
                       const TrialRun::ControllerInPlace& in_place = {}) {
-  HeldBox* box = simulation.held_box();
+  auto* box = dynamic_cast<HeldBox*>(&simulation);
   if (box != nullptr && !scene.guided() && scene.duration <= box->lift_start()) {
     throw SceneValueError(
         "duration", "ends before the box is lifted; allowed: more than " + format_quantity(box->lift_start(), Quantity::time));

@@ -385,7 +385,8 @@ class TrialRun {
 
   [[nodiscard]] ControlLoop& loop() { return loop_; }
   [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
-  [[nodiscard]] HeldBox* box() { return simulation_->held_box(); }  // null: not a grasp
+  // The gripper and its box; null if the simulation has none.
+  [[nodiscard]] HeldBox* box() { return dynamic_cast<HeldBox*>(simulation_.get()); }
   [[nodiscard]] std::span<const std::unique_ptr<Sensor>> sensors() const { return sensors_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
 

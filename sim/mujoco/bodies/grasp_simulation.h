@@ -63,7 +63,6 @@ class GraspSimulation final : public Simulation, public HeldBox {
   [[nodiscard]] bool rotating() const override;
 
   [[nodiscard]] double friction_scale() const override;
-  [[nodiscard]] HeldBox* held_box() override { return this; }
 
   [[nodiscard]] Gripper& gripper() override;
   [[nodiscard]] Guided* arm() override;
