@@ -21,12 +21,12 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include "detectors/hd/words.h"
 #include "detectors/network/description.h"
 #include "detectors/network/engine.h"
 #include "detectors/network/frames.h"
 #include "python/arrays.h"
 #include "python/module.h"
+#include "sim/core/choice.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/files/reject.h"
 #include "tools/statistics/confusion.h"
@@ -45,8 +45,8 @@ using Described = nb::typed<nb::dict, nb::str, nb::any>;
 // Value of an option's word. Errors name `option`.
 template <class Words>
 auto value_of(const Words& words, const std::string& word, const char* option) {
-  const auto found = hd::value_of(words, word);
-  if (!found) reject("{}: unknown {}{}", option, quote(word), allowed_names(word, hd::names_of(words)));
+  const auto found = choice_value(words, word);
+  if (!found) reject("{}: unknown {}{}", option, quote(word), allowed_names(word, choice_names(words)));
   return *found;
 }
 
@@ -169,9 +169,9 @@ nb::list classes_as_pairs(train::ClassRule classes, train::LabelRule labels) {
   return all;
 }
 
-inline constexpr std::array class_words{hd::Word<train::ClassRule>{"slip", train::ClassRule::slip},
-                                        hd::Word<train::ClassRule>{"kind", train::ClassRule::kind},
-                                        hd::Word<train::ClassRule>{"direction", train::ClassRule::direction}};
+inline constexpr std::array class_words{Choice<train::ClassRule>{"slip", train::ClassRule::slip},
+                                        Choice<train::ClassRule>{"kind", train::ClassRule::kind},
+                                        Choice<train::ClassRule>{"direction", train::ClassRule::direction}};
 
 using Told = nb::typed<nb::callable, nb::any(std::size_t, std::size_t)>;
 

@@ -24,6 +24,7 @@
 #include "python/module.h"
 #include "sensors/biotac_sp/skin.h"
 #include "sim/api/detector.h"
+#include "sim/core/choice.h"
 #include "sim/core/error.h"
 #include "tools/dataset/record/json.h"
 #include "tools/dataset/record/trial_record.h"
@@ -152,8 +153,8 @@ nb::ndarray<nb::numpy, double> electrode_places() {
 // Value of a word. Throws InputError, naming `key`, for an unknown word.
 template <class Words>
 auto value_of_word(const Words& words, const char* key, const std::string& name) {
-  if (const auto value = hd::value_of(words, name)) return *value;
-  reject("{}: unknown {}{}", key, quote(name), allowed_names(name, hd::names_of(words)));
+  if (const auto value = choice_value(words, name)) return *value;
+  reject("{}: unknown {}{}", key, quote(name), allowed_names(name, choice_names(words)));
 }
 
 // The trials of a dataset, on which hyperdimensional detectors are cross-validated.

@@ -9,6 +9,7 @@
 #include "detectors/detector_kinds.h"
 #include "detectors/hd/engine.h"
 #include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 
@@ -69,7 +70,7 @@ SavedModel load_memories(const std::string& path) {
 // Replaces `value` by the one that `said` names; a word outside the table ("as saved") keeps it.
 template <class Words, class Value>
 void take(const Words& words, const std::string& said, Value& value) {
-  value = value_of(words, said).value_or(value);
+  value = choice_value(words, said).value_or(value);
 }
 
 std::vector<std::string> or_as_saved(std::vector<std::string> words) {
@@ -96,14 +97,14 @@ std::vector<ParameterSpec> detector_parameters() {
       number_spec("rate", Quantity::frequency, "100 Hz", positive,
                   "Frames a second that are classified, every k-th of the sensor's; the sensor's rate must be a multiple.",
                   "paper, section III-A"),
-      choice_spec("quantiser", as_saved, or_as_saved(names_of(quantiser_words)),
+      choice_spec("quantiser", as_saved, or_as_saved(choice_names(quantiser_words)),
                   "How displacements become levels; model: as in model.txt.",
                   "without model.txt: fixed_point, as the published hardware"),
       choice_spec(
-          "compat", as_saved, or_as_saved(names_of(compat_words)),
+          "compat", as_saved, or_as_saved(choice_names(compat_words)),
           "Bundling: paper: the paper's; published_core: the published core's, which keeps its counts between the frames of a window; model: as in model.txt.",
           "without model.txt: paper"),
-      choice_spec("ties", as_saved, or_as_saved(names_of(ties_words)),
+      choice_spec("ties", as_saved, or_as_saved(choice_names(ties_words)),
                   "Bit of a bundle that sums to zero; model: as in model.txt.", "without model.txt: one")};
 }
 

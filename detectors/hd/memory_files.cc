@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "sim/core/process/own_library.h"
 #include "sim/core/process/regular_file.h"
 
@@ -32,10 +33,10 @@ constexpr std::uintmax_t largest_file = 1'000'000;
 // Fits the digests of a million trials.
 constexpr std::uintmax_t largest_seen = 65'000'000;
 
-constexpr std::array version_words{Word<int>{"1", 1}};
+constexpr std::array version_words{Choice<int>{"1", 1}};
 constexpr std::array<std::pair<const char*, std::size_t network::Alarm::*>, 3> alarm_keys{
     {{"on", &network::Alarm::on}, {"off", &network::Alarm::off}, {"least", &network::Alarm::least}}};
-constexpr std::array flag_words{Word<bool>{"false", false}, Word<bool>{"true", true}};
+constexpr std::array flag_words{Choice<bool>{"false", false}, Choice<bool>{"true", true}};
 
 std::string at(const fs::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line) + ": "; }
 
@@ -119,9 +120,10 @@ class DescriptionReader {
   template <class Words>
   auto word(const std::string& key, const Words& words) {
     const Entry& found = entry(key);
-    const auto value = value_of(words, found.text);
+    const auto value = choice_value(words, found.text);
     if (!value)
-      throw InputError(at(file_, found.line) + key + ": found " + quote(found.text) + allowed_names(found.text, names_of(words)));
+      throw InputError(at(file_, found.line) + key + ": found " + quote(found.text) +
+                       allowed_names(found.text, choice_names(words)));
     return *value;
   }
 
@@ -182,11 +184,11 @@ std::string description_of(const SavedModel& saved) {
   const auto line = [&](const char* key, const std::string& value) { text += std::string(key) + ": " + value + "\n"; };
   line("dimension", std::to_string(model.dimension));
   line("window", std::to_string(model.window));
-  line("encoding", name_of(encoding_words, model.encoding));
-  line("context_driven", name_of(flag_words, model.context_driven));
-  line("ties", name_of(ties_words, model.ties));
-  line("compat", name_of(compat_words, model.compat));
-  line("quantiser", name_of(quantiser_words, saved.quantiser));
+  line("encoding", choice_name(encoding_words, model.encoding));
+  line("context_driven", choice_name(flag_words, model.context_driven));
+  line("ties", choice_name(ties_words, model.ties));
+  line("compat", choice_name(compat_words, model.compat));
+  line("quantiser", choice_name(quantiser_words, saved.quantiser));
   for (const auto& [key, frames] : alarm_keys) {
     if (saved.alarm.*frames != 1) line(key, std::to_string(saved.alarm.*frames));
   }

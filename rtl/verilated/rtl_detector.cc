@@ -12,6 +12,7 @@
 #include "detectors/hd/hd_detector.h"
 #include "detectors/hd/words.h"
 #include "rtl/verilated/rtl_engine.h"
+#include "sim/core/choice.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -19,8 +20,9 @@ namespace hd {
 namespace {
 
 constexpr const char* no_waveform = "none";
-constexpr std::array unrolling_words{Word<Unrolling>{"fastest", Unrolling::fastest}, Word<Unrolling>{"middle", Unrolling::middle},
-                                     Word<Unrolling>{"smallest", Unrolling::smallest}};
+constexpr std::array unrolling_words{Choice<Unrolling>{"fastest", Unrolling::fastest},
+                                     Choice<Unrolling>{"middle", Unrolling::middle},
+                                     Choice<Unrolling>{"smallest", Unrolling::smallest}};
 
 // A classified frame's number is exact as a double after a day at 1 MHz.
 constexpr Range within_a_day{0.0, 86400.0};
@@ -83,10 +85,10 @@ void check_clock(const Parameters& parameters, Unrolling unrolling, const FrameS
 std::shared_ptr<RtlEngine> make_engine(const SavedModel& saved, const Parameters& parameters, const FrameSource& source) {
   if (saved.quantiser != Quantiser::fixed_point) {
     throw SceneValueError("detector.quantiser",
-                          name_of(quantiser_words, saved.quantiser) + " is not what the core computes; allowed: fixed_point");
+                          choice_name(quantiser_words, saved.quantiser) + " is not what the core computes; allowed: fixed_point");
   }
   RtlOptions options;
-  options.unrolling = value_of(unrolling_words, parameters.choice("unrolling")).value();
+  options.unrolling = choice_value(unrolling_words, parameters.choice("unrolling")).value();
   check_clock(parameters, options.unrolling, source);
   if (parameters.flag("lockstep")) options.golden = make_kernel(saved.model, saved.memories);
   set_waveform(parameters, source, options);
@@ -100,7 +102,7 @@ std::shared_ptr<RtlEngine> make_engine(const SavedModel& saved, const Parameters
 std::vector<ParameterSpec> rtl_parameters() {
   return joined(
       detector_parameters(),
-      {choice_spec("unrolling", "fastest", names_of(unrolling_words),
+      {choice_spec("unrolling", "fastest", choice_names(unrolling_words),
                    "How much of a frame the core works on at once: more area gives less latency.",
                    "rtl/hd/README.md has the table"),
        number_spec("clock", Quantity::frequency, "100 MHz", positive, "Clock of the core.", "paper, section IV"),

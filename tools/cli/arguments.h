@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/parser.h"
@@ -69,17 +69,17 @@ class Arguments {
   Arguments& quantity(const std::string& usage, Value& value, const std::string& help, Quantity quantity) {
     return read(usage, help, [=, this, &value](const std::string& text) { value = positive_quantity(usage, text, quantity); });
   }
-  // One of the words of a table (detectors/hd/words.h), which must outlive this object. They
+  // One of the names of a table (sim/core/choice.h), which must outlive this object. They
   // replace {} in `help`.
   template <class Value, class Words>
   Arguments& word(const std::string& usage, Value& value, const std::string& help, const Words& words) {
-    return read(usage, with_names(help, hd::names_of(words)),
+    return read(usage, with_names(help, choice_names(words)),
                 [=, this, &value, &words](const std::string& text) {
-                  const auto found = hd::value_of(words, text);
-                  if (!found) refuse(usage, text, allowed_names(text, hd::names_of(words)));
+                  const auto found = choice_value(words, text);
+                  if (!found) refuse(usage, text, allowed_names(text, choice_names(words)));
                   value = *found;
                 })
-        .offers([&words] { return hd::names_of(words); });
+        .offers([&words] { return choice_names(words); });
   }
   // Any other value: `reader` receives the text and throws InputError for an invalid one.
   Arguments& read(const std::string& usage, const std::string& help, std::function<void(const std::string&)> reader);

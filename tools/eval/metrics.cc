@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "detectors/hd/words.h"
 #include "sim/api/contact_frame.h"
 #include "sim/api/motion.h"
+#include "sim/core/choice.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
 
@@ -113,13 +113,13 @@ Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector
   return {found.value, found.interval};
 }
 
-constexpr std::array<hd::Word<TruthRule>, 7> rules{{{"strict", TruthRule::strict},
-                                                    {"micro", TruthRule::micro},
-                                                    {"paper", TruthRule::paper},
-                                                    {"latched", TruthRule::latched},
-                                                    {"masked", TruthRule::masked},
-                                                    {"has_slipped", TruthRule::has_slipped},
-                                                    {"recorded", TruthRule::recorded}}};
+constexpr std::array<Choice<TruthRule>, 7> rules{{{"strict", TruthRule::strict},
+                                                  {"micro", TruthRule::micro},
+                                                  {"paper", TruthRule::paper},
+                                                  {"latched", TruthRule::latched},
+                                                  {"masked", TruthRule::masked},
+                                                  {"has_slipped", TruthRule::has_slipped},
+                                                  {"recorded", TruthRule::recorded}}};
 
 std::vector<PadState> latched(std::vector<PadState> states) {
   PadState held = PadState::no_contact;
@@ -367,14 +367,14 @@ Json summary_json(const Summary& summary) {
           {"called", std::move(called)}};
 }
 
-std::vector<std::string> label_rule_names() { return hd::names_of(rules); }
+std::vector<std::string> label_rule_names() { return choice_names(rules); }
 
 TruthRule parse_label_rule(const std::string& name) {
-  if (const std::optional<TruthRule> rule = hd::value_of(rules, name)) return *rule;
+  if (const std::optional<TruthRule> rule = choice_value(rules, name)) return *rule;
   throw InputError("unknown label rule " + quote(name) + allowed_names(name, label_rule_names()));
 }
 
-std::string label_rule_name(TruthRule rule) { return hd::name_of(rules, rule); }
+std::string label_rule_name(TruthRule rule) { return choice_name(rules, rule); }
 
 std::string labels_title(TruthRule rule) { return rule == TruthRule::recorded ? "labels" : "truth"; }
 

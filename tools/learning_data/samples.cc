@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "detectors/channel.h"
-#include "detectors/hd/words.h"
 #include "sim/api/motion.h"
+#include "sim/core/choice.h"
 #include "sim/core/math.h"
 #include "sim/scene/parser.h"
 #include "tools/dataset/record/encoder.h"
@@ -33,9 +33,8 @@ std::vector<T> rows_at(const std::vector<T>& values, const std::vector<double>& 
   return taken;
 }
 
-constexpr std::array rules{hd::Word<SlipRule>{"strict", SlipRule::strict}, hd::Word<SlipRule>{"micro", SlipRule::micro},
-                           hd::Word<SlipRule>{"paper", SlipRule::paper},
-                           hd::Word<SlipRule>{"has_slipped", SlipRule::has_slipped}};
+constexpr std::array rules{Choice<SlipRule>{"strict", SlipRule::strict}, Choice<SlipRule>{"micro", SlipRule::micro},
+                           Choice<SlipRule>{"paper", SlipRule::paper}, Choice<SlipRule>{"has_slipped", SlipRule::has_slipped}};
 
 // Number of samples per row of a channel.
 std::size_t samples_a_row(const SensorColumn& column, const SensorRecord& sensor) {
@@ -164,12 +163,12 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
 }
 
 SlipRule parse_slip_rule(const std::string& name) {
-  if (const std::optional<SlipRule> rule = hd::value_of(rules, name)) return *rule;
+  if (const std::optional<SlipRule> rule = choice_value(rules, name)) return *rule;
   reject("unknown slip rule {}{}", quote(name), allowed_names(name, slip_rule_names()));
 }
 
-std::vector<std::string> slip_rule_names() { return hd::names_of(rules); }
-std::string slip_rule_name(SlipRule rule) { return hd::name_of(rules, rule); }
+std::vector<std::string> slip_rule_names() { return choice_names(rules); }
+std::string slip_rule_name(SlipRule rule) { return choice_name(rules, rule); }
 
 RecordedSamples::RecordedSamples(const SensorRecord& sensor) : sensor_(&sensor) {
   std::size_t name = 0;

@@ -7,10 +7,10 @@
 #include "detectors/detector_kinds.h"
 #include "detectors/flip.h"
 #include "detectors/hd/hd_detector.h"
-#include "detectors/hd/words.h"
 #include "detectors/nib/slip_detectors.h"
 #include "rtl/verilated/rtl_engine.h"
 #include "sim/api/motion.h"
+#include "sim/core/choice.h"
 #include "tools/registry/registry.h"
 #include "tools/registry/sensor_catalogue.h"
 
@@ -322,7 +322,7 @@ void check_run(const DetectorScene& scene, std::uint64_t trials) {
   }
 }
 
-std::vector<std::string> hd_engine_names() { return hd::names_of(engine_catalogue); }
+std::vector<std::string> hd_engine_names() { return choice_names(engine_catalogue); }
 
 std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Model& model, const hd::Memories& memories) {
   for (const EngineKind& kind : engine_catalogue) {
@@ -363,7 +363,7 @@ std::unique_ptr<Controller> make_controller(const Named& controller, const GripS
   }
   if (const std::optional<ControllerMaker> make = registered_controllers().find(controller.name))
     return (*make)(controller.parameters, source);
-  const std::vector<std::string> names = hd::names_of(controller_entries());
+  const std::vector<std::string> names = choice_names(controller_entries());
   throw InputError("controller: unknown type " + quote(controller.name) + allowed_names(controller.name, names));
 }
 

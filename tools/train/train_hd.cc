@@ -10,6 +10,8 @@
 
 #include "detectors/hd/engine.h"
 #include "detectors/hd/memories.h"
+#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "sim/core/random.h"
 #include "tools/files/reject.h"
 #include "tools/train/network/examples.h"
@@ -174,9 +176,9 @@ Json model_json(const hd::Model& model, hd::Quantiser quantiser) {
           {"dimension", model.dimension},
           {"window", model.window},
           {"context_driven", model.context_driven},
-          {"compat", hd::name_of(hd::compat_words, model.compat)},
-          {"ties", hd::name_of(hd::ties_words, model.ties)},
-          {"quantiser", hd::name_of(hd::quantiser_words, quantiser)}};
+          {"compat", choice_name(hd::compat_words, model.compat)},
+          {"ties", choice_name(hd::ties_words, model.ties)},
+          {"quantiser", choice_name(hd::quantiser_words, quantiser)}};
 }
 
 // JSON of an evaluation: sizes; recall of slip, balanced accuracy and accuracy, the last two with

@@ -13,7 +13,7 @@
 #include "detectors/hd/memories.h"
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/model.h"
-#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "tools/dataset/record/json.h"
 #include "tools/statistics/confusion.h"
 #include "tools/statistics/descriptive.h"
@@ -136,9 +136,9 @@ Json draws_json(std::span<const Evaluation> draws);
 Json train_json(const HdSummary& summary, const HdTraining& options);
 
 // Encoders on the command line, abbreviated as in the paper.
-inline constexpr std::array encoder_words{hd::Word<hd::Encoding>{"shdc", hd::Encoding::spatial},
-                                          hd::Word<hd::Encoding>{"sthdc", hd::Encoding::spatial_temporal},
-                                          hd::Word<hd::Encoding>{"gsthdc", hd::Encoding::graph_spatial_temporal}};
+inline constexpr std::array encoder_words{Choice<hd::Encoding>{"shdc", hd::Encoding::spatial},
+                                          Choice<hd::Encoding>{"sthdc", hd::Encoding::spatial_temporal},
+                                          Choice<hd::Encoding>{"gsthdc", hd::Encoding::graph_spatial_temporal}};
 
 // "CL-gstHDC".
 std::string model_name(const hd::Model& model);

@@ -18,7 +18,7 @@
 #include <fmt/ranges.h>
 #include <zlib.h>
 
-#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
@@ -397,7 +397,7 @@ ExportFormat parse_export_format(const std::string& name) {
   if (found != formats.end()) return found->format;
   reject("unknown format {}{}", quote(name), allowed_names(name, export_format_names()));
 }
-std::vector<std::string> export_format_names() { return hd::names_of(formats); }
+std::vector<std::string> export_format_names() { return choice_names(formats); }
 
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress) {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/dataset/writer.h"
 #include "tools/files/reject.h"
@@ -226,7 +226,7 @@ std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, co
   return files;
 }
 
-std::vector<std::string> import_format_names() { return hd::names_of(import_catalogue); }
+std::vector<std::string> import_format_names() { return choice_names(import_catalogue); }
 
 const ImportFormat& import_format(const std::string& name) {
   const auto found =

@@ -15,6 +15,7 @@
 
 #include "detectors/network/frames.h"
 #include "sim/api/contact_frame.h"
+#include "sim/core/choice.h"
 #include "sim/core/random.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/content_check.h"
@@ -111,8 +112,8 @@ std::uint8_t kind_of(const LabelRecord& labels, std::size_t row, ClassRule class
 
 // Names of the rules for simulated trials.
 std::string rules_of_truth() {
-  std::vector<std::string> names = hd::names_of(label_words);
-  std::erase(names, hd::name_of(label_words, LabelRule::recorded));
+  std::vector<std::string> names = choice_names(label_words);
+  std::erase(names, choice_name(label_words, LabelRule::recorded));
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -121,14 +122,14 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
   const bool recorded = rule == LabelRule::recorded;
   if (recorded == labels.truth) {
     reject("sensor {}: is {} and has no labels {}; allowed: --labels {}", sensor.name, labels.truth ? "simulated" : "recorded",
-           hd::name_of(label_words, rule), labels.truth ? rules_of_truth() : "recorded");
+           choice_name(label_words, rule), labels.truth ? rules_of_truth() : "recorded");
   }
   const std::vector<std::uint8_t>& states = rule == LabelRule::strict              ? labels.state
                                             : recorded || rule == LabelRule::paper ? labels.state_paper
                                                                                    : labels.state_micro;
   if (states.size() != sensor.time.size()) {
     reject("sensor {}: {} states by the labels {} for {} samples; allowed: one each", sensor.name, states.size(),
-           hd::name_of(label_words, rule), sensor.time.size());
+           choice_name(label_words, rule), sensor.time.size());
   }
   return states;
 }
@@ -248,7 +249,7 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
 void check_labels(const std::string& dataset_path, LabelRule rule) {
   const DatasetReader reader = dataset_header_at(dataset_path);
   if (rule != LabelRule::recorded) {
-    reader.check_truth(fmt::format("--labels {}", hd::name_of(label_words, rule)),
+    reader.check_truth(fmt::format("--labels {}", choice_name(label_words, rule)),
                        "--labels recorded, the labels of the recordings");
   } else if (reader.header().truth.empty()) {
     reject("{}: is simulated and has no labels recorded; allowed: --labels {}", dataset_path, rules_of_truth());

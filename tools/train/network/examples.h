@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "detectors/hd/words.h"
 #include "detectors/network/description.h"
 #include "sim/api/pad_state.h"
+#include "sim/core/choice.h"
 #include "tools/dataset/record/trial_record.h"
 
 namespace slipbench::train {
@@ -36,10 +36,10 @@ enum class LabelRule {
   recorded,   // no truth: the labels of an imported recording
 };
 inline constexpr std::array label_words{
-    hd::Word<LabelRule>{"micro", LabelRule::micro},      hd::Word<LabelRule>{"strict", LabelRule::strict},
-    hd::Word<LabelRule>{"paper", LabelRule::paper},      hd::Word<LabelRule>{"latched", LabelRule::latched},
-    hd::Word<LabelRule>{"masked", LabelRule::masked},    hd::Word<LabelRule>{"tightened", LabelRule::tightened},
-    hd::Word<LabelRule>{"recorded", LabelRule::recorded}};
+    Choice<LabelRule>{"micro", LabelRule::micro},      Choice<LabelRule>{"strict", LabelRule::strict},
+    Choice<LabelRule>{"paper", LabelRule::paper},      Choice<LabelRule>{"latched", LabelRule::latched},
+    Choice<LabelRule>{"masked", LabelRule::masked},    Choice<LabelRule>{"tightened", LabelRule::tightened},
+    Choice<LabelRule>{"recorded", LabelRule::recorded}};
 
 // Classes of slip.
 enum class ClassRule {

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/choice.h"
 #include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "tools/files/reject.h"
@@ -65,7 +66,7 @@ std::vector<Item> dealt(std::vector<Item> items, double share, RandomStream& ran
 
 // The parts of examples outside of a dataset's own split, in their order.
 std::vector<Part> dealt_parts(std::span<const Example* const> examples, Split split, double held_out, std::uint64_t seed) {
-  const std::string word = hd::name_of(split_words, split);
+  const std::string word = choice_name(split_words, split);
   std::map<std::string, Kinds> groups;
   std::map<std::size_t, Kinds> kinds_of_trial;
   std::map<std::size_t, std::string> of_trial;  // group of each trial

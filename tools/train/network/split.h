@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "tools/train/network/examples.h"
 
 namespace slipbench::train {
@@ -18,8 +18,8 @@ enum class Split {
   object,
   speed,  // octaves of the commanded speed
 };
-inline constexpr std::array split_words{hd::Word<Split>{"trial", Split::trial}, hd::Word<Split>{"material", Split::material},
-                                        hd::Word<Split>{"object", Split::object}, hd::Word<Split>{"speed", Split::speed}};
+inline constexpr std::array split_words{Choice<Split>{"trial", Split::trial}, Choice<Split>{"material", Split::material},
+                                        Choice<Split>{"object", Split::object}, Choice<Split>{"speed", Split::speed}};
 
 enum class Part : std::uint8_t { learns, validates, judges, left_out };
 

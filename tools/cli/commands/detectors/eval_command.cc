@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "detectors/hd/words.h"
 #include "detectors/network/engine.h"
+#include "sim/core/choice.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
@@ -27,8 +27,7 @@
 namespace slipbench {
 namespace {
 
-constexpr std::array<hd::Word<std::string_view>, 4> splits{
-    {{"all", ""}, {"train", "train"}, {"valid", "valid"}, {"test", "test"}}};
+constexpr std::array<Choice<std::string_view>, 4> splits{{{"all", ""}, {"train", "train"}, {"valid", "valid"}, {"test", "test"}}};
 
 // `labels`: the rule that was judged by.
 std::string eval_command_text(const EvalCommand& command, const std::string& labels) {

@@ -12,6 +12,7 @@
 
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
@@ -32,7 +33,7 @@ hd::SavedModel load_model(const HdReplayCommand& command) {
     if (command.ties) saved.model.ties = *command.ties;
     return saved;
   } catch (const hd::UnnamedModelError& error) {
-    reject("{}, or --encoder {}", error.what(), fmt::join(hd::names_of(hd::compat_words), " or "));
+    reject("{}, or --encoder {}", error.what(), fmt::join(choice_names(hd::compat_words), " or "));
   }
 }
 

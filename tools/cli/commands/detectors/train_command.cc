@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/format/describe.h"
 #include "tools/cli/terminal.h"
@@ -178,8 +180,8 @@ void TrainCommand::read_network() {
                  {"by_score", score_},
                  {"output", options.output},
                  {"resume", resume_}};
-  if (!labels_.empty()) request["labels"] = checked_labels(labels_, recipe_, hd::names_of(train::label_words));
-  if (split_) request["split"] = hd::name_of(train::split_words, *split_);
+  if (!labels_.empty()) request["labels"] = checked_labels(labels_, recipe_, choice_names(train::label_words));
+  if (split_) request["split"] = choice_name(train::split_words, *split_);
   if (held_out_) request["held_out"] = 0.01 * static_cast<double>(*held_out_);
   if (!alarms_.empty()) request["alarms"] = alarms_a_minute(alarms_);
   if (!options.output.ends_with(".onnx"))

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "detectors/hd/words.h"
+#include "sim/core/choice.h"
 #include "sim/scene/catalogues.h"
 #include "tools/check/check.h"
 #include "tools/cli/command.h"
@@ -111,8 +111,8 @@ struct ViewCommand final : Command {
 };
 
 // The words of --record.
-inline constexpr std::array recording_words{hd::Word<Recording>{"full", Recording::full},
-                                            hd::Word<Recording>{"outcome", Recording::outcome}};
+inline constexpr std::array recording_words{Choice<Recording>{"full", Recording::full},
+                                            Choice<Recording>{"outcome", Recording::outcome}};
 
 // Where the scene says `accuracy`, appends to `sweep.overrides` the setting that meets it in the trials that `sweep` asks for
 // (tools/cost/kept_setting.h), so that from here on it is a scene like any other and its command says how it was computed.
