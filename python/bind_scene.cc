@@ -28,6 +28,7 @@
 #include "tools/cli/commands/detectors/detector_commands.h"
 #include "tools/cli/format/check_text.h"
 #include "tools/cli/format/describe.h"
+#include "tools/cli/program.h"
 #include "tools/cost/kept_setting.h"
 #include "tools/dataset/record/sample_timing.h"
 #include "tools/eval/detect.h"

@@ -31,7 +31,7 @@
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
-#include "tools/report/report_parts.h"
+#include "tools/report/report_summary.h"
 #include "tools/statistics/descriptive.h"
 #include "tools/trial/run_trial.h"
 #include "tools/trial/sweep/run_sweep.h"

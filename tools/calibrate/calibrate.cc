@@ -8,7 +8,9 @@
 
 #include "sim/core/math.h"
 #include "sim/core/random.h"
+#include "tools/calibrate/disturbances.h"
 #include "tools/calibrate/recordings.h"
+#include "tools/calibrate/search.h"
 #include "tools/files/reject.h"
 
 namespace slipbench::calibrate {

@@ -1,8 +1,19 @@
 // A scene fitted to recordings: `slipbench calibrate`.
 #pragma once
 
-#include "tools/calibrate/search.h"
-#include "tools/page/page.h"
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/scene/catalogues.h"
+#include "sim/scene/parser.h"
+#include "tools/calibrate/groups.h"
+#include "tools/calibrate/model.h"
+#include "tools/dataset/record/json.h"
 
 namespace slipbench {
 struct ImportFormat;
@@ -40,21 +51,5 @@ Result calibrate(const Options& options, const Catalogues& catalogues);
 // For a synthetic truth: true if every parameter that is called determined is within twice its 95 %
 // interval of the drawn value.
 bool recovers(const Json& result);
-
-// Returns the parameters as the page and a terminal show them, and the size of the residuals in
-// words.
-page::TextTable parameter_table(const Json& result);
-std::string residual_text(const Json& result);
-
-// Returns a result as an HTML page without scripts: parameters, profiles, residuals, real and
-// synthetic curves.
-std::string calibration_page(const Json& result);
-
-// Throws InputError if `path` does not end in .yaml, or if it, or FILE.html or FILE.json next to
-// it, cannot be written, holds something else, or is one of the `inputs`.
-void check_calibration_target(const std::string& path, const std::vector<std::string>& inputs);
-// Writes the fitted scene, and FILE.html and FILE.json next to it. Returns their names. Throws as
-// check_calibration_target().
-std::vector<std::string> write_calibration(const std::string& path, const std::string& fitted, const Json& result);
 
 }  // namespace slipbench::calibrate

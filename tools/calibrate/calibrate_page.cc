@@ -1,4 +1,4 @@
-#include "tools/calibrate/calibrate.h"
+#include "tools/calibrate/calibrate_page.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/calibrate/calibrate.h"
 #include "tools/files/output_file.h"
 #include "tools/files/reject.h"
 #include "tools/page/svg.h"

@@ -1,4 +1,4 @@
-#include "tools/calibrate/search.h"
+#include "tools/calibrate/disturbances.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tools/calibrate/search.h"
+#include "tools/calibrate/groups.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tools/calibrate/search.h"
+#include "tools/calibrate/model.h"
 
 #include <algorithm>
 #include <cctype>

@@ -9,6 +9,7 @@
 
 #include "sim/core/parameters.h"
 #include "tools/cli/command.h"
+#include "tools/cli/program.h"
 #include "tools/cli/terminal.h"
 #include "tools/files/reject.h"
 

@@ -1,4 +1,4 @@
-#include "tools/cli/command.h"
+#include "tools/cli/program.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -15,6 +15,7 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
 #include "tools/cli/arguments.h"
+#include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
 #include "tools/doctor/doctor.h"
 #include "tools/files/reject.h"

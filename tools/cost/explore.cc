@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/cost/reading.h"
 #include "tools/files/reject.h"
 #include "tools/statistics/descriptive.h"
 #include "tools/trial/run_trial.h"

@@ -1,3 +1,5 @@
+#include "tools/cost/reading.h"
+
 // Evaluates an exploration: fronts, the cheapest settings, plain sentences.
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/math/decade.h"
-#include "tools/cost/explore.h"
 
 namespace slipbench::cost {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/cost/explore.h"
+#include "tools/cost/settings.h"
 
 #include <algorithm>
 #include <array>

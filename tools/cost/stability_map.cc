@@ -11,6 +11,7 @@
 
 #include "sim/mujoco/pads/register_plugin.h"
 #include "sim/mujoco/pads/step_probe.h"
+#include "tools/cost/reading.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/registry/sensor_catalogue.h"
 

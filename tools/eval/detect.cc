@@ -14,6 +14,7 @@
 
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/reader.h"
+#include "tools/eval/detect_page.h"
 #include "tools/eval/recorded_trial.h"
 #include "tools/files/given_once.h"
 #include "tools/files/output_file.h"

@@ -39,13 +39,6 @@ Json detect(const DetectOptions& options);
 std::string alarms_csv(const Json& result);
 std::string samples_csv(const Json& result);
 
-// One row per trial, the worst first; at most `most` rows.
-page::TextTable detections_table(const Json& result, std::size_t most);
-
-// One HTML page without scripts: signals, probability and alarms of the worst trials, then a table
-// of all trials. Reads the signals from the recordings that `result` names.
-std::string detect_page(const Json& result);
-
 // Checks the file of -o: FILE.csv (the alarms; the samples go to FILE_samples.csv), FILE.json or
 // FILE.html (with FILE.json). Python writes FILE.parquet (slipbench/_detect). Throws InputError for
 // another extension, and if a file cannot be written or exists with other content.

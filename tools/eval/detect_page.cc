@@ -1,3 +1,5 @@
+#include "tools/eval/detect_page.h"
+
 #include <algorithm>
 #include <limits>
 #include <optional>

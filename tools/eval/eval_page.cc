@@ -1,4 +1,4 @@
-#include "tools/eval/evaluate.h"
+#include "tools/eval/eval_page.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tools/dataset/reader.h"
+#include "tools/eval/evaluate.h"
 #include "tools/eval/metrics.h"
 #include "tools/eval/recorded_trial.h"
 #include "tools/page/svg.h"

@@ -75,20 +75,6 @@ inline constexpr std::size_t drawn_trials = 12, drawn_channels = 4;
 // Note on the labels if `truth` is not empty; else empty.
 std::string truth_note(const Json& result);
 
-// Tables of the result for terminal and page.
-struct Tables {
-  page::TextTable figures, called;  // called: true states against the classes of their samples
-  std::vector<page::TextTable> by;  // one per breakdown
-};
-Tables tables_of(const Json& result);
-
-// One self-contained HTML page without scripts of a result (evaluate.h) with its `command`.
-// `html_path`: path of the page; trials link from there to the page of `slipbench report` next to
-// the dataset. Text in `result` is shown as text, never as markup. `detector`: the one of the
-// result. It runs again on the worst trials, whose signals, states, probability and alarms are
-// drawn from the dataset. Throws InputError if the dataset has changed since it was judged.
-std::string eval_page(const Json& result, const std::string& html_path, const DetectorScene& detector);
-
 // Page kind with its result.
 inline constexpr page::PageKind page_kind{
     "an evaluation", "slipbench eval", "page of slipbench eval", "result of slipbench eval", {result_key}};

@@ -1,3 +1,5 @@
+#include "tools/report/report_grasp.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +19,7 @@
 #include "sim/scene/scene_values.h"
 #include "tools/page/page.h"
 #include "tools/registry/program_catalogues.h"
-#include "tools/report/report_parts.h"
+#include "tools/report/report_summary.h"
 #include "tools/trial/recorded_scene.h"
 
 namespace slipbench::report {

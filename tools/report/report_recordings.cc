@@ -1,3 +1,5 @@
+#include "tools/report/report_recordings.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -14,7 +16,6 @@
 #include "tools/files/reject.h"
 #include "tools/page/page.h"
 #include "tools/page/timeline.h"
-#include "tools/report/report_parts.h"
 #include "tools/statistics/descriptive.h"
 
 namespace slipbench::report {

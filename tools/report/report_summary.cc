@@ -1,3 +1,5 @@
+#include "tools/report/report_summary.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +15,6 @@
 #include "sim/core/quantity.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
-#include "tools/report/report_parts.h"
 
 namespace slipbench::report {
 namespace {

@@ -1,3 +1,5 @@
+#include "tools/report/report_trial.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -7,7 +9,7 @@
 #include "detectors/nib/features.h"
 #include "tools/page/page.h"
 #include "tools/registry/sensor_catalogue.h"
-#include "tools/report/report_parts.h"
+#include "tools/report/report_summary.h"
 
 namespace slipbench::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/trial/trial_run.h"
+#include "tools/trial/control_loop.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "tools/trial/trial_run.h"
+#include "tools/trial/recorder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/dataset/record/encoder.h"
+#include "tools/trial/judge.h"
 #include "tools/trial/recorded_scene.h"
 
 namespace slipbench {

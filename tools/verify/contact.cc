@@ -14,6 +14,7 @@
 #include "sim/contact/contact_points.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/registry/sensor_catalogue.h"
+#include "tools/verify/verification.h"
 
 namespace slipbench::verify {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "sim/scene/scene.h"
 #include "tools/dataset/record/trial_record.h"
+#include "tools/verify/verification.h"
 #include "tools/verify/verify.h"
 
 namespace slipbench::verify {

@@ -1,4 +1,4 @@
-#include "tools/verify/verify.h"
+#include "tools/verify/verification.h"
 
 #include <algorithm>
 #include <cmath>

@@ -21,6 +21,7 @@
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/recorded_scene.h"
 #include "tools/verify/contact.h"
+#include "tools/verify/verification.h"
 #include "tools/workers/ordered_children.h"
 
 namespace slipbench {

@@ -10,6 +10,7 @@
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/tools/dataset/record/test_records.h"
+#include "tools/calibrate/calibrate_page.h"
 #include "tools/dataset/reader.h"
 #include "tools/dataset/writer.h"
 #include "tools/formats/export/export.h"

@@ -1,4 +1,4 @@
-#include "tools/calibrate/search.h"
+#include "tools/calibrate/groups.h"
 
 #include <cmath>
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include "tests/expect.h"
 #include "tests/tools/dataset/record/test_records.h"
 #include "tools/calibrate/calibrate.h"
+#include "tools/calibrate/calibrate_page.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/sweep/run_sweep.h"
 

@@ -10,6 +10,7 @@
 #include "tests/tools/cost/example.h"
 #include "tests/tools/dataset/record/test_records.h"
 #include "tests/tools/page/web_files.h"
+#include "tools/cost/reading.h"
 #include "tools/page/svg.h"
 #include "tools/report/report.h"
 

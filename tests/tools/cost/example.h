@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "tools/cost/explore.h"
+#include "tools/cost/reading.h"
 
 namespace slipbench::cost {
 

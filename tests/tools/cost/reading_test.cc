@@ -3,6 +3,7 @@
 
 #include "tests/expect.h"
 #include "tests/tools/cost/example.h"
+#include "tools/cost/reading.h"
 
 namespace slipbench::cost {
 namespace {

@@ -8,6 +8,7 @@
 #include "tests/expect.h"
 #include "tests/tools/train/small_dataset.h"
 #include "tools/dataset/reader.h"
+#include "tools/eval/eval_page.h"
 #include "tools/eval/replay.h"
 
 namespace slipbench::eval::evaluate_test {

@@ -1,4 +1,3 @@
-#include "tools/report/report_parts.h"
 
 #include <cmath>
 #include <cstdint>
@@ -9,6 +8,9 @@
 #include "sim/api/contact_frame.h"
 #include "tests/expect.h"
 #include "tests/tools/report/sample.h"
+#include "tools/report/report_grasp.h"
+#include "tools/report/report_summary.h"
+#include "tools/report/report_trial.h"
 
 namespace slipbench::report {
 namespace {

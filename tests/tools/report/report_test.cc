@@ -7,7 +7,9 @@
 #include "tests/tools/report/sample.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/writer.h"
-#include "tools/report/report_parts.h"
+#include "tools/report/report_grasp.h"
+#include "tools/report/report_summary.h"
+#include "tools/report/report_trial.h"
 
 namespace slipbench::report {
 namespace {

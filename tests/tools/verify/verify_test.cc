@@ -10,6 +10,7 @@
 #include "tools/dataset/writer.h"
 #include "tools/trial/run_trial.h"
 #include "tools/verify/contact.h"
+#include "tools/verify/verification.h"
 
 namespace slipbench::testing::verify_test {
 namespace {

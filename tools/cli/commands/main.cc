@@ -1,4 +1,5 @@
 #include "tools/cli/commands/command_table.h"
+#include "tools/cli/program.h"
 #include "tools/cli/terminal.h"
 #include "tools/trial/sweep/run_sweep.h"
 

@@ -1,4 +1,4 @@
-#include "tools/cli/format/sweep_text.h"
+#include "tools/cli/format/eval_text.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/cost/reading.h"
+#include "tools/eval/eval_page.h"
 #include "tools/eval/evaluate.h"
 
 namespace slipbench {

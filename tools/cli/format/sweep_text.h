@@ -94,11 +94,4 @@ std::string steps_text(const SweepSummary& summary);
 // stage.yaml:14: motion.start ...".
 void print_warnings(const std::vector<Warning>& warnings);
 
-// `result`: of eval::evaluate(). The least misleading figures come first.
-std::string eval_text(const Json& result, const Style& style);
-
-// The sentences, a table of all settings by series with their worst errors, the reasons of settings
-// that did not run, the price of each effect.
-std::string cost_text(const cost::Exploration& exploration, const Style& style, std::size_t width);
-
 }  // namespace slipbench

@@ -12,6 +12,7 @@
 #include "tools/cli/commands/help_commands.h"
 #include "tools/cli/commands/reproduce_command.h"
 #include "tools/cli/commands/simulation/simulation_commands.h"
+#include "tools/cli/program.h"
 
 namespace slipbench {
 namespace {

@@ -3,6 +3,7 @@
 #include "tests/expect.h"
 #include "tests/tools/cost/example.h"
 #include "tools/cli/format/describe_key.h"
+#include "tools/cli/format/eval_text.h"
 #include "tools/cli/format/schema.h"
 #include "tools/cli/format/sweep_text.h"
 #include "tools/registry/program_catalogues.h"

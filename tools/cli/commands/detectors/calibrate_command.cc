@@ -8,6 +8,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "tools/calibrate/calibrate_page.h"
 #include "tools/calibrate/snapshots.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/terminal.h"

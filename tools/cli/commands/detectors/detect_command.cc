@@ -7,6 +7,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
 #include "tools/cli/terminal.h"
+#include "tools/eval/detect_page.h"
 #include "tools/eval/replay.h"
 #include "tools/files/counted.h"
 #include "tools/trial/sweep/run_sweep.h"

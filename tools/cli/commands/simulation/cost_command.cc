@@ -12,6 +12,8 @@
 #include "tools/registry/program_catalogues.h"
 #include "tools/workers/interrupt_guard.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
+#include "tools/cli/format/eval_text.h"
+#include "tools/cost/reading.h"
 #include "tools/cost/stability_map.h"
 #endif
 
