@@ -15,8 +15,6 @@
 
 namespace slipbench {
 
-struct PadLayout;
-
 // Read-only columns of a field with `count` elements, in the surface frame S. Entries beyond
 // `count`, up to a multiple of kernel::lanes, exist but are undefined.
 struct ElementColumns {
@@ -220,12 +218,6 @@ class SkinEffect : public Effect {
   [[nodiscard]] virtual std::span<const double> punch_normal() const = 0;
   [[nodiscard]] virtual std::span<const double> punch_tangential() const = 0;
 };
-
-// Makes the dashpots in parallel with the springs, if any element has one; else returns null.
-// Kelvin-Voigt element: f = k u + c du/dt with the rate taken over the step (backward Euler, first
-// order, unconditionally stable). Normal: u is the penetration. Tangential: u is the stretch, and
-// the whole force f obeys the friction cone.
-std::unique_ptr<RheologyEffect> make_dashpots(const PadLayout& layout);
 
 // The effects of one field, in the order in which the scene names them.
 struct FieldEffects {

@@ -1,26 +1,19 @@
-// Prescribed motions of the bench and their catalogue.
+// The interface of prescribed motions.
 #pragma once
 
-#include <array>
-#include <complex>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <type_traits>
-#include <vector>
 
 #include <Eigen/Core>
 
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
-#include "sim/core/random.h"
 
 namespace slipbench {
 
-// Vibration of a bench's motors: it shakes the bench and all that the bench carries.
-
-// Strength of the vibration, and the drives that cause it.
+// Strength of the vibration of a bench's motors, and the drives that cause it.
 struct MotorSettings {
   double level = 1.0;       // 1: 1.6 mN rms before the resonances when an axis moves at 10 mm/s
   double sd = 0.1;          // of the logarithm of the level, between recordings
@@ -31,69 +24,6 @@ struct MotorSettings {
   double idle_speed = 0.0;
   double idle_start = 0.0;  // s, start of that axis
   double rest_speed = 0.0;  // m/s, speed of an axis that is as noisy as all motors at rest
-};
-
-// Each axis that moves at v drives the frame with a mean square proportional to v: half by lines at
-// orders 1, 2, 8, 24, 50, 100, 200 of its spindle's frequency v/lead, equally strong and of random
-// phase, half by red noise with its corner at the last order. The spindle's angle is 2 pi
-// position/lead, so a line follows any change of speed without a jump. The drive goes through the
-// sum of the frame's five modes r, which passes accelerations:
-//   H(s) = sum_r s^2/(s^2 + 2 zeta_r w_r s + w_r^2),
-//   w_r/2 pi = 75, 130, 215, 330, 520 Hz, zeta_r = 0.03 to 0.05,
-// integrated exactly between samples for a drive that is linear in between. An idle axis is a
-// further one that moves at a constant speed. Motors that hold their position always drive with the
-// noise of an axis at rest_speed, without lines, since nothing turns. Source: the form follows
-// NIB_PIEZO's dry run; all figures are assumed.
-class MotorVibration {
- public:
-  static constexpr std::array<int, 7> orders{1, 2, 8, 24, 50, 100, 200};
-  static constexpr std::array<double, 5> mode_frequencies{75.0, 130.0, 215.0, 330.0, 520.0};  // Hz
-  static constexpr std::array<double, 5> mode_damping{0.03, 0.035, 0.04, 0.045, 0.05};
-  static constexpr double unit_rms = 1.6e-3;        // N
-  static constexpr double reference_speed = 10e-3;  // m/s
-
-  // `stream`: of the recording, for level, phases and noise.
-  MotorVibration(const MotorSettings& settings, RandomStream stream);
-
-  // Returns the force [N] that the sensor feels in addition to its contact force, along its normal.
-  // `stage`: position and velocity of its pad. Must be called once per step of `dt` [s], in order
-  // of time.
-  double force(const BodyState& stage, bool touching, double dt);
-
- private:
-  struct Mode {
-    double omega = 0.0, zeta = 0.0;
-    // Over a step: state <- propagator state + gain of the drive at its start and at its end.
-    std::array<double, 2> from_q{}, from_v{}, from_start{}, from_end{};
-    double q = 0.0, v = 0.0;
-  };
-
-  // Sums over axes that move.
-  struct Drive {
-    double lines = 0.0, speed = 0.0;  // m/s
-    // Hz, corner of the noise: the last order's, weighted by the axes' contributions.
-    double corner = 0.0;
-  };
-
-  double drive(const BodyState& stage, double dt);
-  void add_axis(Drive& drive, std::size_t axis, double speed, double turns) const;
-  void add_noise(Drive& drive, std::size_t axis, double speed) const;
-  void set_step(double dt);
-
-  MotorSettings settings_;
-  RandomStream stream_;
-  double amplitude_ = 0.0;  // N rms at the reference speed, of this recording
-  // [axis, the idle one last][order]
-  std::array<std::array<std::complex<double>, 7>, 4> line_phase_{};
-  std::array<Mode, 5> modes_;
-  double time_ = 0.0;   // s, since the recording began; used by the idle axis
-  double step_ = 0.0;   // s, step for which the modes are set
-  double noise_ = 0.0;  // of variance 1
-  // Angle of the noise's pole per step [turns], and the share of the noise that remains after a
-  // step.
-  double noise_corner_ = 0.0, noise_keeps_ = 1.0;
-  double last_drive_ = 0.0;  // N
-  bool rings_ = false;       // true while a mode moves
 };
 
 // Motion of the pad, or of a grasp's arm, over time. A surface that a pad presses on is at rest,
@@ -134,30 +64,5 @@ std::unique_ptr<Motion> created(const Parameters& parameters, const MotionKey& k
     return std::make_unique<Made>(parameters);
   }
 }
-
-// A hexapod stage: the pad approaches, presses, dwells, slides and/or turns, may stop, reverse, and
-// lift off.
-MotionKind stage_motion();
-// The pad approaches, presses, holds and slowly retreats, only vertically, while something else
-// moves the touched body.
-MotionKind press_motion();
-// A finger pressed on a spot of its round skin rubs, slides or turns there by fits and starts. The
-// pad's skin is modelled as the lower half of an ellipsoid.
-MotionKind rub_motion();
-// A hand: the pad stands over the surface, comes down and wanders at random in all six coordinates.
-MotionKind wander_motion();
-
-// All kinds.
-const std::vector<MotionKind>& motion_catalogue();
-
-// The arm starts at the origin, aligned with the world. See describe().
-MotionKind lift_motion();
-
-// Times at which the arm begins to rise and has risen [s].
-struct LiftTimes {
-  double start, end;
-};
-// `parameters`: of the motion `lift`.
-LiftTimes lift_times(const Parameters& parameters);
 
 }  // namespace slipbench

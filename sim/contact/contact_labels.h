@@ -8,6 +8,7 @@
 
 #include "sim/api/contact_frame.h"
 #include "sim/contact/field.h"
+#include "sim/contact/label_kernel.h"
 #include "sim/contact/unit_rules.h"
 
 namespace slipbench {

@@ -2,8 +2,8 @@
 #include <array>
 #include <vector>
 
-#include "sim/api/effect.h"
 #include "sim/api/pad_layout.h"
+#include "sim/contact/dashpot.h"
 
 namespace slipbench {
 namespace {

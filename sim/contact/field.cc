@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/contact/dashpot.h"
+#include "sim/contact/lean.h"
 #include "sim/contact/return_mapping.h"
 #include "sim/core/error.h"
 #include "sim/core/vectorise.h"

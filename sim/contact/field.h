@@ -45,6 +45,7 @@
 #include "sim/contact/active_set.h"
 #include "sim/contact/contact_points.h"
 #include "sim/contact/kernel.h"
+#include "sim/contact/label_kernel.h"
 #include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
 

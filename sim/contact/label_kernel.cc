@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "sim/contact/kernel.h"
+#include "sim/contact/label_kernel.h"
 #include "sim/contact/vectorise.h"
 
 namespace slipbench::kernel {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/contact/return_mapping.h"
+#include "sim/contact/lean.h"
 #include "sim/core/error.h"
 
 namespace slipbench {

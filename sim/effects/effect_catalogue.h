@@ -62,14 +62,4 @@ EffectKind texture();
 EffectKind viscoelastic();
 EffectKind viscous_friction();
 
-// Installs the effects that a scene names, in its order, on a field of `layout` against `surface`.
-// `seed` and `trial` key their random streams. Every name must be in the catalogue, with all its
-// parameters. Throws SceneValueError if an effect does not fit the field.
-FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
-                             std::uint64_t seed, std::uint64_t trial);
-
-// Returns the longest step [s] that all of them resolve when pad and surface move at up to `speed`
-// [m/s].
-double longest_step(const FieldEffects& effects, double speed);
-
 }  // namespace slipbench

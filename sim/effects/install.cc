@@ -1,9 +1,10 @@
-#include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
 
 #include <algorithm>
 #include <string>
 
 #include "sim/core/error.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

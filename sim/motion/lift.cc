@@ -1,4 +1,4 @@
-#include "sim/api/motion.h"
+#include "sim/motion/motion_catalogue.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,7 @@
-#include "sim/api/motion.h"
+#include "sim/motion/motion_catalogue.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -10,6 +11,7 @@
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
+#include "sim/core/random.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {

@@ -1,10 +1,12 @@
-#include "sim/api/motion.h"
+#include "sim/motion/motion_catalogue.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
+#include "sim/core/random.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {

@@ -34,8 +34,4 @@ void call_mujoco(Action&& action) {
 // call_mujoco() around it throw `error` itself. Does nothing if MuJoCo was called by other code.
 void carry_to_caller(std::exception_ptr error);
 
-// Throws InputError if mjData has counted a warning, with MuJoCo's text, the time [s] and the body
-// that it names, if any.
-void refuse_warnings(const mjModel* model, const mjData* data, double time);
-
 }  // namespace slipbench

@@ -1,9 +1,10 @@
+#include "sim/mujoco/mujoco_warnings.h"
+
 #include <string>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/mujoco/mujoco_call.h"
 
 namespace slipbench {
 namespace {

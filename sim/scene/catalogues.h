@@ -51,9 +51,4 @@ struct Catalogues {
   std::vector<ExpectationEntry> expectations;  // expect
 };
 
-// The materials of surfaces.
-
-// Returns the friction of the pads' silicone on each material, dry unless the name says otherwise.
-std::vector<Material> material_table();
-
 }  // namespace slipbench

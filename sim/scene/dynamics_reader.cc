@@ -1,10 +1,11 @@
+#include "sim/scene/dynamics_reader.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
 #include "sim/scene/scene_values.h"
-#include "sim/scene/section_readers.h"
 
 namespace slipbench {
 namespace {

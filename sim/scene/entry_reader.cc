@@ -1,4 +1,4 @@
-#include "sim/scene/section_readers.h"
+#include "sim/scene/entry_reader.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sim/scene/catalogues.h"
+#include "sim/scene/materials.h"
 
 namespace slipbench {
 

@@ -9,6 +9,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
+#include "sim/scene/scene_reader.h"
 #include "sim/scene/sweep.h"
 
 namespace slipbench {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sim/scene/catalogues.h"
+#include "sim/scene/entry_reader.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/section_readers.h"
 #include "sim/scene/yaml_tree.h"
 
 namespace slipbench {

@@ -1,10 +1,11 @@
+#include "sim/scene/scene_reader.h"
 
 #include <array>
 #include <charconv>
 #include <cmath>
 
+#include "sim/scene/dynamics_reader.h"
 #include "sim/scene/scene_values.h"
-#include "sim/scene/section_readers.h"
 
 namespace slipbench {
 namespace {

@@ -12,7 +12,9 @@
 #include "sim/core/quantity.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/grasp/grasp.h"
+#include "sim/motion/motion_catalogue.h"
 #include "sim/scene/catalogues.h"
+#include "sim/scene/materials.h"
 
 namespace slipbench {
 namespace {

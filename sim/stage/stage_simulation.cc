@@ -13,7 +13,10 @@
 #include "sim/contact/surface/thickness.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/core/random.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
+#include "sim/motion/motor_vibration.h"
 #include "sim/stage/stage_setup.h"
 #include "sim/stage/step_plan.h"
 

@@ -11,6 +11,7 @@
 #include "sim/contact/contact_labels.h"
 #include "sim/contact/field.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
 #include "tests/oracle/pads.h"
 
 namespace slipbench {

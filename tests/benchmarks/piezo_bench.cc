@@ -10,6 +10,8 @@
 #include "sim/contact/contact_labels.h"
 #include "sim/contact/field.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
+#include "sim/motion/motion_catalogue.h"
 #include "sim/stage/stage_simulation.h"
 
 namespace slipbench {

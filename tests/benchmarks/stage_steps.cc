@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "sim/api/motion.h"
+#include "sim/motion/motion_catalogue.h"
 #include "sim/stage/stage_simulation.h"
 #include "tests/oracle/pads.h"
 

@@ -15,6 +15,7 @@
 #include "sim/api/detector.h"
 #include "sim/api/motion.h"
 #include "sim/core/process/interrupted.h"
+#include "sim/motion/motion_catalogue.h"
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/eval/evaluate.h"

@@ -12,7 +12,7 @@
 #include "sensors/electronics/electronics.h"
 #include "sim/core/math.h"
 #include "sim/core/random.h"
-#include "sim/scene/section_readers.h"
+#include "sim/scene/entry_reader.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
 #include "tools/files/reject.h"

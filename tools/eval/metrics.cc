@@ -9,6 +9,7 @@
 #include "sim/api/contact_frame.h"
 #include "sim/api/motion.h"
 #include "sim/core/choice.h"
+#include "sim/motion/motion_catalogue.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
 

@@ -11,6 +11,7 @@
 #include "sim/api/motion.h"
 #include "sim/core/choice.h"
 #include "sim/core/math.h"
+#include "sim/motion/motion_catalogue.h"
 #include "sim/scene/parser.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"

@@ -11,6 +11,7 @@
 #include "rtl/verilated/rtl_engine.h"
 #include "sim/api/motion.h"
 #include "sim/core/choice.h"
+#include "sim/motion/motion_catalogue.h"
 #include "tools/registry/registry.h"
 #include "tools/registry/sensor_catalogue.h"
 

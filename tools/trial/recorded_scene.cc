@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "sim/core/error.h"
-#include "sim/scene/section_readers.h"
+#include "sim/scene/entry_reader.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/effects/skin/elastic_contact.h"
+#include "sim/effects/skin/influence.h"
 
 #include <fftw3.h>
 

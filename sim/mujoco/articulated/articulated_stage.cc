@@ -17,6 +17,7 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
+#include "sim/mujoco/mujoco_warnings.h"
 #include "sim/stage/stage_setup.h"
 #include "sim/stage/step_plan.h"
 

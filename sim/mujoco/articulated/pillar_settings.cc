@@ -1,4 +1,4 @@
-#include "sim/mujoco/articulated/articulated.h"
+#include "sim/mujoco/articulated/pillar_settings.h"
 
 #include <algorithm>
 #include <array>

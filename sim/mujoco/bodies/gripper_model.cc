@@ -1,4 +1,4 @@
-#include "sim/mujoco/bodies/model_builder.h"
+#include "sim/mujoco/bodies/gripper_model.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "sim/mujoco/bodies/dynamic_state.h"
+#include "sim/mujoco/bodies/pad_follower.h"
 
 #include <cmath>
 #include <limits>
@@ -12,6 +12,7 @@
 #include "sim/contact/several_surfaces.h"
 #include "sim/core/math/rotation.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
 #include "sim/mujoco/pads/geom_surface.h"
 
 namespace slipbench {

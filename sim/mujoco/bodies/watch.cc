@@ -1,4 +1,4 @@
-#include "sim/mujoco/bodies/dynamic_simulation.h"
+#include "sim/mujoco/bodies/watch.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "sim/mujoco/linear/stability.h"
+#include "sim/mujoco/linear/linear_model.h"
 
 #include <algorithm>
 #include <cmath>

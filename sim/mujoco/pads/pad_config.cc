@@ -1,4 +1,4 @@
-#include "sim/mujoco/pads/pad_instance.h"
+#include "sim/mujoco/pads/pad_config.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,9 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/scene/entry_reader.h"
+#include "sim/scene/scene_reader.h"
 #include "sim/scene/scene_values.h"
-#include "sim/scene/section_readers.h"
 
 namespace slipbench {
 namespace {

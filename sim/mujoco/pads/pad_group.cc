@@ -1,4 +1,4 @@
-#include "sim/mujoco/pads/field_plugin.h"
+#include "sim/mujoco/pads/pad_group.h"
 
 #include <algorithm>
 #include <limits>

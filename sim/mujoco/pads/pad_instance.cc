@@ -13,6 +13,7 @@
 #include "sim/contact/surface/thickness.h"
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
 #include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/geom_surface.h"
 

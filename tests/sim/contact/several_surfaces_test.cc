@@ -9,6 +9,7 @@
 #include "sim/contact/contact_labels.h"
 #include "sim/contact/several_surfaces.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
 #include "tests/oracle/pads.h"
 #include "tests/sim/contact/random_case.h"
 #include "tests/sim/stage/simulation_rig.h"

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/contact/contact_labels.h"
+#include "sim/effects/install.h"
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 

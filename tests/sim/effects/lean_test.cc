@@ -5,6 +5,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "sim/effects/install.h"
 #include "tests/expect.h"
 #include "tests/sim/contact/random_case.h"
 #include "tests/sim/effects/effect_rig.h"

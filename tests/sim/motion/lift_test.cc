@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/api/motion.h"
+#include "sim/motion/motion_catalogue.h"
 
 namespace slipbench {
 namespace {

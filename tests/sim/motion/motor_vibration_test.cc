@@ -1,5 +1,7 @@
 // The motors' vibration: its lines, its strength and its silence.
+#include "sim/motion/motor_vibration.h"
 #include "sim/api/motion.h"
+#include "sim/core/random.h"
 
 #include <cmath>
 #include <complex>

@@ -12,6 +12,7 @@
 
 #include "sim/core/error.h"
 #include "sim/motion/guided.h"
+#include "sim/motion/motion_catalogue.h"
 #include "tests/expect.h"
 
 namespace slipbench::press_test {

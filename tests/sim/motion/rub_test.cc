@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/motion/motion_catalogue.h"
 #include "tests/expect.h"
 
 namespace slipbench::rub_test {

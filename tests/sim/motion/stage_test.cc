@@ -10,6 +10,7 @@
 
 #include "sim/api/motion.h"
 #include "sim/core/random.h"
+#include "sim/motion/motion_catalogue.h"
 #include "tests/expect.h"
 
 namespace slipbench::stage_test {

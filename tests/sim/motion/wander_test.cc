@@ -1,5 +1,6 @@
 // The calibration's hand motion: within its limits, spread over them, with consistent velocities.
 #include "sim/api/motion.h"
+#include "sim/motion/motion_catalogue.h"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,9 @@
 #include <map>
 #include <vector>
 
+#include "sim/scene/entry_reader.h"
 #include "sim/scene/parser.h"
-#include "sim/scene/section_readers.h"
+#include "sim/scene/scene_reader.h"
 #include "tests/expect.h"
 #include "tests/sim/scene/test_catalogues.h"
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "sim/scene/materials.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
 #include "tests/sim/scene/test_catalogues.h"

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/scene/catalogues.h"
+#include "sim/scene/materials.h"
 
 namespace slipbench {
 

@@ -8,6 +8,7 @@
 
 #include "sim/api/motion.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/motion/motion_catalogue.h"
 #include "sim/stage/stage_setup.h"
 #include "sim/stage/stage_simulation.h"
 #include "tests/oracle/pads.h"

@@ -1,5 +1,6 @@
 // The bench: time steps, refusals, and the combination of pads, motion and surface.
 
+#include "sim/motion/motion_catalogue.h"
 #include "sim/scene/catalogues.h"
 #include "tests/expect.h"
 #include "tests/sim/stage/simulation_rig.h"

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/api/motion.h"
+#include "sim/motion/motion_catalogue.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
 #include "tests/tools/dataset/record/test_records.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/scene/section_readers.h"
+#include "sim/scene/scene_reader.h"
 #include "sim/scene/sweep.h"
 
 namespace slipbench {

@@ -17,8 +17,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/scene/entry_reader.h"
+#include "sim/scene/scene_reader.h"
 #include "sim/scene/scene_values.h"
-#include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
 #include "tools/cli/format/describe.h"

@@ -17,7 +17,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/process/interrupted.h"
-#include "sim/scene/section_readers.h"
+#include "sim/scene/scene_reader.h"
 #include "tools/dataset/finished_dataset.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"

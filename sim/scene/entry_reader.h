@@ -1,13 +1,10 @@
-// Reads values and entries by their declarations, and the sections with their own readers: required
-// accuracy, expectations, and bodies that move by forces.
+// Reads values and entries of a catalogue by their declarations; the keys `accuracy` and `expect`.
+// Every function throws InputError at the node that does not fit.
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,9 +17,6 @@
 #include "sim/scene/yaml_tree.h"
 
 namespace slipbench {
-
-// Reads values and entries of a catalogue by their declarations; scene_reader.cc uses it for every
-// section. Every function throws InputError at the node that does not fit.
 
 // A value that a scene was read from, or its default.
 struct ReadValue {
@@ -161,39 +155,5 @@ class ExpectationReader : EntryReader {
   Named read_expectation(const YamlNode& node, const Scene& scene, const ExpectationEntry& entry);
   std::string read_control(const YamlNode* node, const Scene& scene);
 };
-
-// Reads the keys for bodies that move by forces, and refuses them if there are none. `scene`: read
-// except for these keys, detector, controller and expectations. Records into the trace of `reader`.
-// Throws InputError at the node that does not fit.
-void read_dynamics(const EntryReader& reader, const YamlNode& root, const Catalogues& catalogues, Scene& scene);
-
-// Returns the value of `key` in the scene; null if it is missing or withdrawn.
-const YamlNode* find_kept(const YamlNode& root, std::string_view key);
-
-// Returns the path of an entry of the map `list`. The entry names a `what` by an identifier and
-// selects by `selector` one of `entries`. Throws InputError if it does not; `allowed`: the content
-// of the entry, for messages.
-std::string named_part(const YamlNode& node, const std::string& list, const std::string& what, const std::string& allowed,
-                       const std::string& selector, const std::vector<Entry>& entries);
-
-// From a tree of YAML values to a checked Scene.
-
-// A key at the root of a scene.
-struct SceneKey {
-  std::string_view name;
-  std::string_view doc;  // one sentence: what it holds
-};
-
-// All root keys, in alphabetical order.
-std::span<const SceneKey> scene_keys();
-
-// Reads the tree of a scene without its key `sweep`. Throws InputError at the first error; at the
-// root's line if a default name (such as the motion 'stage') is not in its catalogue. `trace` may
-// be null.
-Scene read_scene(const YamlNode& root, const Catalogues& catalogues, Trace* trace);
-
-// Returns the scene's `seed`, 0 if it has none. Throws InputError if it is not an unsigned 64-bit
-// integer.
-std::uint64_t read_seed(const YamlNode& root);
 
 }  // namespace slipbench

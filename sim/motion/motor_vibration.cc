@@ -1,10 +1,10 @@
-#include "sim/api/motion.h"
+#include "sim/motion/motor_vibration.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "sim/core/math.h"
-#include "sim/motion/guided.h"
+#include "sim/core/random.h"
 
 namespace slipbench {
 namespace {
@@ -28,13 +28,6 @@ constexpr std::size_t idle_axis = 3;
 constexpr double silent = 1e-12;
 
 }  // namespace
-
-const std::vector<MotionKind>& motion_catalogue() {
-  static const std::vector<MotionKind> kinds{
-      stage_motion(), lift_motion(), guided_motion(), wander_motion(), press_motion(), rub_motion(),
-  };
-  return kinds;
-}
 
 MotorVibration::MotorVibration(const MotorSettings& settings, RandomStream stream) : settings_(settings), stream_(stream) {
   amplitude_ = settings.level * unit_rms * math::exp(settings.sd * stream_.normal());

@@ -1,0 +1,36 @@
+// The prescribed motions of the bench, one line per motion in motion_catalogue.cc.
+#pragma once
+
+#include <vector>
+
+#include "sim/api/motion.h"
+#include "sim/core/parameters.h"
+
+namespace slipbench {
+
+// A hexapod stage: the pad approaches, presses, dwells, slides and/or turns, may stop, reverse, and
+// lift off.
+MotionKind stage_motion();
+// The pad approaches, presses, holds and slowly retreats, only vertically, while something else
+// moves the touched body.
+MotionKind press_motion();
+// A finger pressed on a spot of its round skin rubs, slides or turns there by fits and starts. The
+// pad's skin is modelled as the lower half of an ellipsoid.
+MotionKind rub_motion();
+// A hand: the pad stands over the surface, comes down and wanders at random in all six coordinates.
+MotionKind wander_motion();
+
+// All kinds.
+const std::vector<MotionKind>& motion_catalogue();
+
+// The arm starts at the origin, aligned with the world. See describe().
+MotionKind lift_motion();
+
+// Times at which the arm begins to rise and has risen [s].
+struct LiftTimes {
+  double start, end;
+};
+// `parameters`: of the motion `lift`.
+LiftTimes lift_times(const Parameters& parameters);
+
+}  // namespace slipbench

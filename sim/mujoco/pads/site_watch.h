@@ -1,0 +1,51 @@
+// Checks of a pad's site: a contact of MuJoCo's own that would count twice, and a pad that points the
+// wrong way.
+#pragma once
+
+#include <mujoco/mujoco.h>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sim/api/pad_layout.h"
+#include "sim/contact/surface/surface.h"
+#include "sim/core/pose.h"
+#include "sim/mujoco/pads/pad_config.h"
+
+namespace slipbench {
+
+// Returns the possible contacts of MuJoCo's own between a geom that moves with the pad (of the
+// site's body and bodies welded to it; if fixed to the world, only of the site's own body) and a
+// touched one, as a sentence with the remedy; empty if there are none.
+[[nodiscard]] std::string possible_contact(const mjModel* model, const PadConfig& config);
+
+// Checks one pad on one surface until it has touched correctly: an element that is inside and
+// points outwards exerts no force.
+class SiteWatch {
+ public:
+  // Uses at least the tip farthest from the pad's origin, and at most 16 tips.
+  explicit SiteWatch(const PadLayout& layout);
+
+  // True if a tip is inside the surface by more than 10 um and points outwards. `touching`: number
+  // of the pad's touching elements.
+  [[nodiscard]] bool looks_out(const Surface& shape, const Pose& pad_in_surface, std::size_t touching);
+  // Returns a lower bound of the pad's distance from the surface [m] at any rotation about its
+  // origin; negative: it may touch.
+  [[nodiscard]] double clearance(const Surface& shape, const Pose& pad_in_surface) const;
+  [[nodiscard]] double radius() const { return radius_; }  // m, of the pad about its origin
+  // Largest valid depth of a pad at the start of a simulation [m]: a unit's height, or the pad's
+  // radius if that is unknown; infinite for a single element.
+  [[nodiscard]] double deepest_start() const { return deepest_start_; }
+
+ private:
+  std::vector<Element> looked_at_;
+  double radius_ = 0.0;  // m, of the pad about its origin
+  double deepest_start_;
+  bool sure_ = false;  // it has touched
+  Eigen::Vector3d clear_at_{0.0, 0.0, 0.0};
+  double clear_ = -1.0;  // m, distance from clear_at_ within which the pad touches nothing
+};
+
+}  // namespace slipbench
