@@ -1,4 +1,4 @@
-#include "rtl/verilated/rtl_engine.h"
+#include "rtl/verilated/core.h"
 
 #include <stdexcept>
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "rtl/verilated/rtl_engine.h"
+#include "rtl/verilated/core.h"
 #include "sim/core/error.h"
 
 namespace slipbench::hd {

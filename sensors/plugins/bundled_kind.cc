@@ -1,7 +1,7 @@
 // SensorKind of one bundled sensor. This file is compiled into the library of each one
 // (slipbench_bundled_sensor in cmake/SlipbenchLibrary.cmake), which defines its name and renames
 // its exported symbols, so that several sensors fit into one program.
-#include "sensors/plugins/own_sensor.h"
+#include "sensors/plugins/plugin_sensor.h"
 #include "sim/api/sensor_kind.h"
 
 namespace slipbench {

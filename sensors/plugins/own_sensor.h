@@ -1,8 +1,6 @@
 // A custom sensor, from a shared library or a Python class. Its layout and each sample are checked.
 #pragma once
 
-#include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -58,22 +56,5 @@ class OwnSensor : public Sensor {
   std::vector<float> values_;
   SensorFrame frame_;
 };
-
-// A sensor written against sensors/plugin_abi.h alone and built into the program, with its exported
-// symbols.
-struct BundledSensor {
-  const char* type;  // name in a scene
-  const slipbench_parameter* parameters;
-  const slipbench_about* about;
-  void (*make)(const slipbench_source* source, slipbench_readout* readout);
-};
-
-// The declared parameters, with their notes, as specifications for the scene's parser.
-std::vector<ParameterSpec> specs_of(const BundledSensor& bundled);
-
-// Makes the sensor `name` of a scene, like SensorKind::create. Its errors and values are checked as
-// those of a library; SceneValueError is raised at sensors.`name`.type.
-std::unique_ptr<Sensor> make_bundled(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed,
-                                     std::uint64_t trial, const std::string& name);
 
 }  // namespace slipbench

@@ -1,3 +1,5 @@
+#include "sensors/plugins/plugin_sensor.h"
+
 #include <algorithm>
 #include <sstream>
 #include <utility>

@@ -23,6 +23,7 @@
 #include "sim/core/error.h"
 #include "sim/mujoco/mjcf.h"
 #include "tools/benchmark/benchmark.h"
+#include "tools/benchmark/submission.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/stored_trials.h"

@@ -19,6 +19,7 @@
 #include "tools/benchmark/entrants.h"
 #include "tools/benchmark/known_signal.h"
 #include "tools/benchmark/protocol.h"
+#include "tools/benchmark/submission.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/reader.h"

@@ -58,35 +58,8 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 // simulated; Interrupted.
 Json benchmark(const Options& options);
 
-Json asked_json(const Asked& asked);
-// The inverse. Throws InputError with `file` and the key.
-Asked parse_asked(const Json& json, const std::string& file);
-
-// Returns the bytes of a submission.
-std::string submission_text(const Json& result);
-// Throws InputError if the text is not a submission of a protocol of this program (name and digest).
-// No trial is computed for this.
-Json parse_submission(const std::string& text, const std::string& name);
-
-// Returns the first difference between a submission and the recomputed board, `machine` left out:
-// "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here"; empty if there is none. Numbers that are not whole
-// are compared within 1e-9, since MuJoCo, FFTW and networks round differently by processor; everything
-// else is compared byte for byte.
-std::string difference(const std::string& text, const Json& submitted, Json recomputed);
-
-// Returns one HTML page without scripts.
-std::string board_page(const Json& result);
-
 // How files of this kind are recognised.
 inline constexpr page::PageKind page_kind{
     "a board", "slipbench benchmark", "page of slipbench benchmark", "board of slipbench benchmark", {result_key}};
-
-// The table of one set; one of its columns is "score".
-struct BoardTable {
-  std::string title;  // "open recordings, papillarray: 96 trials"
-  page::TextTable cells;
-  std::vector<std::string> left_out;  // "gst_hd: why"; detectors of other sensors in one line
-};
-BoardTable board_table(const Json& set);
 
 }  // namespace slipbench::benchmark

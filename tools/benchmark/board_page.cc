@@ -1,4 +1,4 @@
-#include "tools/benchmark/benchmark.h"
+#include "tools/benchmark/board_page.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tools/benchmark/benchmark.h"
 #include "tools/page/svg.h"
 
 namespace slipbench::benchmark {

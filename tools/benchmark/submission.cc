@@ -1,9 +1,10 @@
+#include "tools/benchmark/submission.h"
+
 // Reads, writes and compares submissions.
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/protocol.h"
 #include "tools/dataset/trial_difference.h"
 #include "tools/files/reject.h"

@@ -16,6 +16,15 @@ truth; this check prevents that.
 - tests: everything.
 
 A header of the project is included in quotes, by its path from the root; sources end in .h and .cc.
+
+A source has a header of its name, which it includes. Four kinds of sources have none:
+
+- main.cc, and the tests;
+- an entry of a catalogue, which includes the header that declares the entries of its folder
+  (ENTRIES);
+- a library that is loaded, whose functions are exported in C (LOADED, and every folder `example`);
+- a variant: another implementation of what a header declares, for a build, a processor or a kind of
+  pad (VARIANTS).
 """
 
 import re
@@ -48,6 +57,51 @@ TASKS = ("benchmark", "calibrate", "check", "cli", "cost", "doctor", "eval", "fo
          "registry", "report", "train", "trial", "verify", "view")
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 FOR_PARTS = ("sim/core/", "sim/api/", "sim/plugins/")  # for sensors, detectors and controllers
+
+# Folders of entries of a catalogue: the headers that declare them.
+ENTRIES = {
+    "controllers": ("controllers/controller_kinds.h", "controllers/grip.h"),
+    "detectors": ("detectors/detector_kinds.h",),
+    "detectors/network": ("detectors/detector_kinds.h",),
+    "detectors/spectral": ("detectors/detector_kinds.h",),
+    "python": ("python/module.h",),
+    "rtl/verilated": ("detectors/detector_kinds.h",),
+    "sensors/electronics": ("sensors/electronics/part_kind.h",),
+    "sim/effects": ("sim/effects/effect_catalogue.h",),
+    "sim/motion": ("sim/motion/motion_catalogue.h",),
+    "tools/cli/commands/detectors": ("tools/cli/commands/detectors/detector_commands.h",),
+    "tools/cli/commands/simulation": ("tools/cli/commands/simulation/simulation_commands.h",),
+    "tools/formats/export": ("tools/formats/export/formats.h",),
+    "tools/formats/import": ("tools/formats/import/source_table.h",),
+}
+# Libraries that are loaded; sensors that are written as such a library and built into the program.
+LOADED = ("detectors/network/openvino_engine.cc", "rtl/verilated/verilated_core.cc", "sensors/gel_markers/gel_markers.cc",
+          "sensors/magnetic_skin/magnetic_skin.cc", "sensors/plugins/bundled_kind.cc", "tools/plugin/find_build.cc",
+          "tools/plugin/mujoco_plugin.cc", "tools/plugin/static_parts.cc")
+# Variants: the header that declares what they implement.
+VARIANTS = {
+    "detectors/hd/kernel/kernel.cc": "detectors/hd/engine.h",
+    "detectors/hd/kernel/kernel_avx2.cc": "detectors/hd/kernel/kernel_body.h",
+    "detectors/hd/kernel/kernel_avx512.cc": "detectors/hd/kernel/kernel_body.h",
+    "detectors/hd/kernel/kernel_portable.cc": "detectors/hd/kernel/kernel_body.h",
+    "detectors/hd/reference.cc": "detectors/hd/engine.h",
+    "sim/contact/skin.cc": "sim/contact/field.h",
+    "sim/mujoco/bodies/dynamic_pillars.cc": "sim/mujoco/bodies/dynamic_state.h",
+    "sim/mujoco/pads/no_implicit.cc": "sim/mujoco/pads/implicit.h",
+}
+
+
+def without_header(path, included):
+    """Error of a source that includes the headers `included` and has no header of its name, or
+    None."""
+    name = path.as_posix()
+    if path.name == "main.cc" or path.parts[0] == "tests" or path.parent.name == "example" or name in LOADED:
+        return None
+    declared_in = (VARIANTS[name],) if name in VARIANTS else ENTRIES.get(path.parent.as_posix(), ())
+    if included.intersection(declared_in):
+        return None
+    entries = f", or an include of {' or '.join(declared_in)}" if declared_in else ""
+    return f'a source has a header of its name: "{path.with_suffix(".h").as_posix()}"{entries}'
 
 
 def allowed_in_tools(path):
@@ -108,20 +162,31 @@ def fault_of(path, quoted, header):
 
 
 def check(root):
-    for path in project_files(root):
+    files = project_files(root)
+    headers = set(files)
+    for path in files:
         if path.parts[0] not in TOP_FOLDERS:
             continue
         if path.suffix in (".hpp", ".hh", ".hxx", ".inc", ".ipp", ".cpp", ".cxx", ".c") and path.name != "faults.c":  # faults.c is preloaded
             yield f"{path}: a source ends in .h or .cc"
         if path.suffix not in (".h", ".cc"):
             continue
+        included = set()
         for number, line in lines_of(root, path):
             if not ANY_INCLUDE.match(line):
                 continue
             include = INCLUDE.match(line)
+            included.add(include[2] if include else "")
             fault = fault_of(path, include[1] == '"', include[2]) if include else "an include that cannot be read"
             if fault:
                 yield f"{path}:{number}: {fault}"
+        own = path.with_suffix(".h")
+        if path.suffix == ".cc" and path.parts[0] != "tests" and own in headers:
+            fault = None if own.as_posix() in included else f'a source includes the header of its name: "{own.as_posix()}"'
+        else:
+            fault = without_header(path, included) if path.suffix == ".cc" else None
+        if fault:
+            yield f"{path}: {fault}"
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@
 #include "detectors/network/engine.h"
 #include "sim/core/choice.h"
 #include "sim/core/process/regular_file.h"
+#include "tools/benchmark/board_page.h"
+#include "tools/benchmark/submission.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
 #include "tools/cli/format/eval_text.h"
