@@ -8,6 +8,7 @@
 
 #include "sim/core/math.h"
 #include "sim/core/random.h"
+#include "sim/scene/scene_reader.h"
 #include "tools/calibrate/disturbances.h"
 #include "tools/calibrate/recordings.h"
 #include "tools/calibrate/search.h"

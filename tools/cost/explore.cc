@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/scene/scene_reader.h"
 #include "tools/cost/reading.h"
 #include "tools/files/reject.h"
 #include "tools/statistics/descriptive.h"

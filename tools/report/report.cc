@@ -15,6 +15,7 @@
 #include "sim/api/detector.h"
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
+#include "sim/scene/scene_reader.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/reader.h"
 #include "tools/files/output_file.h"

@@ -24,7 +24,7 @@ sb.rules = [
 ];
 
 // Presentation of a sensor type, from its entry in the catalogue (view_payload() in
-// report_parts.h).
+// report_trial.h).
 sb.sensorView = type => sb.page.sensor_types[type];
 sb.unitWord = type => sb.sensorView(type).unit;
 sb.unitWords = type => sb.sensorView(type).units;
