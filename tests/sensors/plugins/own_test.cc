@@ -3,7 +3,7 @@
 #include <fstream>
 #include <vector>
 
-#include "sensors/plugins/own_sensor.h"
+#include "sensors/plugins/plugin_sensor.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
 #include "tools/registry/program_catalogues.h"
