@@ -64,7 +64,7 @@ struct Truth {
   // s, the first sample from first_slip on in which no touching unit sticks.
   double gross_slip = std::numeric_limits<double>::infinity();
 
-  // True if an alarm at that time counts (dataset/README.md, How the detector did).
+  // True if an alarm at that time counts (tools/dataset/outcome.md, Detection).
   [[nodiscard]] bool counts(double t) const { return (!(t >= any_slip) || t >= judged_from) && !(t >= judged_until); }
 };
 

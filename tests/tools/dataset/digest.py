@@ -1,4 +1,4 @@
-"""The digests of tools/dataset/README.md, computed with h5py, independently of this
+"""The digests of tools/dataset/storage.md, computed with h5py, independently of this
 project."""
 import hashlib
 

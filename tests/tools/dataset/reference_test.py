@@ -1,8 +1,8 @@
 """The reference of the dataset format matches written files. Arguments: the project's root, the
 program.
 
-Every array, attribute and outcome of a file has a row in tools/dataset/README.md with the
-file's shape, type and unit, and every row occurs in a file.
+Every array, attribute and outcome of a file has a row in a page of tools/dataset
+with the file's shape, type and unit, and every row occurs in a file.
 """
 
 import json
@@ -70,7 +70,7 @@ RUNS += (("papillarray/stage.yaml", *SHARD),)
 
 class ReferenceTest(unittest.TestCase):
     def setUp(self):
-        self.rows = rows_of((ROOT / "tools/dataset/README.md").read_text(encoding="utf-8"))
+        self.rows = rows_of("\n".join(page.read_text(encoding="utf-8") for page in (ROOT / "tools/dataset").glob("*.md")))
         self.held = set()
 
     def look_up(self, path, kind, name, sensor="all"):

@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 
 SECONDS = 10
-# NaN where they do not apply (tools/dataset/README.md).
+# NaN where they do not apply (tools/dataset/trials.md).
 MAY_BE_NAN = {"margin", "stuck_fraction", "slip_direction", "slip_centre", "onset_time_s", "micro_onset_time_s"}
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w.])")
 UNIT = re.compile(r"(?<=\d )[a-zA-Z%][\w/%2]*")
