@@ -1,7 +1,8 @@
 """Builds the wheels and tries each as a user would, in a bare Debian 12 or 13.
 
 wheel_test.py ROOT BUILD: wheels of build_wheels.py run with python3-venv alone, under
-wheel_user.py. The Python lines of python/README.md must print the same as in the build.
+wheel_user.py. The Python lines of the pages in python must print the same as in the
+build.
 """
 
 import json

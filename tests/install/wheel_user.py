@@ -94,7 +94,8 @@ def main():
         os.chdir(folder)
         figures = install() if WHEEL else {}
         said = {"episode": run(sys.executable, "-c", EPISODE), "digests": run(sys.executable, "-c", DIGESTS), "newer": run(sys.executable, "-c", NEWER)}
-        for name, code in re.findall(r"```python (\S+\.py)\n(.*?)```", (ROOT / "python/README.md").read_text(encoding="utf-8"), re.DOTALL):
+        pages = "".join(page.read_text(encoding="utf-8") for page in sorted((ROOT / "python").glob("*.md")))
+        for name, code in re.findall(r"```python (\S+\.py)\n(.*?)```", pages, re.DOTALL):
             Path(name).write_text(code, encoding="utf-8")
             printed = run(sys.executable, name)
             if name not in RANDOM:

@@ -1,4 +1,4 @@
-"""The examples and those of the README run; with the tutorials they call every public function. Argument: the program."""
+"""The examples and those of the Markdown pages run; with the tutorials they call every public function. Argument: the program."""
 
 import json
 import re
@@ -36,7 +36,7 @@ class Examples(unittest.TestCase):
         cls.holder = tempfile.TemporaryDirectory()
         cls.folder = Path(cls.holder.name)
         scripts = sorted((FOLDER / "examples").glob("*.py"))
-        for name, text in re.findall(r"```python (\S+)\n(.*?)```", (FOLDER / "README.md").read_text(encoding="utf-8"), re.DOTALL):
+        for name, text in re.findall(r"```python (\S+)\n(.*?)```", "".join(page.read_text(encoding="utf-8") for page in sorted(FOLDER.glob("*.md"))), re.DOTALL):
             scripts.append(cls.folder / name)
             scripts[-1].write_text(text, encoding="utf-8")
         cls.calls = set()

@@ -14,7 +14,7 @@ with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
     # Other libraries may lack types: h5py, pandas, scikit-learn.
     strict = [sys.executable, "-m", "mypy", "--strict", "--disable-error-code=import-untyped", f"--cache-dir={folder / 'cache'}"]
-    text = (root / "python/README.md").read_text(encoding="utf-8")
+    text = "".join(page.read_text(encoding="utf-8") for page in sorted((root / "python").glob("*.md")))
     for file, example in re.findall(r"```python (\S+)\n(.*?)```", text, re.DOTALL):
         (folder / file).write_text(example, encoding="utf-8")
     # Examples for readers may omit the types of their own functions; everything they use of the
