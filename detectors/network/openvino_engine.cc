@@ -34,7 +34,8 @@ std::string bytes_of(const std::string& path) {
   check_regular_file(path, most_network_bytes);
   std::ifstream file(path, std::ios::binary);
   if (!file)
-    throw InputError(path + ": cannot be opened; allowed: an ONNX file, in a scene by its path from the scene's own folder");
+    throw InputError(
+        path + ": cannot be opened; allowed: an ONNX file; a scene names it from its own folder, --set from the current folder");
   std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (file.bad()) throw InputError(path + ": cannot be read");
   return bytes;

@@ -2,7 +2,6 @@
 loop."""
 
 import argparse
-import os
 
 import numpy as np
 import slipbench
@@ -39,7 +38,7 @@ trained = learning.train(grasps, recipe="grasp_gru", network=Memory, steps=30 if
 print(trained.judged)
 
 # The same file in the loop of a grasp.
-lift = slipbench.Scene.load("grasp/lift.yaml").set({"detector": {"type": "network", "model": os.path.abspath("memory.onnx")}, "friction.static": 0.2, "friction.kinetic": 0.19})
+lift = slipbench.Scene.load("grasp/lift.yaml").set({"detector": {"type": "network", "model": "memory.onnx"}, "friction.static": 0.2, "friction.kinetic": 0.19})
 trial = lift.run()
 print(trial.outcome["detection"])
 

@@ -266,8 +266,8 @@ class Scene:
         """Returns the scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"},
         seed=3)`. Text is YAML, other values are SI.
 
-        Numbers, arrays and ranges may be numpy's, paths Path objects. `values` allows any path,
-        `more` only single words. Sweeps of a set path, or of paths below it, are removed. Raises
+        Numbers, arrays and ranges may be numpy's, paths Path objects, which start from the current
+        folder. None removes a key. `values` allows any path, `more` only single words. Sweeps of a set path, or of paths below it, are removed. Raises
         InputError, naming the key, for an invalid value.
         """
         return Scene(self.path, self.overrides + overrides_of({**(values or {}), **more}), self._told, self._text)

@@ -32,7 +32,7 @@ class DynamicsReader : EntryReader {
     if (const YamlNode* node = root.find("model")) {
       const std::string& file = text_of(*node, "model", "the path of an MJCF file, from the scene's own folder");
       if (file.empty()) fail(node->origin, "model is empty; allowed: the path of an MJCF file, from the scene's own folder");
-      scene.model = in_folder(file);
+      scene.model = resolved_path(*node);
       record("model", file);
     }
     if (const YamlNode* node = root.find("bodies")) scene.bodies = read_bodies(*node);

@@ -119,13 +119,14 @@ Parameters::Value EntryReader::value(const YamlNode* node, const std::string& pa
   record(path, result, spec.quantity, node == nullptr ? std::string() : node->text);
   if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text &&
       std::ranges::find(spec.choices, node->text) == spec.choices.end())
-    return in_folder(node->text);
+    return resolved_path(*node);
   return result;
 }
 
-std::string EntryReader::in_folder(const std::string& path) const {
+std::string EntryReader::resolved_path(const YamlNode& node) const {
+  if (node.origin.typed) return node.text;
   const std::filesystem::path folder = root_.source ? std::filesystem::path(*root_.source).parent_path() : "";
-  return (folder / path).string();
+  return (folder / node.text).string();
 }
 
 Parameters::Value EntryReader::default_at(const std::string& path, const ParameterSpec& spec) const {
@@ -174,7 +175,7 @@ Parameters::Value EntryReader::table(const YamlNode* node, const std::string& pa
     return table;
   }
   const bool in_file = node->kind == YamlNode::Kind::scalar;
-  const YamlNode rows = in_file ? read_csv(in_folder(node->text), spec.columns, node->origin) : *node;
+  const YamlNode rows = in_file ? read_csv(resolved_path(*node), spec.columns, node->origin) : *node;
   if (rows.kind != YamlNode::Kind::sequence || rows.children.empty())
     fail(rows.origin, path + " is " + described(rows) + "; allowed: " + allowed_form(spec));
   std::string needed = spec.columns.empty() ? "as many numbers as the first row" : "";
@@ -197,7 +198,7 @@ Parameters::Value EntryReader::table(const YamlNode* node, const std::string& pa
   }
   if (in_file) table.path = node->text;  // as written in the scene
   record(path, table);
-  if (in_file) table.path = in_folder(node->text);
+  if (in_file) table.path = resolved_path(*node);
   return table;
 }
 

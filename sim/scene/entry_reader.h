@@ -67,8 +67,8 @@ Parameters::Value scalar(const YamlNode& node, const std::string& path, const Pa
 
 class EntryReader {
  public:
-  // `root`: origin of the scene's root; paths are relative to its file's folder, also those given
-  // by --set. `trace` may be null.
+  // `root`: origin of the scene's root; paths are relative to its file's folder, those given by
+  // --set to the current folder. `trace` may be null.
   EntryReader(Origin root, Trace* trace) : root_(std::move(root)), trace_(trace) {}
 
  protected:
@@ -79,8 +79,9 @@ class EntryReader {
   void record(const std::string& path, const Parameters::Value& value, Quantity quantity = Quantity::none,
               const std::string& written = {});
 
-  // Resolves a path as written in the scene, relative to the scene's folder.
-  [[nodiscard]] std::string in_folder(const std::string& path) const;
+  // Resolves the path that is written at `node`: relative to the scene's folder, or to the current
+  // folder if it was given by --set.
+  [[nodiscard]] std::string resolved_path(const YamlNode& node) const;
 
   // Returns the value at `node`, or the default if it is null.
   Parameters::Value value(const YamlNode* node, const std::string& path, const ParameterSpec& spec);

@@ -37,6 +37,12 @@ nlohmann::json json_of(const YamlNode& node) {
   throw std::logic_error("no such kind of node");
 }
 
+void mark_typed(YamlNode& node) {
+  node.origin.typed = true;
+  node.key_origin.typed = true;
+  for (YamlNode& child : node.children) mark_typed(child);
+}
+
 // A name in a scene that stands for figures, and the keys that together may replace all of them.
 struct NamedFigures {
   std::string path;
@@ -139,16 +145,22 @@ SceneFile SceneFile::from_text(std::string text, std::string name) {
   return file;
 }
 
-void SceneFile::apply(const Override& change) {
+void SceneFile::apply(const Override& change, MissingKey missing) {
   constexpr std::size_t longest = 200;  // in messages
   const std::string given = change.path + "=" + change.value;
   const std::string source = change.option + " " + given.substr(0, longest) + (given.size() > longest ? "..." : "");
-  const YamlNode value = parse_yaml(change.value, source, false);
+  YamlNode value = parse_yaml(change.value, source, false);
+  if (!change.of_sweep) mark_typed(value);
   std::vector<std::string> parts = split_path(change.path, value.origin);
   const bool sweeps = parts.front() == "sweep";
   if (sweeps && parts.size() > 1) parts = swept_parts(*root_, change.path);
   YamlNode root = *root_;
-  assign(place_at(root, parts, value.origin), value);
+  if (value.kind != YamlNode::Kind::null) {
+    assign(place_at(root, parts, value.origin), value);
+  } else if (node_at(root, parts) != nullptr ||
+             (missing == MissingKey::refused && (sweeps || !Sweep(root.find("sweep"), {}).sets(change.path)))) {
+    remove_at(root, parts, value.origin);
+  }
   root_ = std::make_shared<const YamlNode>(std::move(root));
   if (!sweeps) overridden_.push_back(std::move(parts));
 }

@@ -16,11 +16,13 @@
 namespace slipbench {
 
 // An override from the command line such as "motion.speed=8 mm/s"; applied to the file before any
-// check.
+// check. Relative paths of files in it start from the current folder, not from the scene's.
 struct Override {
   std::string path;              // dotted; a number selects an item of a sequence: "motion.tilt.0"
-  std::string value;             // YAML
+  std::string value;             // YAML; null removes the key
   std::string option = "--set";  // the option that gave it, for messages
+  // A value that the scene's own sweep gave, whose paths start from the scene's folder.
+  bool of_sweep = false;
 };
 
 // A scene file as read, before its sweep is expanded. Cheap to copy.
@@ -32,10 +34,13 @@ class SceneFile {
   // The same from text; messages show `name` instead of a path.
   static SceneFile from_text(std::string text, std::string name);
 
-  // Replaces or adds a value and makes missing maps on the way. Below `sweep` the rest of the path
-  // is one key: "sweep.motion.speed=[...]". Throws InputError if the path is impossible (through a
-  // scalar, or an index out of range).
-  void apply(const Override& change);
+  // Effect of an override that removes a key which neither the scene nor its sweep sets.
+  enum class MissingKey { refused, ignored };
+
+  // Replaces or adds a value and makes missing maps on the way; null removes the key from the scene
+  // and from its sweep. Below `sweep` the rest of the path is one key: "sweep.motion.speed=[...]".
+  // Throws InputError if the path is impossible (through a scalar, or an index out of range).
+  void apply(const Override& change, MissingKey missing = MissingKey::refused);
 
   [[nodiscard]] const std::string& text() const { return text_; }  // as read, without overrides
   [[nodiscard]] const std::string& name() const { return name_; }

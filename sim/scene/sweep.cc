@@ -200,8 +200,7 @@ bool erase_inside(YamlNode& value, std::span<const std::string> path, const Swep
   return child != nullptr && erase_inside(*child, path.subspan(1), swept);
 }
 
-// Values from the command line have no line number.
-bool is_typed(const YamlNode& node) { return node.origin.line == 0 || std::ranges::any_of(node.children, is_typed); }
+bool is_typed(const YamlNode& node) { return node.origin.typed || std::ranges::any_of(node.children, is_typed); }
 
 void collect(const YamlNode& value, const std::string& path, std::vector<std::string>& leaves) {
   if (value.kind != YamlNode::Kind::map) {
@@ -334,6 +333,10 @@ void Sweep::drop_overridden(const std::vector<std::vector<std::string>>& overrid
       if (swept.values.empty()) refuse_inside(swept);
     }
   }
+}
+
+bool Sweep::sets(const std::string& path) const {
+  return std::ranges::any_of(leaves_, [&](const std::string& leaf) { return leaf == path || leaf.starts_with(path + '.'); });
 }
 
 void Sweep::collect_leaves() {

@@ -75,6 +75,9 @@ class Sweep {
   // Every path that some trial sets, in file order: a map on an axis stands for the keys in it.
   [[nodiscard]] const std::vector<std::string>& leaves() const { return leaves_; }
 
+  // True if some trial sets a value at `path` or below it.
+  [[nodiscard]] bool sets(const std::string& path) const;
+
   // The entries, in file order.
   [[nodiscard]] const std::vector<SweptPath>& paths() const { return paths_; }
 

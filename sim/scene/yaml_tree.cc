@@ -202,6 +202,17 @@ const YamlNode* item_of(const YamlNode& sequence, const std::string& part) {
   return result.ec == std::errc{} && index < sequence.children.size() ? &sequence.children[index] : nullptr;
 }
 
+// Returns the item of `sequence`, named `here` in messages, that `part` selects. Throws InputError if
+// there is none.
+const YamlNode& needed_item(const YamlNode& sequence, const std::string& part, const std::string& here, const Origin& origin) {
+  if (const YamlNode* item = item_of(sequence, part)) return *item;
+  const std::size_t size = sequence.children.size();
+  fail(origin, "no item " + quote(part) + " in " + here + "; allowed: " +
+                   (size == 0   ? "none, it is empty"
+                    : size == 1 ? "0"
+                                : "0 to " + std::to_string(size - 1)));
+}
+
 std::string joined(std::span<const std::string> parts) {
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ".") + part;
@@ -345,15 +356,7 @@ YamlNode& place_at(YamlNode& root, std::span<const std::string> path, const Orig
     const std::string& part = path[i];
     const auto here = [&] { return i == 0 ? std::string("the scene") : quote(joined(path.first(i))); };
     if (node->kind == YamlNode::Kind::sequence) {
-      const YamlNode* item = item_of(*node, part);
-      if (item == nullptr) {
-        const std::size_t size = node->children.size();
-        fail(origin, "no item " + quote(part) + " in " + here() + "; allowed: " +
-                         (size == 0   ? "none, it is empty"
-                          : size == 1 ? "0"
-                                      : "0 to " + std::to_string(size - 1)));
-      }
-      node = const_cast<YamlNode*>(item);
+      node = const_cast<YamlNode*>(&needed_item(*node, part, here(), origin));
       continue;
     }
     if (node->kind == YamlNode::Kind::scalar) {
@@ -378,6 +381,38 @@ YamlNode& place_at(YamlNode& root, std::span<const std::string> path, const Orig
     node = child;
   }
   return *node;
+}
+
+void remove_at(YamlNode& root, std::span<const std::string> path, const Origin& origin) {
+  YamlNode* node = &root;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::string& part = path[i];
+    const std::string here = i == 0 ? std::string("the scene") : quote(joined(path.first(i)));
+    const bool last = i + 1 == path.size();
+    if (node->kind == YamlNode::Kind::sequence) {
+      const YamlNode& item = needed_item(*node, part, here, origin);
+      if (last) {
+        fail(origin, here + " is a sequence, which has no keys to remove; allowed: all items that stay, as in " +
+                         joined(path.first(i)) + "=[...]");
+      }
+      node = const_cast<YamlNode*>(&item);
+      continue;
+    }
+    YamlNode* child = node->find(part);
+    if (child == nullptr && node->kind != YamlNode::Kind::map) {
+      fail(origin, "no key " + quote(part) + " in " + here + ", which is " + described(*node));
+    }
+    if (child == nullptr) {
+      std::vector<std::string> keys;
+      for (const YamlNode& other : node->children) keys.push_back(other.key);
+      fail(origin, "no key " + quote(part) + " to remove in " + here + allowed_names(part, keys));
+    }
+    if (last) {
+      node->children.erase(node->children.begin() + (child - node->children.data()));
+      return;
+    }
+    node = child;
+  }
 }
 
 void assign(YamlNode& place, const YamlNode& value) {
@@ -426,7 +461,10 @@ YamlNode read_csv(const std::string& path, const std::vector<TableColumn>& colum
     fail(named, error.what());
   }
   std::ifstream file(path);
-  if (!file) fail(named, "no file " + quote(path) + " can be read; allowed: the path of a CSV file from the scene's own folder");
+  if (!file)
+    fail(named,
+         "no file " + quote(path) +
+             " can be read; allowed: the path of a CSV file from the scene's own folder, with --set from the current folder");
   Origin at{std::make_shared<const std::string>(path), 0};
   YamlNode rows = node_of(YamlNode::Kind::sequence, at);
   std::vector<Place> places;

@@ -25,6 +25,7 @@ struct Origin {
   std::shared_ptr<const std::string> source;  // file name, or "--set path=value"
   int line = 0;                               // first line: 1; 0 if the source has no lines
   bool drawn = false;                         // drawn at random by the sweep
+  bool typed = false;                         // given by an option, whose paths start from the current folder
 
   // "stage.yaml:12", "stage.yaml:12 (drawn)", "--set motion.speed=8"
   [[nodiscard]] std::string text() const;
@@ -69,6 +70,11 @@ const YamlNode* node_at(const YamlNode& root, std::span<const std::string> path)
 // effect, becomes a map with this name as its only key. New keys get `origin`. Throws InputError if
 // the path goes through another scalar or past the end of a sequence.
 YamlNode& place_at(YamlNode& root, std::span<const std::string> path, const Origin& origin);
+
+// Removes the key at `path`, which a map contains. Throws InputError at `origin` if the path does not
+// exist, with the nearest key of the map, and for an item of a sequence, whose removal would
+// renumber the items after it.
+void remove_at(YamlNode& root, std::span<const std::string> path, const Origin& origin);
 
 // Puts `value` in `place`, which keeps its key.
 void assign(YamlNode& place, const YamlNode& value);

@@ -206,7 +206,9 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
   for (std::size_t trial = 0; kind == Trials::recordings && trial < plan.size(); ++trial) {
     SceneFile one = file;
     one.apply({"sweep", "{trials: 1}"});
-    for (const auto& [path, json] : plan.trial(trial).drawn) one.apply({path, json});
+    for (const auto& [path, json] : plan.trial(trial).drawn) {
+      one.apply({.path = path, .value = json, .of_sweep = true}, SceneFile::MissingKey::ignored);  // null: not set in this trial
+    }
     files_.push_back(std::move(one));
   }
   if (kind == Trials::groups) files_.push_back(file);

@@ -1,7 +1,13 @@
 #include "tools/cli/arguments.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <charconv>
+#include <cstdio>
+#include <cstring>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -22,6 +28,12 @@ Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go t
 
 // Footers begin with a line end, which serves only the layout of the source.
 std::string without_first_line_end(std::string_view footer) { return std::string(footer.substr(1)); }
+
+// Ending of the file in a usage: ".h5" for "-o,--output FILE.h5".
+std::string ending_of(const std::string& usage) {
+  const std::size_t dot = usage.find('.');
+  return dot == std::string::npos ? "" : usage.substr(dot);
+}
 
 // Name of an option in messages: "-o" for "-o,--output FILE.h5".
 std::string first_name(const std::string& usage) { return usage.substr(0, usage.find_first_of(", ")); }
@@ -90,6 +102,24 @@ void Command::tell(const std::string& what) const {
   if (!silent()) say(stderr, fmt::format("slipbench: {}\n", what));
 }
 
+std::string Command::stream(const std::string& ending) {
+  streamed_ = std::make_shared<const ScratchFolder>();
+  return stream_path_ = streamed_->file("output" + ending);
+}
+
+void Command::send_stream() {
+  if (!streamed_) return;
+  take_stdout_back();
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(stream_path_.c_str(), "rb"), &std::fclose);
+  streamed_.reset();  // removes the file's name: a closed pipe may end the program while it writes
+  if (!file) return;
+  std::array<char, 65536> block{};
+  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+    if (std::fwrite(block.data(), 1, count, stdout) != count) reject("cannot write to standard output: {}", std::strerror(errno));
+  }
+  if (std::ferror(file.get()) != 0) reject("cannot read the temporary file of standard output: {}", std::strerror(errno));
+}
+
 Arguments::Arguments(CLI::App& app, Command* command, const Arguments* parent, bool& json)
     : app_(&app), command_(command), parent_(parent), name_(parent == nullptr ? "" : parent->name_), json_(&json) {
   flag("--json", json, "Print one JSON object on stdout and nothing else there");
@@ -136,8 +166,13 @@ Arguments& Arguments::inputs(const std::string& usage, std::vector<std::string>&
 
 Arguments& Arguments::file(const std::string& usage, std::string& value, const std::string& help) {
   target(usage, value, help, "file");
-  const std::size_t dot = usage.find('.');
-  values_[last_] = {AllowedValues::Kind::files, {}, dot == std::string::npos ? "" : usage.substr(dot)};
+  values_[last_] = {AllowedValues::Kind::files, {}, ending_of(usage)};
+  return *this;
+}
+
+Arguments& Arguments::output(const std::string& usage, std::string& value, const std::string& help, const std::string& ending) {
+  target(usage, value, help, "file", ending.empty() ? ending_of(usage) : ending);
+  values_[last_] = {AllowedValues::Kind::files, {}, ending_of(usage)};
   return *this;
 }
 
@@ -147,10 +182,25 @@ Arguments& Arguments::folder(const std::string& usage, std::string& value, const
   return *this;
 }
 
-Arguments& Arguments::target(const std::string& usage, std::string& value, const std::string& help, const char* kind) {
+Arguments& Arguments::target(const std::string& usage, std::string& value, const std::string& help, const char* kind,
+                             const std::string& stream_ending) {
   return read(usage, help, [=, this, &value](const std::string& text) {
-    if (text.empty()) reject("{}: {} needs a {} name", name_, first_name(usage), kind);
-    value = text;
+    const std::string option = first_name(usage);
+    if (text.empty()) reject("{}: {} needs a {} name", name_, option, kind);
+    if (text != "-") {
+      value = text;
+      return;
+    }
+    if (stream_ending.empty()) {
+      reject("{}: {} - means standard output, which cannot take this result; allowed: a {} name, such as ./-", name_, option,
+             kind);
+    }
+    if (*json_) reject("{}: {} - and --json both write to standard output; allowed: one of them", name_, option);
+    if (stream_ending == ".h5" && isatty(STDOUT_FILENO) == 1) {
+      reject("{}: {} - writes HDF5, and standard output is a terminal here; allowed: a file or a pipe, as in {} - > FILE.h5",
+             name_, option, option);
+    }
+    value = command_->stream(stream_ending);
   });
 }
 
@@ -178,7 +228,7 @@ Arguments& Arguments::sets(std::vector<Override>& values, const std::string& hel
 }
 
 Arguments& Arguments::overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed) {
-  sets(values, "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"");
+  sets(values, "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"; KEY=null removes it");
   return number("--seed N", seed, "Seed of all random draws (default: the scene's own)", 0);
 }
 

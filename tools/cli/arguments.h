@@ -55,8 +55,12 @@ class Arguments {
   Arguments& input(const std::string& usage, std::string& value, const std::string& help, const std::string& ending = "");
   Arguments& inputs(const std::string& usage, std::vector<std::string>& values, const std::string& help,
                     const std::string& ending = "");
-  // Name of a file or folder to write: not empty.
+  // Name of a file or folder to write: not empty. A file called '-' is written as './-', since '-'
+  // stands for standard output, which output() alone accepts.
   Arguments& file(const std::string& usage, std::string& value, const std::string& help);
+  // As file(), for a single file that may also go to standard output. `ending`: of the file; empty:
+  // that of the name in `usage`.
+  Arguments& output(const std::string& usage, std::string& value, const std::string& help, const std::string& ending = "");
   Arguments& folder(const std::string& usage, std::string& value, const std::string& help);
   // A whole number from `min` to `max`, into an integer or an optional one.
   template <class Value>
@@ -129,7 +133,8 @@ class Arguments {
   std::uint64_t whole_number(const std::string& usage, const std::string& text, std::uint64_t min, std::uint64_t max) const;
   double positive_quantity(const std::string& usage, const std::string& text, Quantity quantity) const;
   [[noreturn]] void refuse(const std::string& usage, const std::string& text, const std::string& allowed) const;
-  Arguments& target(const std::string& usage, std::string& value, const std::string& help, const char* kind);
+  Arguments& target(const std::string& usage, std::string& value, const std::string& help, const char* kind,
+                    const std::string& stream_ending = "");
   [[nodiscard]] const Arguments& program() const;
   [[nodiscard]] CommandHelp described() const;
 

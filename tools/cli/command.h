@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "tools/files/output_file.h"
+
 namespace slipbench {
 
 class Arguments;
@@ -32,8 +34,21 @@ class Command {
   // Prints a status line on stderr ("slipbench: ..."), unless the command is silent.
   void tell(const std::string& what) const;
 
+  // Makes standard output the target of an option, as `-o -` says. Returns the path of a temporary
+  // file with this ending, such as ".html", which the command writes in its place.
+  std::string stream(const std::string& ending);
+  // True if an option writes to standard output. The command then prints its messages on stderr.
+  [[nodiscard]] bool streams() const { return streamed_ != nullptr; }
+  // Copies the temporary file, if the command wrote it, to standard output. Throws InputError if it
+  // cannot.
+  void send_stream();
+
   bool json = false;   // --json, an option of every command
   bool quiet = false;  // --quiet, if the command declares it
+
+ private:
+  std::shared_ptr<const ScratchFolder> streamed_;  // tests copy commands
+  std::string stream_path_;
 };
 
 // Commands in the order of the help.

@@ -34,8 +34,12 @@ int print_version(bool json) {
 
 int dispatch(const Commands& commands, const std::vector<std::string>& words) {
   const Request request = parse_command_line(commands, words);
-  if (request.command != nullptr && request.command->json) set_stdout_aside();
-  if (request.command != nullptr) return request.command->run();
+  if (Command* const command = request.command) {
+    if (command->json || command->streams()) set_stdout_aside();
+    const int status = command->run();
+    command->send_stream();
+    return status;
+  }
   if (request.version) return print_version(request.json);
   fmt::print("{}", request.help);
   return exit_good;

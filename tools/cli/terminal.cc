@@ -187,6 +187,7 @@ std::string as_called(const std::string& command) {
 void print_next(const std::string& command) { fmt::print("{} {}\n", style_for(stdout).dim("next:"), as_called(command)); }
 
 void print_written(const std::vector<std::string>& files) {
+  if (stdout_aside >= 0) return;
   for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);
 }
 

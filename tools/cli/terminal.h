@@ -68,8 +68,8 @@ class Table {
 // End of the message "unknown x 'word'": "; did you mean 'name'?" if a candidate is near, else ";".
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates);
 
-// With --json stdout holds the object alone: output of third-party libraries goes to stderr until
-// take_stdout_back().
+// With --json and `-o -` stdout holds the result alone: other output, also of third-party libraries,
+// goes to stderr until take_stdout_back().
 void set_stdout_aside();
 void take_stdout_back();
 
@@ -87,7 +87,8 @@ std::string as_called(const std::string& command);
 // Prints "next: COMMAND", a command to run next. `command` begins with "slipbench".
 void print_next(const std::string& command);
 
-// "written: FILE", a line a file.
+// "written: FILE", a line a file. Prints nothing while stdout is set aside: with `-o -` the file is
+// standard output.
 void print_written(const std::vector<std::string>& files);
 
 // Values of a progress line.

@@ -503,13 +503,15 @@ class Search {
 
 std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogues& catalogues,
                                        const std::function<void()>& on_search) {
-  SceneFile file = SceneFile::load(sweep.scene_path);
-  for (const Override& change : sweep.overrides) file.apply(change);
+  const SceneFile file = scene_file(sweep);
   if (file.root().find("accuracy") == nullptr) return std::nullopt;
   const std::uint64_t seed = sweep.seed ? *sweep.seed : parse_scene(file, catalogues).seed;
   const PlannedTrials planned = plan_trials(file, catalogues, sweep, seed);
   const Scene scene = planned.plan.trial(0).scene;
   if (!scene.accuracy) return std::nullopt;
+  if (sweep.scene_text) {
+    throw InputError(file.name() + ": accuracy needs a scene that is a file, beside which its setting is kept");
+  }
 
   const std::string path = sweep.scene_path + ".accuracy.json";
   const Json subject = subject_of(file, scene, sweep.overrides, planned);

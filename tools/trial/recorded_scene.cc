@@ -72,7 +72,8 @@ SceneFile recorded_file(const std::string& scene, const Json& overrides, const s
   SceneFile file = SceneFile::from_text(scene, place);
   for (const auto& [path, value] : overrides.items()) {
     if (!value.is_string()) throw InputError(place + ": the overrides hold no text for " + path);
-    file.apply({path, value.get<std::string>()});
+    // The run may have added the key before it removed it; the dataset keeps the last value only.
+    file.apply({path, value.get<std::string>()}, SceneFile::MissingKey::ignored);
   }
   return file;
 }
@@ -87,7 +88,8 @@ SceneFile recorded_file(const DatasetReader& reader) {
 Scene recorded_scene(SceneFile file, const TrialRecord& record, const Catalogues& catalogues) {
   const Json params = json_object(record.params, "attribute params");
   for (const auto& [path, value] : params.items()) {
-    if (!value.is_null()) file.apply({path, value.is_string() ? value.get<std::string>() : value.dump()});
+    if (!value.is_null())
+      file.apply({.path = path, .value = value.is_string() ? value.get<std::string>() : value.dump(), .of_sweep = true});
   }
   return parse_scene(file, catalogues);
 }

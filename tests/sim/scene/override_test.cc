@@ -133,6 +133,28 @@ TEST(Override, RefusesPathsThatCannotExist) {
   EXPECT_THAT(refusal({{"", "1"}}), refused_at("--set =1", {"''", "path"}));
 }
 
+TEST(Override, RemovesAKeyByNull) {
+  const double speed = 0.004;  // the default
+  for (const std::string null : {"null", "~"}) {
+    EXPECT_EQ(read({{"motion.speed", null}}).motion.parameters.number("speed"), speed);
+    EXPECT_EQ(read({{"motion", null}}).motion.parameters.number("speed"), speed);
+  }
+  EXPECT_TRUE(read({{"effects", "null"}}).effects.empty());
+  EXPECT_EQ(read({{"seed", "3"}, {"seed", "null"}}).seed, read({}).seed) << "a value of the command line";
+  EXPECT_EQ(read({{"effects.0.ageing.rate", "null"}}).effects[0].parameters.number("rate"),
+            read({{"effects", "[ageing]"}}).effects[0].parameters.number("rate"));
+  EXPECT_EQ(read({{"description", "'null'"}}).description, "null") << "a quoted word is a text";
+}
+
+TEST(Override, RefusesToRemoveWhatIsNotThere) {
+  EXPECT_THAT(refusal({{"motion.sped", "null"}}), refused_at("--set motion.sped=null", {"sped", "motion", "speed", "tilt"}));
+  EXPECT_THAT(refusal({{"motoin.speed", "null"}}), refused_at("--set motoin.speed=null", {"motoin", "the scene", "motion"}));
+  EXPECT_THAT(refusal({{"motion.speed.x", "null"}}), refused_at("--set motion.speed.x=null", {"x", "motion.speed", "1 mm/s"}));
+  EXPECT_THAT(refusal({{"effects.0", "null"}}), refused_at("--set effects.0=null", {"effects", "effects=[...]"}));
+  EXPECT_THAT(refusal({{"effects.1.ageing", "null"}}), refused_at("--set effects.1.ageing=null", {"1", "effects", "0"}));
+  EXPECT_THAT(refusal({{"sweep", "null"}}), refused_at("--set sweep=null", {"sweep", "the scene"}));
+}
+
 constexpr const char* swept = R"(slipbench: 1
 motion: {tilt: [0 deg, 0 deg]}
 sensors: {pad: {type: papillarray}}
@@ -173,6 +195,18 @@ TEST(Override, ChangesTheSweepItself) {
   EXPECT_EQ(plan(catalogues, {{"sweep.motion.compression", "[1 mm]"}}).size(), 4u);
   EXPECT_EQ(plan(catalogues, {{"sweep.trials", "3"}}).size(), 36u);
   EXPECT_EQ(plan(catalogues, {{"sweep", "{}"}}).size(), 1u);
+}
+
+TEST(Override, RemovesAKeyFromTheSweepByNull) {
+  const Catalogues catalogues = test_catalogues();
+  EXPECT_EQ(plan(catalogues, {{"sweep.motion.compression", "null"}}).size(), 4u);
+  EXPECT_EQ(plan(catalogues, {{"sweep", "null"}}).size(), 1u);
+  EXPECT_EQ(plan(catalogues, {{"motion.compression", "null"}}).size(), 4u) << "swept, and not in the scene";
+  const TrialPlan still = plan(catalogues, {{"motion.speed", "null"}});  // in the maps of an axis
+  ASSERT_EQ(still.size(), 12u);
+  EXPECT_EQ(still.trial(11).scene.motion.parameters.number("speed"), 0.004);
+  EXPECT_THAT(refusal({{"sweep.motion.compresion", "null"}}, swept),
+              refused_at("--set sweep.motion.compresion=null", {"motion.compresion", "motion.compression"}));
 }
 
 // Typed values are never dropped: a typed sweep below a typed value applies to it, in either order.

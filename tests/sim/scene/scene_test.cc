@@ -58,9 +58,9 @@ TEST(Scene, DetectorReadsItsSensor) {
   EXPECT_EQ(two.detector->parameters.number("threshold"), 0.3);
 }
 
-// A path is relative to the scene's folder, wherever it is set; the default is a name, not a path,
-// and stays unchanged.
-TEST(Scene, PathsAreFromItsFolder) {
+// A path in the scene is relative to the scene's folder, one of --set to the current folder; the
+// default is a name, not a path, and stays unchanged.
+TEST(Scene, PathsAreFromTheFolderOfWhatNamesThem) {
   const Catalogues catalogues = test_catalogues();
   const auto memories = [&](const std::string& value, const std::string& folder, const std::string& set) {
     SceneFile file = SceneFile::from_text(minimal + "detector: {type: trained" + value + "}\n", folder + "s.yaml");
@@ -73,7 +73,18 @@ TEST(Scene, PathsAreFromItsFolder) {
   EXPECT_EQ(memories(", memories: ../mine", "scenes/", ""), "scenes/../mine");
   EXPECT_EQ(memories(", memories: mine", "", ""), "mine");
   EXPECT_EQ(memories(", memories: /mine", "scenes/", ""), "/mine");
-  EXPECT_EQ(memories("", "scenes/", "mine"), "scenes/mine");
+  EXPECT_EQ(memories("", "scenes/", "mine"), "mine");
+  EXPECT_EQ(memories(", memories: mine", "scenes/", "../other"), "../other");
+  EXPECT_EQ(memories("", "scenes/", "own"), "own");
+}
+
+TEST(Scene, ASweptPathIsFromTheFolderOfWhatNamesIt) {
+  const Catalogues catalogues = test_catalogues();
+  SceneFile file = SceneFile::from_text(minimal + "detector: {type: trained, memories: ours}\n", "scenes/s.yaml");
+  file.apply({"sweep", "{detector.memories: [mine, own]}"});
+  const TrialPlan plan(file, catalogues, 1, 7);
+  EXPECT_EQ(plan.trial(0).scene.detector->parameters.path("memories"), "mine");
+  EXPECT_EQ(plan.trial(1).scene.detector->parameters.path("memories"), "own");
 }
 
 // A trial reports a swept path as the scene writes it, so that it is valid on any machine.

@@ -130,7 +130,8 @@ Examples:
   slipbench report hexapod.h5
   slipbench report hexapod.h5 --trial 17 -o trial17.html)");
   arguments.input("FILE", dataset, "Dataset (HDF5)", ".h5").required();
-  arguments.file("-o,--output FILE.html", output, "Page to write (default: the dataset's name with .html)");
+  arguments.output("-o,--output FILE.html", output,
+                   "Page to write, - for standard output (default: the dataset's name with .html)");
   arguments.number("--trial K", options.trial, "Trial to show in full (default: the first)", 0);
 }
 
@@ -139,7 +140,9 @@ int ReportCommand::run() {
   write_report(dataset, page, options);
   say_failed(dataset);
   if (json) return print_json({{"report", page}});
-  fmt::print("{} {}\n{} open it in a browser\n", style_for(stdout).good("written:"), page, style_for(stdout).dim("next:"));
+  if (streams()) return exit_good;
+  print_written({page});
+  fmt::print("{} open it in a browser\n", style_for(stdout).dim("next:"));
   return exit_good;
 }
 

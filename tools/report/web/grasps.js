@@ -227,7 +227,8 @@ sb.replayCommand = trial => {
   const recorded = page.command.replace(/ --record outcome$/, '');
   const one = recorded.replace(/^slipbench sweep /, 'slipbench run ');
   const same = one === recorded ? one : one.replace(/ --trials (\d+)$/, ' --set sweep.trials=$1');
-  return same + ' --trial ' + trial.index + ' -o trial-' + trial.index + '.h5';
+  const input = /^slipbench \S+ -( |$)/.test(page.command) ? ' < SCENE.yaml' : '';  // the scene was read from standard input
+  return same + ' --trial ' + trial.index + ' -o trial-' + trial.index + '.h5' + input;
 };
 
 // Table of the outcomes of each series.

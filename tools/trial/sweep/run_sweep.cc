@@ -606,9 +606,15 @@ std::string canonical_command(const SweepOptions& options) {
   return command;
 }
 
-ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues) {
-  SceneFile file = SceneFile::load(options.scene_path);
+SceneFile scene_file(const SweepOptions& options) {
+  SceneFile file =
+      options.scene_text ? SceneFile::from_text(*options.scene_text, "<stdin>") : SceneFile::load(options.scene_path);
   for (const Override& change : options.overrides) file.apply(change);
+  return file;
+}
+
+ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues) {
+  SceneFile file = scene_file(options);
   const std::uint64_t seed = options.seed ? *options.seed : read_seed(file.root());
   PlannedTrials planned = plan_trials(file, catalogues, options, seed);
   return {std::move(file), seed, std::move(planned)};

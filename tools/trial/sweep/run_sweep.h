@@ -62,8 +62,9 @@ struct Isolation {
 };
 
 struct SweepOptions {
-  std::string verb = "sweep";  // name of the command, for the dataset's attribute `command`
-  std::string scene_path;
+  std::string verb = "sweep";                  // name of the command, for the dataset's attribute `command`
+  std::string scene_path;                      // "-": standard input, whose text is in scene_text
+  std::optional<std::string> scene_text = {};  // the scene; empty: it is read from scene_path
   std::vector<Override> overrides;
   std::optional<std::uint64_t> seed;     // empty: the scene's
   std::size_t trials = 0;                // repetitions of each grid cell; 0: the scene's
@@ -119,8 +120,11 @@ struct ReadSweep {
   PlannedTrials planned;
 };
 
-// `catalogues` must outlive the result. Throws InputError as plan_trials() does, and if the scene
-// is unreadable.
+// The scene of `options`, with the overrides. Messages call standard input "<stdin>". Throws
+// InputError if the scene is unreadable or an override does not fit it.
+SceneFile scene_file(const SweepOptions& options);
+
+// `catalogues` must outlive the result. Throws InputError as plan_trials() and scene_file() do.
 ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues);
 
 // Runs action() where trials run: in this process, or, if isolated, in a child process. For actions

@@ -120,6 +120,76 @@ TEST(Program, ExportIsQuietOrNamesEveryFile) {
   }
 }
 
+TEST(Program, RemovesAKeyByNull) {
+  EXPECT_EQ(run_program_file({"run", stage, "--set", "duration=null", "-q"}).status, 0);
+  expect_refusal({"run", stage, "--set", "motion.sped=null"}, mentions({"--set motion.sped=null", "sped", "speed"}));
+}
+
+// Scenes that a pipe delivers, and results for a pipe.
+class Pipes : public testing::Test {
+ protected:
+  // Runs a shell script in a folder with s.yaml, a copy of the stage, and named.h5, its trial.
+  ChildResult shell(const std::string& script) { return run_shell(script, folder_ / ""); }
+  std::string bytes(const std::string& name) { return bytes_of(folder_ / name); }
+
+  void SetUp() override {
+    std::filesystem::copy_file(stage, folder_ / "s.yaml");
+    ASSERT_EQ(shell("slipbench run s.yaml --set duration='2.5 s' -q -o named.h5").status, 0);
+  }
+
+  const std::string short_run_ = " --set duration='2.5 s'";
+  TemporaryFolder folder_;
+};
+
+TEST_F(Pipes, GiveAScene) {
+  const ChildResult piped = shell("cat s.yaml | slipbench run -" + short_run_ + " -o piped.h5");
+  EXPECT_EQ(piped.status, 0) << piped.err;
+  EXPECT_THAT(piped.out, HasSubstr("next: slipbench report piped.h5"));
+  EXPECT_THAT(shell("slipbench run - < s.yaml" + short_run_).out, HasSubstr("run - -o FILE.h5 < SCENE.yaml keeps"));
+  EXPECT_EQ(shell("slipbench sweep - -q < s.yaml" + short_run_).status, 0);
+  const ChildResult wrong = shell("printf 'slipbench: 1\\nmotion: {sped: 1}\\n' | slipbench run -");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, StartsWith("slipbench: <stdin>:2: unknown key 'sped'"));
+  EXPECT_THAT(shell("sed '1a accuracy: {onset: 1 %}' s.yaml | slipbench run -").err, mentions({"<stdin>", "accuracy"}));
+  EXPECT_THAT(shell(": | slipbench run -").err, StartsWith("slipbench: <stdin>:1: "));
+}
+
+// The bytes of a named file, with every message on stderr.
+TEST_F(Pipes, TakeADataset) {
+  const ChildResult streamed = shell("slipbench run s.yaml" + short_run_ + " -o -");
+  EXPECT_EQ(streamed.status, 0);
+  EXPECT_EQ(streamed.out, bytes("named.h5"));
+  EXPECT_THAT(streamed.err, AllOf(HasSubstr("times real time"), Not(HasSubstr("written")), Not(HasSubstr("/slipbench-"))));
+  EXPECT_EQ(shell("slipbench run s.yaml" + short_run_ + " -o - -q").err, "");
+  for (const char* more : {"--json", "--resume"}) {
+    const ChildResult refused = shell("slipbench run s.yaml -o - " + std::string(more));
+    EXPECT_EQ(refused.status, 2) << more;
+    EXPECT_EQ(refused.out, "");
+    EXPECT_THAT(refused.err, HasSubstr(more));
+  }
+  const ChildResult failed = shell("slipbench run s.yaml --set motion.speed=fast -o -");
+  EXPECT_EQ(failed.out, "");
+  EXPECT_NE(failed.status, 0);
+  EXPECT_EQ(shell("slipbench run s.yaml" + short_run_ + " -q -o - | head -c 10 | wc -c").out, "10\n");
+  EXPECT_THAT(run_program_terminal({"run", stage, "-o", "-"}).out, HasSubstr("terminal"));
+}
+
+TEST_F(Pipes, TakePagesAndTables) {
+  const std::string page = shell("slipbench report named.h5 -o -").out;
+  EXPECT_EQ(shell("slipbench report named.h5 -o named.html").status, 0);
+  EXPECT_EQ(page, bytes("named.html"));
+  const ChildResult evaluated = shell("slipbench eval force_ratio named.h5 -o -");
+  EXPECT_THAT(evaluated.out, StartsWith("<!DOCTYPE html>"));
+  EXPECT_THAT(evaluated.err, HasSubstr("balanced"));
+  EXPECT_EQ(shell("slipbench detect force_ratio named.h5 -o alarms.csv").status, 0);
+  EXPECT_EQ(shell("slipbench detect force_ratio named.h5 -o -").out, bytes("alarms.csv"));
+  for (const char* command :
+       {"export named.h5 --format csv -o -", "train named.h5 -o -", "import named.csv --format csv --map m -o -"}) {
+    EXPECT_THAT(shell(std::string("slipbench ") + command).err, HasSubstr("standard output")) << command;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "-"));
+}
+
 // Opening a pipe would wait for ever for somebody to write into it.
 TEST(Program, APipeIsNoScene) {
   const TemporaryFolder folder;

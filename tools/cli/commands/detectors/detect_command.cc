@@ -58,6 +58,7 @@ the share of wrong samples is shown too. The alarms are those that `slipbench ev
   FILE.parquet  the same two tables, for pandas, polars and DuckDB
   FILE.json     both in one object
   FILE.html     a page with the signals, the probability and the alarms, the worst trials first, and FILE.json beside it
+  -             the alarms as CSV, on standard output
 
 DETECTOR is as in `slipbench eval`. `slipbench import` makes recordings of logs.
 
@@ -68,7 +69,7 @@ Examples:
   arguments.inputs("RECORDING ...", options.recordings, "Datasets (HDF5) of the detector's sensor", ".h5").required();
   arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
   arguments.text("--sensor NAME", options.sensor, "The name of the sensor in the recordings (default: the only one)");
-  arguments.file("-o,--output FILE", output, "File to write, .csv, .parquet, .json or .html (default: none)");
+  arguments.output("-o,--output FILE", output, "File to write, .csv, .parquet, .json or .html (default: none)", ".csv");
 }
 
 int DetectCommand::run() {

@@ -123,8 +123,9 @@ Examples:
   arguments.text("--sensor NAME", options.sensor, "The scene's name of the sensor (default: the only one)");
   arguments.word("--split PART", options.split, "Trials to judge, by the dataset's masks: {} (default: all)", splits);
   arguments.flag("--all", options.all, "Also trials that the detector was trained on");
-  arguments.file("-o,--output FILE.html", output,
-                 "Write a page with figures, curves and the worst trials over time, and FILE.json beside it");
+  arguments.output(
+      "-o,--output FILE.html", output,
+      "Write a page with figures, curves and the worst trials over time, and FILE.json beside it; -: the page alone");
 }
 
 int EvalCommand::run() {
@@ -136,8 +137,10 @@ int EvalCommand::run() {
   Json result = eval::evaluate(options);
   result["command"] = eval_command_text(*this, result.at("labels").get<std::string>());
   std::vector<std::string> files;
-  if (!output.empty())
-    files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, output, options.detector), result);
+  if (!output.empty()) {
+    const std::string place = streams() ? "eval.html" : output;  // from which the page's links lead
+    files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, place, options.detector), result);
+  }
   if (json) return print_json(result);
   fmt::print("{}{}", eval_text(result, style_for(stdout)), step);
   print_written(files);
@@ -172,7 +175,7 @@ Examples:
   arguments.number("--trials N", asked.trials, "To try things: N trials of each scene; no board of the protocol", 1, 100'000);
   arguments.flag("--untaught", asked.untaught, "To try things: without the detectors that the protocol teaches");
   arguments.jobs(jobs);
-  arguments.file("-o,--output FILE.html", output, "Write a page, and FILE.json beside it");
+  arguments.output("-o,--output FILE.html", output, "Write a page, and FILE.json beside it; -: the page alone");
   arguments.file("--submit FILE", submission, "Write the board as a submission");
   arguments.input("--verify FILE", verified, "Recompute a submission; takes no other option but --jobs and --set library=PATH");
   arguments.flag("-q,--quiet", quiet, "Print no progress");

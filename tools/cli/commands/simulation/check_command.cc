@@ -142,7 +142,7 @@ Examples:
   arguments.number("--trials N", options.trials, "Number of random draws of each cell of the grid", 1);
   arguments.jobs(options.jobs);
   isolation.declare(arguments);
-  arguments.file("--junit FILE.xml", junit, "Write what was found as JUnit XML");
+  arguments.output("--junit FILE.xml", junit, "Write what was found as JUnit XML, to standard output with -");
   arguments.folder("-o,--output DIR", output, "Folder for the trials of failed checks (default: slipbench-check)");
 }
 

@@ -76,7 +76,7 @@ Examples:
   arguments.overrides(explore.overrides, explore.seed);
   arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.number("--trial K", explore.trial, "Trial of the scene's sweep (default: the first)", 0);
-  arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json beside it");
+  arguments.output("-o,--output FILE.html", output, "Write the page, and FILE.json beside it; -: the page alone");
   arguments.then([this] {
     if (explore.scene_path.empty() && !stability) {
       throw InputError("cost: a scene is missing; allowed: SCENE.yaml, --stability, or both");

@@ -1,5 +1,7 @@
 #include "tools/cli/commands/simulation/simulation_commands.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -94,19 +96,41 @@ void print_json(const Finished& finished, const std::vector<Warning>& warnings, 
   trials.print(json.dump());
 }
 
+// Reads the scene that is piped to the command `verb`.
+std::string standard_input(const std::string& verb) {
+  if (isatty(STDIN_FILENO) == 1) {
+    reject(
+        "{}: the scene '-' is standard input, which is a terminal here; allowed: a file or a pipe, as in slipbench {} - < SCENE.yaml",
+        verb, verb);
+  }
+  // One byte more than allowed: enough to detect a scene that is too long.
+  std::string text(max_yaml_bytes + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), stdin));
+  if (std::ferror(stdin) != 0) reject("{}: cannot read standard input: {}", verb, std::strerror(errno));
+  return text;
+}
+
+// Completes a command that is proposed to the user: standard input must be given again.
+std::string with_input(const SweepOptions& options, const std::string& command) {
+  return options.scene_text ? command + " < SCENE.yaml" : command;
+}
+
 void print_only_trial(const SweepOptions& options, const SweepSummary& summary, const Catalogues& catalogues,
                       const Style& style) {
   fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
              trial_text(summary.trials.front(), sensors_of(summary.scene), style));
   if (summary.available > 1) {
     fmt::print("  this is trial {} of the {} of the scene's sweep; all of them: {}\n", summary.trials.front().trial,
-               summary.available, as_called("slipbench sweep " + shell_word(options.scene_path)));
+               summary.available, as_called(with_input(options, "slipbench sweep " + shell_word(options.scene_path))));
   }
 }
 
-void print_next_step(const SweepOptions& options, const SweepSummary& summary, const Style& style) {
+// `streams`: the dataset goes to standard output.
+void print_next_step(const SweepOptions& options, const SweepSummary& summary, bool streams, const Style& style) {
+  if (streams) return;
   if (summary.files.empty()) {
-    print_next(fmt::format("slipbench {} {} -o FILE.h5 keeps the recordings", options.verb, shell_word(options.scene_path)));
+    print_next(with_input(options, fmt::format("slipbench {} {} -o FILE.h5", options.verb, shell_word(options.scene_path))) +
+               " keeps the recordings");
   } else {
     fmt::print("{} {}\n", style.good("written:"), files_text(summary.files));
     print_next(summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there"
@@ -115,16 +139,17 @@ void print_next_step(const SweepOptions& options, const SweepSummary& summary, c
 }
 
 // Which trials failed, why, and how to run them again.
-void print_failed(const SweepSummary& summary) {
+void print_failed(const SweepOptions& options, const SweepSummary& summary) {
   constexpr std::size_t most = 10;
   std::string text = fmt::format("slipbench: {}\n", failures_text(summary.failed, summary.planned));
   for (std::size_t i = 0; i < std::min(most, summary.failed.size()); ++i) {
-    text += fmt::format("  {}\n    again: {}\n", summary.failed[i].message, as_called(summary.failed[i].command));
+    text += fmt::format("  {}\n    again: {}\n", summary.failed[i].message,
+                        as_called(with_input(options, summary.failed[i].command)));
   }
   say(stderr, text);
 }
 
-void print_summary(const SweepOptions& options, const Finished& finished, const Catalogues& catalogues) {
+void print_summary(const SweepOptions& options, const Finished& finished, bool streams, const Catalogues& catalogues) {
   const SweepSummary& summary = finished.summary;
   const Style style = style_for(stdout);
   if (summary.trials.size() == 1) {
@@ -135,7 +160,7 @@ void print_summary(const SweepOptions& options, const Finished& finished, const 
   if (summary.shard)
     fmt::print("shard {}: {} of the sweep's {} trials\n", shard_text(*summary.shard), summary.planned, summary.shard->trials);
   fmt::print("\n{}\n{}", speed_text(summary, finished.elapsed), steps_text(summary));
-  print_next_step(options, summary, style);
+  print_next_step(options, summary, streams, style);
 }
 
 // "3/8".
@@ -148,8 +173,8 @@ SweepShard parse_shard_option(const std::string& text) {
   reject("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text));
 }
 
-int report_interrupted(const SweepSummary& summary) {
-  const std::string kept = summary.files.empty()
+int report_interrupted(const SweepSummary& summary, bool streams) {
+  const std::string kept = summary.files.empty() || streams
                                ? "nothing is kept"
                                : fmt::format("kept in {}; the same command with --resume goes on", files_text(summary.files));
   say(stderr, fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", std::max(summary.trials.size(), summary.kept),
@@ -181,19 +206,20 @@ Isolation IsolationOptions::chosen(const ReadSweep& read, const SweepOptions& sw
 
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
   sweep.verb = arguments.name();
-  arguments.input("SCENE", sweep.scene_path, "Scene file (YAML)", ".yaml").required();
+  arguments.input("SCENE", sweep.scene_path, "Scene file (YAML), - for standard input", ".yaml").required();
   arguments.overrides(sweep.overrides, sweep.seed);
   arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.number("--trials N", trials, trials_help, 1);
   arguments.jobs(sweep.jobs);
-  arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");
+  arguments.output("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5), to standard output with -");
   arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
                  recording_words);
   isolation.declare(arguments);
   arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
   arguments.then([this] {
-    if (sweep.resume && sweep.output.empty())
-      throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o");
+    if (sweep.resume && (sweep.output.empty() || streams()))
+      throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o FILE.h5");
+    if (streams()) sweep.shard_limit = std::numeric_limits<std::uint64_t>::max();  // standard output is one file
     if (sweep.recording != Recording::full && sweep.output.empty()) {
       throw InputError(sweep.verb + ": --record says what -o writes; allowed: with -o");
     }
@@ -201,6 +227,7 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
 }
 
 int SimulationCommand::run() {
+  if (sweep.scene_path == "-") sweep.scene_text = standard_input(sweep.verb);
   const Catalogues catalogues = program_catalogues();
   settle_accuracy(sweep, catalogues, *this);
   std::optional<PreparationNotice> preparing(silent());
@@ -223,15 +250,15 @@ int SimulationCommand::run() {
   } else if (summary.was_complete && sums_up) {
     fmt::print("{} is complete, with {} trials: there is nothing to resume\n", sweep.output, summary.resumed);
   } else if (sums_up && !summary.interrupted && !summary.trials.empty()) {
-    print_summary(sweep, finished, catalogues);
+    print_summary(sweep, finished, streams(), catalogues);
   }
   if (!summary.damaged.empty()) {
     say(stderr,
         fmt::format("slipbench: damaged, so that the trials in it were simulated again: {}\n", fmt::join(summary.damaged, ", ")));
   }
-  if (!summary.failed.empty()) print_failed(summary);
+  if (!summary.failed.empty()) print_failed(sweep, summary);
   if (!sweep.output.empty() && summary.files.empty() && !summary.interrupted) say(stderr, "slipbench: nothing is written\n");
-  if (summary.interrupted) return report_interrupted(summary);
+  if (summary.interrupted) return report_interrupted(summary, streams());
   return summary.failed.empty() ? exit_good : exit_check_failed;
 }
 
@@ -240,12 +267,13 @@ void RunCommand::declare(Arguments& arguments) {
 One trial, the first of the scene's sweep where it has one. With --trials N: the first N trials of the sweep; a scene with
 fewer trials is repeated with fresh random draws until there are N. With --trial K: trial K of these alone, byte for byte as it is
 among them. The same command and seed give the same bytes in FILE.h5,
-whatever --jobs is.
+whatever --jobs is. Relative paths start from the scene's folder, in --set and in a scene on standard input from the current folder.
 
 Examples:
   slipbench run scenes/papillarray/stage.yaml
   slipbench run scenes/papillarray/stage.yaml --set motion.speed="8 mm/s" friction.scale=0.8 -o slide.h5
-  slipbench run scenes/papillarray/stage.yaml --set "effects=[stribeck, {ageing: {}}]" --json)");
+  slipbench run scenes/papillarray/stage.yaml --set "effects=[stribeck, {ageing: {}}]" --json
+  slipbench run - -o - < scenes/papillarray/stage.yaml > slide.h5)");
   declare_both(arguments, sweep.limit, "Simulate N trials instead of one");
   arguments.number("--trial K", sweep.only, "Simulate trial K alone", 0);
   arguments.then([this] {
