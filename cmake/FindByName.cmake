@@ -4,7 +4,8 @@
 # For a module Find<NAME>.cmake whose library has no CMake configuration: finds header and library by their names and defines TARGET.
 #
 # find_in_wheel(MuJoCo SLIPBENCH_MUJOCO_ROOT mujoco)
-# Sets MuJoCo_ROOT_DIR to the folder `mujoco` of an installed wheel: that of the cache variable, else the one in build/venv of the source tree.
+# Sets MuJoCo_ROOT_DIR to the folder `mujoco` of an installed wheel: that of the cache variable, else, for `pip install`, the one in the environment
+# of the build, else the one in build/venv of the source tree.
 include(FindPackageHandleStandardArgs)
 
 macro(find_by_name name)
@@ -25,6 +26,10 @@ macro(find_in_wheel name variable folder)
   set(${variable} "" CACHE PATH "The `${folder}` folder of an installed wheel")
   if(${variable})
     set(${name}_ROOT_DIR ${${variable}})
+  elseif(SKBUILD)
+    execute_process(
+      COMMAND ${Python_EXECUTABLE} -c "import importlib.util as util; print(*(util.find_spec('${folder}') or util.find_spec('sys')).submodule_search_locations or ())"
+      OUTPUT_VARIABLE ${name}_ROOT_DIR OUTPUT_STRIP_TRAILING_WHITESPACE)
   else()
     file(GLOB ${name}_ROOT_DIR ${PROJECT_SOURCE_DIR}/build/venv/lib/python3*/site-packages/${folder})
   endif()

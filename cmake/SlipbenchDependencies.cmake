@@ -1,34 +1,56 @@
 # Every package that any folder uses, found once, here. The Debian and PyPI names are in tools/setup.
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)        # Eigen3::Eigen
-find_package(yaml-cpp 0.7 REQUIRED)                # yaml-cpp
-find_package(fmt REQUIRED)                         # fmt::fmt
-find_package(nlohmann_json REQUIRED)               # nlohmann_json::nlohmann_json
-find_package(CLI11 REQUIRED)                       # CLI11::CLI11
-find_package(HDF5 REQUIRED COMPONENTS C)           # hdf5::hdf5
-# Its interface of 1.10, Debian 12's, which 1.14 has too.
+
+# slipbench_need(Eigen3 3.4 NO_MODULE): find_package(), whose failures slipbench_report_missing() reports together.
+set(missing_packages "")
+macro(slipbench_need name)
+  find_package(${name} ${ARGN} QUIET)
+  if(NOT ${name}_FOUND)
+    list(APPEND missing_packages ${name})
+  endif()
+endmacro()
+
+# slipbench_report_missing(SETS): ends with the command that installs what is missing.
+macro(slipbench_report_missing sets)
+  if(missing_packages)
+    list(JOIN missing_packages ", " missing_packages)
+    message(FATAL_ERROR "These packages are missing, or are too old: ${missing_packages}. Install them on Debian 12 or 13, as root, with: "
+      "tools/setup/setup.sh ${sets}. Their names are in tools/setup/packages.txt and tools/setup/requirements.in.")
+  endif()
+endmacro()
+
+slipbench_need(Eigen3 3.4 NO_MODULE)        # Eigen3::Eigen
+slipbench_need(yaml-cpp 0.7)                # yaml-cpp
+slipbench_need(fmt)                         # fmt::fmt
+slipbench_need(nlohmann_json)               # nlohmann_json::nlohmann_json
+slipbench_need(CLI11)                       # CLI11::CLI11
+slipbench_need(HDF5 COMPONENTS C)           # hdf5::hdf5
+slipbench_need(libdeflate)                  # libdeflate::libdeflate
+slipbench_need(LibArchive)                  # LibArchive::LibArchive
+slipbench_need(FFTW3)                       # FFTW3::fftw3
+slipbench_need(NLopt)                       # NLopt::nlopt_cxx
+slipbench_need(Random123)                   # Random123::Random123
+slipbench_need(OpenSSL COMPONENTS Crypto)   # OpenSSL::Crypto
+slipbench_need(ZLIB)                        # ZLIB::ZLIB
+slipbench_need(Threads)                     # Threads::Threads
+slipbench_need(SLEEF)                       # SLEEF::sleef
+slipbench_need(verilator 5.006 HINTS /usr/share/verilator $ENV{VERILATOR_ROOT})  # verilate()
+slipbench_report_missing("build")
+# The interface of HDF5 1.10, which Debian 12 has and 1.14 offers too.
 set_property(TARGET hdf5::hdf5 APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS H5_USE_110_API)
-find_package(libdeflate REQUIRED)                  # libdeflate::libdeflate
-find_package(LibArchive REQUIRED)                  # LibArchive::LibArchive
-find_package(FFTW3 REQUIRED)                       # FFTW3::fftw3
-find_package(NLopt REQUIRED)                       # NLopt::nlopt_cxx
-find_package(Random123 REQUIRED)                   # Random123::Random123
-find_package(OpenSSL REQUIRED COMPONENTS Crypto)   # OpenSSL::Crypto
-find_package(ZLIB REQUIRED)                        # ZLIB::ZLIB
-find_package(Threads REQUIRED)                     # Threads::Threads
-find_package(SLEEF REQUIRED)                       # SLEEF::sleef
-find_package(verilator 5.006 REQUIRED HINTS /usr/share/verilator $ENV{VERILATOR_ROOT})  # verilate()
 if(SLIPBENCH_TESTS)
-  find_package(GTest REQUIRED)                     # GTest::gtest_main, GTest::gmock
+  slipbench_need(GTest)                     # GTest::gtest_main, GTest::gmock
   if(EXISTS ${PROJECT_SOURCE_DIR}/build/venv/bin/python3)
     set(Python3_EXECUTABLE ${PROJECT_SOURCE_DIR}/build/venv/bin/python3)  # has numpy and h5py
   endif()
-  find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)  # Python3_EXECUTABLE
+  slipbench_need(Python3 3.11 COMPONENTS Interpreter)  # Python3_EXECUTABLE
 endif()
 if(SLIPBENCH_BENCHMARKS)
-  find_package(benchmark REQUIRED)                 # benchmark::benchmark_main
+  slipbench_need(benchmark)                 # benchmark::benchmark_main
 endif()
+slipbench_report_missing("build test python test-python")
 
-# MuJoCo comes from the mujoco-core wheel. Without it everything but sim/mujoco is built; a wheel of another version is an error.
+# MuJoCo comes from the mujoco-core wheel. Without it everything but sim/mujoco is built; a wheel of another version is an error. So is its absence for
+# `pip install`, whose package would fail in use.
 set(SLIPBENCH_MUJOCO_VERSION 4.0.1)
 find_package(MuJoCo ${SLIPBENCH_MUJOCO_VERSION} EXACT)  # mujoco::mujoco
 set(SLIPBENCH_WITH_MUJOCO ${MuJoCo_FOUND})
@@ -36,6 +58,10 @@ if(NOT SLIPBENCH_WITH_MUJOCO)
   if(MuJoCo_VERSION)
     message(FATAL_ERROR "MuJoCo ${MuJoCo_VERSION} in ${MuJoCo_ROOT_DIR} is not the pinned ${SLIPBENCH_MUJOCO_VERSION}. "
       "Get it with: tools/setup/setup.sh python")
+  endif()
+  if(SKBUILD)
+    message(FATAL_ERROR "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found, without which the package cannot run grasps. Without build isolation, "
+      "get it with: pip install mujoco-core==${SLIPBENCH_MUJOCO_VERSION}")
   endif()
   message(STATUS "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found: sim/mujoco is left out. Get it with: tools/setup/setup.sh python")
 endif()
@@ -81,6 +107,10 @@ else()
   if(NOT OpenVINO_FOUND AND OpenVINO_VERSION)
     message(FATAL_ERROR "OpenVINO ${OpenVINO_VERSION} in ${OpenVINO_ROOT_DIR} is not the pinned ${SLIPBENCH_OPENVINO_VERSION}. "
       "Get it with: tools/setup/setup.sh python")
+  endif()
+  if(SKBUILD)
+    message(FATAL_ERROR "OpenVINO ${SLIPBENCH_OPENVINO_VERSION} or libonnx-dev not found, without which the package cannot run networks. "
+      "Get them with: tools/setup/setup.sh build, and, without build isolation, pip install openvino==${SLIPBENCH_OPENVINO_VERSION}")
   endif()
   message(STATUS "No OpenVINO ${SLIPBENCH_OPENVINO_VERSION}, no libonnx-dev, or a sanitizer: detectors that are networks are left out. "
     "Get them with: tools/setup/setup.sh build python")

@@ -102,8 +102,7 @@ def make(out, module, tag):
     carry_licences([module, *(BUILD / "lib/slipbench").glob("libslipbench_[cn]*.so")], info)
     # With FFTW inside, the wheel is under GPL-3.0-or-later: NOTICE.md.
     metadata = (info / "METADATA").read_text(encoding="utf-8")
-    classifier = "Classifier: License :: OSI Approved :: GNU General Public License v3 or later (GPLv3+)"
-    (info / "METADATA").write_text(metadata.replace("\nVersion:", f"\n{classifier}\nVersion:", 1), encoding="utf-8")
+    (info / "METADATA").write_text(re.sub("(?m)^License-Expression: .*$", "License-Expression: GPL-3.0-or-later", metadata), encoding="utf-8")
     text = re.sub(r"Tag: .*", f"Tag: {tag}-linux_x86_64", (info / "WHEEL").read_text(encoding="utf-8"))
     (info / "WHEEL").write_text(text, encoding="utf-8")
     (folder / "raw").mkdir()

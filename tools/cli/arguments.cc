@@ -17,6 +17,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/program.h"
 #include "tools/cli/terminal.h"
+#include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 
 namespace slipbench {
@@ -161,6 +162,18 @@ Arguments& Arguments::inputs(const std::string& usage, std::vector<std::string>&
                              const std::string& ending) {
   texts(usage, values, help);
   values_[last_] = {AllowedValues::Kind::files, {}, ending};
+  return *this;
+}
+
+Arguments& Arguments::scene(const std::string& usage, std::string& value, const std::string& help) {
+  input(usage, value, help, ".yaml");
+  readers_.emplace_back([&value] { value = scene_path(value); });
+  return *this;
+}
+
+Arguments& Arguments::scenes(const std::string& usage, std::vector<std::string>& values, const std::string& help) {
+  inputs(usage, values, help, ".yaml");
+  readers_.emplace_back([&values] { std::ranges::transform(values, values.begin(), scene_path); });
   return *this;
 }
 

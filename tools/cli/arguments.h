@@ -55,6 +55,9 @@ class Arguments {
   Arguments& input(const std::string& usage, std::string& value, const std::string& help, const std::string& ending = "");
   Arguments& inputs(const std::string& usage, std::vector<std::string>& values, const std::string& help,
                     const std::string& ending = "");
+  // As input(), for scenes: the name of a file or of a shipped scene (tools/files/project).
+  Arguments& scene(const std::string& usage, std::string& value, const std::string& help);
+  Arguments& scenes(const std::string& usage, std::vector<std::string>& values, const std::string& help);
   // Name of a file or folder to write: not empty. A file called '-' is written as './-', since '-'
   // stands for standard output, which output() alone accepts.
   Arguments& file(const std::string& usage, std::string& value, const std::string& help);

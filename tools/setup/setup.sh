@@ -10,6 +10,7 @@
 # build/installed so that the launcher configures again.
 # setup.sh rights SET...: installs nothing; if Debian packages are missing, sudo asks for its
 # password, or the commands for root are printed.
+# setup.sh missing SET...: prints the missing Debian packages, on one line.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -122,12 +123,17 @@ install_wheel_tools() {
   mv "$root/build/wheel/tools.part" "$root/build/wheel/tools"
 }
 
-if [[ ${1:-} == rights ]]; then
+if [[ ${1:-} == rights || ${1:-} == missing ]]; then
+  asked=$1
   shift
   check_debian
   missing=""
   for set in "$@"; do missing+=$(missing_of "$set"); done
-  check_rights "$missing"
+  if [[ $asked == missing ]]; then
+    printf '%s\n' "$missing"
+  else
+    check_rights "$missing"
+  fi
   exit 0
 fi
 

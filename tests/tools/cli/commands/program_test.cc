@@ -125,6 +125,14 @@ TEST(Program, RemovesAKeyByNull) {
   expect_refusal({"run", stage, "--set", "motion.sped=null"}, mentions({"--set motion.sped=null", "sped", "speed"}));
 }
 
+TEST(Program, FindsShippedScenesByName) {
+  const TemporaryFolder folder;
+  for (const std::string command : {"run papillarray/stage.yaml", "sweep scenes/papillarray/stage.yaml", "check grasp/check_ptfe.yaml --trials 1 --junit j.xml"})
+    EXPECT_EQ(run_shell("slipbench " + command + " -q", folder / "").status, 0) << command;
+  const std::string other = "papillarray/stage.yaml";  // a file of one's own comes first
+  EXPECT_EQ(run_shell("mkdir papillarray; echo x > " + other + "; slipbench run " + other, folder / "").status, 2);
+}
+
 // Scenes that a pipe delivers, and results for a pipe.
 class Pipes : public testing::Test {
  protected:

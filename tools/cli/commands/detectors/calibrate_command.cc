@@ -12,6 +12,7 @@
 #include "tools/calibrate/snapshots.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/terminal.h"
+#include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/formats/import/import.h"
 #include "tools/registry/program_catalogues.h"
@@ -105,7 +106,7 @@ Examples:
       if (given) reject("calibrate: {} needs --snapshots", name);
     }
     options.starts = starts_.value_or(options.starts);
-    options.scene_path = words_.front();
+    options.scene_path = scene_path(words_.front());
     options.recordings.assign(words_.begin() + 1, words_.end());
     if (options.recordings.empty() != options.synthetic_truth)
       throw InputError("calibrate: recordings and --synthetic-truth: allowed: one of the two");

@@ -136,7 +136,7 @@ controller of one's own to the test: --set "controller={type: plugin, library: /
 Examples:
   slipbench check scenes/grasp/*.yaml --junit check.xml
   slipbench check scenes/grasp/check_ptfe.yaml --set controller.debounce=2 --trials 5 -o check)");
-  arguments.inputs("SCENE ...", scenes, "Scene files (YAML)", ".yaml").required();
+  arguments.scenes("SCENE ...", scenes, "Scene files (YAML), or names of shipped scenes").required();
   arguments.overrides(options.overrides, options.seed);
   arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.number("--trials N", options.trials, "Number of random draws of each cell of the grid", 1);

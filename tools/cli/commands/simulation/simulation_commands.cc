@@ -206,7 +206,7 @@ Isolation IsolationOptions::chosen(const ReadSweep& read, const SweepOptions& sw
 
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
   sweep.verb = arguments.name();
-  arguments.input("SCENE", sweep.scene_path, "Scene file (YAML), - for standard input", ".yaml").required();
+  arguments.scene("SCENE", sweep.scene_path, "Scene file (YAML), name of a shipped scene, or - for standard input").required();
   arguments.overrides(sweep.overrides, sweep.seed);
   arguments.flag("-q,--quiet", quiet, "No progress and no summary");
   arguments.number("--trials N", trials, trials_help, 1);
@@ -347,7 +347,7 @@ Examples:
   slipbench cluster scenes/papillarray/hexapod.yaml -o hexapod-cluster --shards 64
   slipbench cluster scenes/grasp/map.yaml -o map-cluster --shards 1000 --throttle 200 --record outcome)");
   SweepOptions& sweep = options.sweep;
-  arguments.input("SCENE", sweep.scene_path, "Scene file (YAML)", ".yaml").required();
+  arguments.scene("SCENE", sweep.scene_path, "Scene file (YAML), or name of a shipped scene").required();
   arguments.folder("-o,--output DIR", options.folder, "Folder to write, new or empty; always needed").required();
   arguments.number("--shards N", options.shards, "Parts that the sweep is cut into; always needed", 1).required();
   arguments.number("--throttle N", options.throttle, "Most Slurm tasks at a time (default: all)", 1);

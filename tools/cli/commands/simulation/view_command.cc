@@ -11,6 +11,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/json.h"
 #include "tools/files/output_file.h"
+#include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/report/report.h"
 #include "tools/view/rerun.h"
@@ -53,7 +54,7 @@ Examples:
   slipbench view hexapod.h5 --trial 17
   slipbench view scenes/papillarray/stage.yaml --set motion.speed="8 mm/s"
   slipbench view hexapod.h5 --trial 17 --rerun)");
-  arguments.input("FILE", subject, "Dataset (HDF5) or scene (YAML)").required();
+  arguments.input("FILE", subject, "Dataset (HDF5), scene (YAML) or name of a shipped scene").required();
   arguments.overrides(sweep.overrides, sweep.seed);
   arguments.flag("-q,--quiet", quiet, "No progress");
   arguments.number("--trials N", sweep.limit, "Of a scene: simulate N trials instead of one", 1);
@@ -63,6 +64,7 @@ Examples:
   arguments.flag("--rerun", rerun, "Show the trial in the viewer Rerun; follows a run that is writing FILE.h5");
   arguments.number("--trial K", trial, "Trial to show in full (default: the first); of a scene it alone is simulated", 0);
   arguments.then([this] {
+    subject = scene_path(subject);
     const char* const ending = rerun ? ".rrd" : ".html";
     if (!output.empty() && std::filesystem::path(output).extension() != ending) {
       reject("view: -o is {}; allowed: a name that ends in {}", quote(output), ending);
