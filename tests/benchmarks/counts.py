@@ -4,7 +4,8 @@ Counted are set-up, simulation, sensors, detector and controller.
 
 counts.py BUILD [-o FILE.json] [--compare FOLDER] [--jobs N]
 
-A count shows the cost of a change to 1e-5, even on a busy machine. It depends on what `build_of`
+-o writes the counts and adds a row to history.csv in the same folder: date, commit, build, and the
+instructions of each scene. A count shows the cost of a change to 1e-5, even on a busy machine. It depends on what `build_of`
 lists and on nothing else, because valgrind emulates a processor of its own. --compare takes the
 file of this build in FOLDER, prints the changes by scene and function, and exits with 1 if a scene
 takes over 2 % more, with 2 if no file is of this build.
@@ -13,6 +14,8 @@ takes over 2 % more, with 2 if no file is of this build.
 import argparse
 import collections
 import concurrent.futures
+import csv
+import datetime
 import json
 import os
 import pathlib
@@ -99,6 +102,28 @@ def of_this_build(folder, build):
     refuse(f"no results of this build in {folder}{others}; to add them: counts.py BUILD -o {folder}/NAME.json")
 
 
+def append_history(path, name, day, commit, scenes):
+    """Adds a row to the history of counts; a new scene adds a column, in which earlier rows are
+    empty. `name`: the build.
+    """
+    rows = list(csv.DictReader(path.open(newline=""))) if path.exists() else []
+    columns = list(rows[0]) if rows else ["date", "commit", "build"]
+    columns += [scene for scene in scenes if scene not in columns]
+    rows.append({"date": day, "commit": commit, "build": name, **{scene: counted["instructions"] for scene, counted in scenes.items()}})
+    partial = path.with_name(path.name + ".partial")
+    with partial.open("w", newline="") as file:
+        table = csv.DictWriter(file, columns, lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
+    partial.replace(path)
+
+
+def commit_of(root):
+    """Returns the commit that the tree `root` is built from, with "-dirty" if files differ from it."""
+    described = subprocess.run(["git", "-C", root, "describe", "--always", "--dirty", "--exclude=*"], capture_output=True, text=True)
+    return described.stdout.strip() or "unknown"
+
+
 def compared(before, now):
     """Prints the changes; returns the names of the scenes that take over LIMIT more."""
     grew = []
@@ -140,6 +165,7 @@ def main():
         partial = options.output.with_name(options.output.name + ".partial")
         partial.write_text(json.dumps({"build": build, "scenes": scenes}, indent=1) + "\n")
         partial.replace(options.output)
+        append_history(options.output.with_name("history.csv"), options.output.stem, datetime.date.today().isoformat(), commit_of(ROOT), scenes)
     if before is None:
         for scene, counted in scenes.items():
             print(f"{scene:20} {counted['instructions']:>15,} instructions, {counted['instructions'] / counted['simulated_s']:>15,.0f} a simulated second")

@@ -1,7 +1,9 @@
 """Tests counts.py on a profile in callgrind's format, and on counts that grew."""
 
 import contextlib
+import csv
 import io
+import json
 import pathlib
 import tempfile
 import unittest
@@ -65,6 +67,22 @@ class Comparison(unittest.TestCase):
             self.assertEqual(counts.of_this_build(folder, {"compiler": "GNU 12"}), {"a": 1})
             self.assertRaises(SystemExit, counts.of_this_build, folder, {"compiler": "GNU 14"})
             self.assertIn("one.json is of another compiler (GNU 12 there, GNU 14 here)", said.getvalue())
+
+
+class History(unittest.TestCase):
+    def test_a_row_is_added_and_a_new_scene_adds_a_column(self):
+        with tempfile.TemporaryDirectory() as name:
+            path = pathlib.Path(name) / "history.csv"
+            counts.append_history(path, "release", "2026-11-28", "1a2b", {"a/b": {"instructions": 7}})
+            counts.append_history(path, "release", "2026-11-29", "3c4d-dirty", {"a/b": {"instructions": 8}, "c/d": {"instructions": 9}})
+            self.assertEqual(path.read_text(), "date,commit,build,a/b,c/d\n2026-11-28,1a2b,release,7,\n2026-11-29,3c4d-dirty,release,8,9\n")
+            self.assertEqual([entry.name for entry in path.parent.iterdir()], ["history.csv"])
+
+    def test_the_shipped_history_ends_with_the_stored_counts(self):
+        folder = pathlib.Path(counts.__file__).parent / "results"
+        *_, last = csv.DictReader((folder / "history.csv").open(newline=""))
+        stored = json.loads((folder / f"{last['build']}.json").read_text())["scenes"]
+        self.assertEqual({scene: int(last[scene]) for scene in stored}, {scene: counted["instructions"] for scene, counted in stored.items()})
 
 
 if __name__ == "__main__":
