@@ -63,24 +63,25 @@ ControllerKind force_pid() {
        "u_k = u_k-1 + (Kp (F_k-1 - F_k) + T/Ti (r - F_k) - Td/T (F_k - 2 F_k-1 + F_k-2)) / c while |r - F_k| > dead_band, otherwise u_k = u_k-1; u_0 = measured position\n"
        "position = round(u_k), u_k kept within measured position +- lead and within 0 to 255, against wind-up\n"
        "F: sum of the pillars' normal forces, r: preset, T: time between two reads of the status, c: force_per_count, Kp: proportional, Ti: integral_time, Td: derivative_time\n"
-       "Let a count be worth c' and be seen d periods after the read that led to it. With Kp = Td = 0 the loop is stable for T/Ti c'/c < 2 sin(pi/(4d - 2)) and without overshoot up to (d-1)^(d-1)/d^d; for 60 ms at periods of 20 ms these are 0.62 and 0.15.\n"
-       "The loop comes to rest because a dead band of c/2 or more holds a whole count.",
+       "Let a count change the force by c', d periods after the read that caused it. With Kp = Td = 0 the loop is stable for T/Ti c'/c < 2 sin(pi/(4d - 2)) and without overshoot up to (d-1)^(d-1)/d^d; for 60 ms at periods of 20 ms these are 0.62 and 0.15.\n"
+       "The loop comes to rest because a dead band of c/2 or more is at least as wide as one count.",
        "velocity form of PID with derivative and proportional action on the measured value: Astrom and Hagglund, PID Controllers (1995), chapter 3; bounds: roots of z^d - z^(d-1) + T/Ti c'/c",
        with_registers(
            {number_spec("proportional", Quantity::none, "0.1", non_negative,
-                        "Kp: share of a change of the force that is taken back at once.", "assumed"),
-            number_spec("integral_time", Quantity::time, "0.15 s", positive_or_infinite,
-                        "Ti: time in which a constant error would be removed; inf: no integral action.",
-                        "assumed: T/Ti = 0.13, just below what overshoots when a count is worth force_per_count"),
-            number_spec("derivative_time", Quantity::time, "0 s", non_negative, "Td: how far ahead the force is extrapolated.",
-                        "assumed: a force in steps of a count has no use for it"),
+                        "Kp: share of a change of the force that is compensated at once.", "assumed"),
+            number_spec(
+                "integral_time", Quantity::time, "0.15 s", positive_or_infinite,
+                "Ti: time in which a constant error is compensated; inf: no integral action.",
+                "assumed: T/Ti = 0.13, just below the limit of overshoot if a count changes the force by force_per_count"),
+            number_spec("derivative_time", Quantity::time, "0 s", non_negative, "Td: time by which the force is extrapolated.",
+                        "assumed: a derivative does not help with a force in steps of a count"),
             number_spec(
                 "dead_band", Quantity::force, "0.8 N", non_negative,
-                "Error to which the controller does not react; below half a real count the fingers may never come to rest.",
+                "Error that the controller ignores; if it is below half a real count, the fingers may never come to rest.",
                 "assumed: half of force_per_count"),
             integer_spec(
                 "lead", "2", {1.0, double{max_register}},
-                "Largest difference in counts between the command and the measured position. It sets the pace in free air and limits what winds up while the motor is stopped.",
+                "Largest difference in counts between the command and the measured position. It sets the speed in free air and limits the integral while the motor is stopped.",
                 "assumed"),
             force_per_count_spec()})},
       created<ForcePid>,

@@ -7,6 +7,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/math.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench::controllers {
 namespace {
@@ -32,13 +33,13 @@ VectorChannel::VectorChannel(const std::vector<Channel>& channels, const std::st
     frame_size_ += channel.size();
   }
   if (units_ == 0) {
-    throw SceneValueError("controller.type", quote(controller) + " reads a channel '" + name +
-                                                 "' [N, 3] and the sensor has: " + described(channels));
+    throw SceneValueError("controller.type", quote(controller) + " needs a channel '" + name +
+                                                 "' [N, 3], but the sensor has: " + described(channels));
   }
 }
 
 UnitVector VectorChannel::unit(const SensorFrame& frame, std::size_t i) const {
-  if (frame.values.size() != frame_size_) throw std::logic_error("a controller was handed a frame of another size");
+  if (frame.values.size() != frame_size_) throw std::logic_error("a controller received a frame of another size");
   return UnitVector(frame.values.subspan(first_ + 3 * i, 3));
 }
 
@@ -53,8 +54,8 @@ double GripForce::total(const SensorFrame& frame) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < units(); ++i) sum += normal(frame, i);
   if (!std::isfinite(sum)) {
-    throw InputError("controller " + controller_ + ": the sensor's normal forces sum up to " + format_number(sum) +
-                     " N at t = " + format_quantity(frame.time, Quantity::time) + "; allowed: finite forces");
+    throw InputError("controller " + controller_ + ": the sum of the sensor's normal forces is " + format_number(sum) +
+                     " N at t = " + readable_quantity(frame.time, Quantity::time) + "; it must be finite");
   }
   return sum;
 }
@@ -83,30 +84,29 @@ GripController::GripController(const Parameters& parameters, const GripSource& s
                                bool waits_for_detector)
     : force_(source.channels, name), preset_(source.preset), command_(registers_of(parameters)) {
   if (waits_for_detector && !source.detected)
-    throw SceneValueError("controller.type", name + " needs what a detector says, and the scene has none; allowed: a detector");
+    throw SceneValueError("controller.type", name + " needs a detector, but the scene has none");
 }
 
 ParameterSpec force_per_count_spec() {
   return number_spec("force_per_count", Quantity::force, "1.6 N", positive,
-                     "Assumed grip force of one count of position, no less than the gripper's real one.",
+                     "Assumed change of the grip force for one count of position, at least the gripper's real change.",
                      "assumed: the published ratios of maximum to ideal force fit at most about 1.6 N a count");
 }
 
 ParameterSpec ceiling_spec() {
   return number_spec("ceiling", Quantity::force, "inf", positive_or_infinite,
-                     "Measured grip force that no added count may exceed; a stronger grip is not loosened.", "published: none");
+                     "Grip force above which no count is added; a stronger grip is not loosened.", "published: none");
 }
 
 ParameterSpec loosen_spec() {
   return flag_spec(
       "loosen", "false",
-      "Whether the fingers open again when the target force falls by a count or more; otherwise the position never falls.",
-      "assumed");
+      "True: the fingers open again when the target force falls by a count or more; false: the position never falls.", "assumed");
 }
 
 ParameterSpec touch_spec() {
   return number_spec("touch", Quantity::force, "0.05 N", positive,
-                     "Normal force from which on a pillar counts as touching; the ratio of a few mN to a few mN says nothing.",
+                     "Normal force above which a pillar counts as touching; the ratio of two forces of a few mN is meaningless.",
                      "assumed");
 }
 

@@ -60,7 +60,7 @@ class PluginController final : public Controller, private SampleListener {
 
 ControllerKind plugin() {
   return {
-      {"plugin", "Your own controller, from a shared library.",
+      {"plugin", "A custom controller from a shared library.",
        "The library computes the command from the estimate and the samples of all sensors. It exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example).",
        "the library's author", plugin_specs()},
       created<PluginController>};

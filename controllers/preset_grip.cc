@@ -31,9 +31,9 @@ class PresetGrip final : public GripController {
 
 ControllerKind constant_force() {
   return {
-      {"constant_force", "Baseline: closes once to a grip force and then never moves, whatever the force or the slip.",
+      {"constant_force", "Baseline: closes once to a grip force and then never moves, whatever force and slip do.",
        "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
-       "F: sum of the pillars' normal forces. The position ends at 255 and stays there; fingers that met nothing are then closed.",
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there; fingers that touched nothing are then closed.",
        "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
       created<PresetGrip<true>>,
       Answers::nothing};
@@ -45,7 +45,7 @@ ControllerKind hold_preset() {
        "Negative control: tightens only below the preset force, never on slip. A trial that passes with this controller tests no detector.",
        "F < preset: position = measured position + 1 count; otherwise: the last command\n"
        "F: sum of the pillars' normal forces. The position ends at 255 and stays there.",
-       "step_on_slip without its slip", with_registers({})},
+       "step_on_slip without its reaction to slip", with_registers({})},
       created<PresetGrip<false>>,
       Answers::nothing};
 }

@@ -21,8 +21,8 @@ class Features {
       const auto found = std::ranges::find(handed_on, names[k], &Feature::name);
       if (found == handed_on.end()) {
         throw SceneValueError("controller.type",
-                              std::string("'reorient' works with the feature '") + names[k] +
-                                  "', which the scene's detector does not hand on; allowed: a detector of the nib pad");
+                              std::string("'reorient' needs the feature '") + names[k] +
+                                  "', which the scene's detector does not provide; use a detector of the nib pad");
       }
       places_[k] = static_cast<std::size_t>(found - handed_on.begin());
     }
@@ -49,13 +49,12 @@ class Clusters {
       frame_size_ += channel.size();
     }
     if (!found_[0] || !found_[1]) {
-      throw SceneValueError("controller.type",
-                            "'reorient' reads the channels 'fl' [2] and 'fr' [2]; allowed: the sensor nib_pad");
+      throw SceneValueError("controller.type", "'reorient' needs the channels 'fl' [2] and 'fr' [2] of the sensor nib_pad");
     }
   }
 
   [[nodiscard]] double sum(const SensorFrame& frame) const {
-    if (frame.values.size() != frame_size_) throw std::logic_error("a controller was handed a frame of another size");
+    if (frame.values.size() != frame_size_) throw std::logic_error("a controller received a frame of another size");
     double sum = 0.0;
     for (const std::size_t place : places_) sum += double{frame.values[place]} + double{frame.values[place + 1]};
     return sum;
@@ -89,7 +88,8 @@ class Reorient final : public Controller {
         released_normal_(p.number("released_normal")),
         released_moment_(p.number("released_moment")),
         command_(registers_of(p)) {
-    if (!source.guided) throw SceneValueError("controller.type", "'reorient' commands the arm; allowed: motion.kind: guided");
+    if (!source.guided)
+      throw SceneValueError("controller.type", "'reorient' commands the arm, so the scene needs motion.kind: guided");
   }
 
   GripCommand update(const ControlInput& input) override {
@@ -192,27 +192,27 @@ ControllerKind reorient() {
   constexpr const char* not_printed = "assumed: the paper prints no value";
   return {
       {"reorient",
-       "Turns a box up by rotational slip and puts it down: touch, adjust (Algorithm 2), turn (Algorithm 3), gentle release.",
+       "Turns a box upright by rotational slip and puts it down: touch, adjust (Algorithm 2), turn (Algorithm 3), gentle release.",
        "start: for `tare_time` the controller averages the sum of FL's and FR's clusters at rest\n"
        "touch: one count tighter at a time, until the sum has grown by more than `contact`\n"
        "adjust: the arm rises at `adjust_speed` to `midpoint`. FL 0-6 Hz > fl_slip: one count tighter, then a wait of `settle`\n"
        "turn: the arm rises at `turn_speed` to `target`. FR 0-6 Hz < fr_slip for `fr_quiet` without a break: one count looser, then a wait of `settle`. FR 6-8 Hz > fr_upright: the box is upright, since theta' = v/(l cos theta) grows without bound, and the phase ends\n"
        "release: the arm moves sideways at `forward`, and the fingers open by one count every `release_wait`, until normal force and torsional moment are below released_normal and released_moment. Then the fingers open to their stop and the arm stops.\n"
        "Magnitudes, force and moment are the detector's features fl_0_6, fr_0_6, fr_6_8, normal, moment. Heights are the commanded ones. Each phase begins with a wait of `settle`, while the window of the spectra still holds the phase before.",
-       "nib paper (papers/nib-reconfigurable), section VI, Algorithms 2 and 3. The paper reads both fingers' pads; here one pad has a sensor and is read",
+       "nib paper (papers/nib-reconfigurable), section VI, Algorithms 2 and 3. The paper reads the pads of both fingers; here one pad has a sensor",
        with_registers(
-           {number_spec("tare_time", Quantity::time, "0.2 s", non_negative,
-                        "Time at the start during which the controller only tares.", "assumed"),
+           {number_spec("tare_time", Quantity::time, "0.2 s", non_negative, "Time at the start in which the controller tares.",
+                        "assumed"),
             number_spec("contact", Quantity::none, "30", non_negative,
-                        "CONTACT_THRES, counts: growth of the sum from which on the pad is touched.",
+                        "CONTACT_THRES, counts: increase of the sum above which the pad touches.",
                         "assumed: 42 electrodes of four nibs at 24 counts a newton, for 1.2 N; the paper prints none"),
             number_spec(
-                "adjust_speed", Quantity::speed, "5 mm/s", positive, "Speed of the arm while it adjusts.",
-                "published: 2 to 5 mm/s. The upper end: nibs that creep at 0.2 mm/s, as they do at 3 mm/s, show nothing above the noise. Chosen after losses with seed 1 had been read: 57 of 77 boxes stand, with 3 mm/s 50; 22 and 21 of 24 with seed 2"),
+                "adjust_speed", Quantity::speed, "5 mm/s", positive, "Speed of the arm in the phase adjust.",
+                "published: 2 to 5 mm/s. The upper end: nibs that creep at 0.2 mm/s, as they do at 3 mm/s, show nothing above the noise. Chosen on seed 1: 57 of 77 boxes stand, with 3 mm/s 50; on seed 2 22 and 21 of 24"),
             number_spec("midpoint", Quantity::length, "20 mm", positive,
-                        "MidPoint: height to which the arm rises while it adjusts.", not_printed),
+                        "MidPoint: height to which the arm rises in the phase adjust.", not_printed),
             number_spec("fl_slip", Quantity::none, "25", non_negative,
-                        "FL_SLIP_THRES, counts, as the detector scales its spectrum.",
+                        "FL_SLIP_THRES, counts, in the scale of the detector's spectrum.",
                         "assumed: above every window of a pad at rest, 10 +- 4 and at most 21 counts; the paper prints none"),
             number_spec(
                 "settle", Quantity::time, "0.8 s", non_negative, "TIME_SETTLE.",
@@ -225,8 +225,8 @@ ControllerKind reorient() {
                         "assumed: the bound of the noise, as of fl_slip; the paper prints none"),
             number_spec(
                 "fr_quiet", Quantity::time, "1 s", non_negative,
-                "Time for which FR 0-6 Hz stays below fr_slip, all of it after the last count, before the grip is loosened.",
-                "assumed: two windows of the spectra, one after the other. The paper prints no such time; its section IV-B says that single spectra tell slip badly, since its vibration comes and goes. The spectra of a box that turns at 10 mm/s are below 25 counts for a quarter of the time, but seldom for 1 s without a break"),
+                "Time for which FR 0-6 Hz must stay below fr_slip after the last count before the grip is loosened.",
+                "assumed: two windows of the spectra, one after the other. The paper prints no such time; its section IV-B says that single spectra show slip poorly, since its vibration comes and goes. The spectra of a box that turns at 10 mm/s are below 25 counts for a quarter of the time, but seldom for 1 s without a break"),
             number_spec(
                 "fr_upright", Quantity::none, "250", non_negative, "FR_UPRIGHT_THRES, counts; above it the box is upright.",
                 "assumed: reached in the last 15 degrees of a turn at constant grip. Before, there are 10 to 50 counts, 100 to 150 in single rearrangements. The paper prints none"),
@@ -235,10 +235,11 @@ ControllerKind reorient() {
             number_spec("release_wait", Quantity::time, "0.2 s", non_negative, "Time between two counts of the release.",
                         "assumed"),
             number_spec(
-                "released_normal", Quantity::force, "0.56 N", positive, "Calibrated normal force below which the pad is free.",
-                "published: the RMS error of the calibrated force, Table I, uniform loads; the pad can tell nothing below it. A box of 318 g that leans on one finger presses with up to 0.37 N for as long as it leans"),
+                "released_normal", Quantity::force, "0.56 N", positive,
+                "Calibrated normal force below which the pad counts as free.",
+                "published: the RMS error of the calibrated force, Table I, uniform loads; the pad cannot resolve less. A box of 318 g that leans on one finger presses with up to 0.37 N"),
             number_spec("released_moment", Quantity::none, "1.3e-3", positive,
-                        "Torsional moment below which the pad is free, N m.",
+                        "Torsional moment below which the pad counts as free, N m.",
                         "published: the RMS error of the calibrated moment, Table I, uniform loads")})},
       created<Reorient>};
 }

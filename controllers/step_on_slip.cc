@@ -3,6 +3,7 @@
 
 #include "controllers/grip.h"
 #include "sim/core/error.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench::controllers {
 namespace {
@@ -38,8 +39,8 @@ class StepOnSlip final : public GripController {
     if (overflow_ == "wrap") return 0;
     if (overflow_ == "hold") return max_register;
     throw InputError("controller step_on_slip: position " + std::to_string(max_register) +
-                     " reached at t = " + format_quantity(gripper.time, Quantity::time) +
-                     ", one count more would wrap to 0 and open the fingers; allowed: overflow: hold, or wrap as published");
+                     " reached at t = " + readable_quantity(gripper.time, Quantity::time) +
+                     ", and one more count would wrap to 0 and open the fingers; set overflow: hold, or wrap as published");
   }
 
   double ceiling_, force_per_count_;
@@ -57,20 +58,20 @@ ControllerKind step_on_slip() {
       {"step_on_slip",
        "The published loop: one count tighter while the detector reports slip or the grip is below the preset force.",
        "(class incipient or gross for `debounce` updates in a row, or F < preset) and F + force_per_count <= ceiling:\n"
-       "position = measured position + 1 count; otherwise as `idle` says\n"
-       "F: sum of the pillars' normal forces. The force stays below the ceiling if a count is worth at most force_per_count and the force is no older than the position.",
+       "position = measured position + 1 count; otherwise as `idle` specifies\n"
+       "F: sum of the pillars' normal forces. The force stays below the ceiling if a count changes the force by at most force_per_count and the force is not older than the position.",
        "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and the other values of overflow are additions",
        with_registers(
-           {integer_spec("debounce", "1", {1.0, 1e6}, "Number of updates with slip in a row before slip counts; 1: at once.",
+           {integer_spec("debounce", "1", {1.0, 1e6}, "Consecutive updates with slip before the grip is tightened; 1: at once.",
                          "published: none"),
             ceiling_spec(), force_per_count_spec(),
             choice_spec(
                 "overflow", "refuse", {"refuse", "hold", "wrap"},
-                "One count beyond 255: refuse: the run ends with an error; hold: the position stays; wrap: the byte wraps to 0 and the fingers open.",
-                "published: wrap; refused here, because it would come unasked"),
+                "At one count beyond 255 - refuse: the run ends with an error; hold: the position stays; wrap: the byte wraps to 0 and the fingers open.",
+                "published: wrap; refused here, because it opens the fingers unexpectedly"),
             choice_spec(
                 "idle", "measured_position", {"measured_position", "last_command"},
-                "Command while nothing asks for a tighter grip. measured_position: an old position, which cancels a count still in transit; last_command: prevents this.",
+                "Command while the grip is not tightened. measured_position: the position read last, which cancels a count that has not arrived yet; last_command: keeps such a count.",
                 "published HDL (control_gripper.sv): the measured position")})},
       created<StepOnSlip>,
       Answers::seen_slip};

@@ -2,6 +2,7 @@
 
 #include "controllers/grip.h"
 #include "sim/core/error.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench::controllers {
 namespace {
@@ -21,8 +22,8 @@ class StuckFraction final : public GripController {
   static double stuck(const SlipEstimate& slip) {
     if (slip.state == PadState::no_contact) return 1.0;
     if (std::isnan(slip.stuck_fraction)) {
-      throw InputError("controller stuck_fraction: the detector tells no stuck fraction at t = " +
-                       format_quantity(slip.time, Quantity::time) + "; allowed: a detector that does, such as stuck_fraction");
+      throw InputError("controller stuck_fraction: the detector reports no stuck fraction at t = " +
+                       readable_quantity(slip.time, Quantity::time) + "; use a detector that reports it, such as stuck_fraction");
     }
     return slip.stuck_fraction;
   }
@@ -38,7 +39,7 @@ ControllerKind stuck_fraction() {
       {"stuck_fraction", "Grip force in proportion to the share of the touching pillars that do not stick.",
        "target = preset + gain (1 - s), s: the detector's stuck fraction, 1 without contact\n"
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
-       "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector without a stuck fraction is refused.",
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector without a stuck fraction is an error.",
        "stick ratio as feedback: Ikeda et al., IROS 2004, and arXiv:2402.11879",
        with_registers({number_spec("gain", Quantity::force, "12 N", non_negative,
                                    "Grip force added to the preset when no pillar sticks.", "assumed"),

@@ -42,14 +42,14 @@ class TimedGrip final : public GripController {
 
 ControllerKind timed_grip() {
   return {
-      {"timed_grip", "Disturbance: takes the box with the preset force, then tightens and loosens by a timetable.",
+      {"timed_grip", "Disturbance: grips the box with the preset force, then tightens and loosens by a timetable.",
        "until F >= preset for the first time: position = measured position + 1 count\n"
-       "from then on: position = the last command until then + round(counts(t)), counts straight between the rows of `changes`; 0 before\n"
+       "from then on: position = the last command until then + round(counts(t)), counts linear between the rows of `changes`; 0 before\n"
        "the first row, the last row's after it. Two rows at one time are a step. Positions end at 0 and at 255.\n"
        "F: sum of the pillars' normal forces.",
-       "what a task asks of a grip beside slip",
+       "a task that changes the grip without slip",
        with_registers({table_spec(2, "changes", {{"t", Quantity::time}, {"counts"}},
-                                  "When the grip changes, and by how many counts beyond that of the preset.", "free")})},
+                                  "Times at which the grip changes, and counts added to those of the preset.", "free")})},
       created<TimedGrip>,
       Answers::nothing};
 }

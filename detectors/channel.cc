@@ -12,7 +12,7 @@ ChannelPlace vector_channel(const FrameSource& source, std::string_view name, co
   }
   throw SceneValueError("detector.sensor", detector + " reads a " + std::string(name) +
                                                (axes == 3 ? " in three axes" : " in two axes") + ", which the " + source.type +
-                                               " " + quote(source.sensor) + " does not have; allowed: a sensor that has it");
+                                               " " + quote(source.sensor) + " does not have");
 }
 
 std::size_t scalar_channel(const FrameSource& source, std::string_view name, const std::string& detector) {
@@ -22,8 +22,7 @@ std::size_t scalar_channel(const FrameSource& source, std::string_view name, con
     first += channel.size();
   }
   throw SceneValueError("detector.sensor", detector + " reads a " + std::string(name) + " of one value, which the " +
-                                               source.type + " " + quote(source.sensor) +
-                                               " does not have; allowed: a sensor that has it");
+                                               source.type + " " + quote(source.sensor) + " does not have");
 }
 
 namespace {
@@ -33,10 +32,10 @@ std::size_t whole_frames(double length, const FrameSource& source, const std::st
   const double frames = length * source.rate;
   const double whole = std::round(frames);
   if (whole < 1.0 || whole > most || std::abs(frames - whole) > source.rate_rounding * whole) {
-    throw SceneValueError("detector.window", detector + " compares frames that lie " + format_quantity(length, Quantity::time) +
-                                                 " apart, and sensors." + source.sensor + " has " +
+    throw SceneValueError("detector.window", detector + " compares frames that are " + format_quantity(length, Quantity::time) +
+                                                 " apart, but sensors." + source.sensor + " has " +
                                                  format_quantity(source.rate, Quantity::frequency) +
-                                                 "; allowed: a whole number of its frames, 1 to 1,000,000");
+                                                 "; allowed: 1 to 1,000,000 of its sampling times, a whole number");
   }
   return static_cast<std::size_t>(whole);
 }
@@ -58,7 +57,7 @@ std::span<const double> Window::rates(std::span<const double> values) {
 
 ParameterSpec window_spec() {
   return number_spec("window", Quantity::time, "20 ms", positive,
-                     "Time between the two frames that a rate is taken from, a whole number of the sensor's frames.",
+                     "Time between the two frames from which a rate is computed, a whole number of sampling times.",
                      "assumed: a period of the published loop");
 }
 

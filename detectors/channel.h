@@ -70,15 +70,15 @@ inline SlipEstimate estimate_of(const UnitCounts& counts, double time) {
 
 // Declarations of the thresholds "touch" [N] and "least_friction".
 inline ParameterSpec touch_spec() {
-  return number_spec("touch", Quantity::force, "0.05 N", positive, "Normal force from which on a unit counts as touching.",
-                     "the force resolution of the PapillArray: less is noise, whose ratio means nothing");
+  return number_spec("touch", Quantity::force, "0.05 N", positive, "Normal force above which a unit counts as touching.",
+                     "the force resolution of the PapillArray: less is noise, whose ratio is meaningless");
 }
 
 inline ParameterSpec least_friction_spec() {
   return number_spec(
       "least_friction", Quantity::none, "0.2", non_negative,
-      "Ratio f_t/f_n below which a unit sticks in any case: the fingers' own bending shears a closing pad, far from any friction.",
-      "assumed: below the friction of every material of the catalogue but the soaped one");
+      "Ratio f_t/f_n below which a unit always counts as sticking: the bending of the fingers shears a closing pad by little.",
+      "assumed: below the friction of every material of the catalogue except the soaped one");
 }
 
 // Rates of change over a window of frames.

@@ -74,7 +74,7 @@ class MarkerDetector final : public Detector {
 };
 
 ParameterSpec indentation_spec() {
-  return number_spec("touch", Quantity::length, "0.1 mm", positive, "Indentation from which on a marker counts as touching.",
+  return number_spec("touch", Quantity::length, "0.1 mm", positive, "Indentation above which a marker counts as touching.",
                      "assumed: several times the noise of a height map");
 }
 
@@ -83,15 +83,16 @@ ParameterSpec indentation_spec() {
 DetectorKind marker_deviation_detector() {
   return {
       {.name = "marker_deviation",
-       .summary = "Markers of a gel that leave the rigid motion of the others slip; no training.",
+       .summary = "Markers of a gel whose motion deviates from the rigid motion of the others slip; no training.",
        .law =
            "u_i: motion of a marker since it began to touch; least squares over those that touch: u_i = shift + turn z x p_i\n"
-           "a marker slips when it lies `deviation` or more off that motion; non-slip: none does; incipient: some do; gross: all do\n"
-           "Where all slide, a marker may stay near the mean motion: some slides of the whole pad are called incipient.",
+           "a marker slips when it deviates from that motion by `deviation` or more; non-slip: no marker slips; incipient: some do; gross: all do\n"
+           "If all markers slide, one may stay near the mean motion, so some slides of the whole pad are classified as incipient.",
        .source =
            "S. Dong, D. Ma, E. Donlon, A. Rodriguez, Maintaining grasps within slipping bounds by monitoring incipient slip, ICRA 2019. The figures: assumed",
        .parameters = {number_spec("deviation", Quantity::length, "50 um", positive,
-                                  "From the rigid motion; several times the noise of 6 um.", "assumed"),
+                                  "Deviation from the rigid motion above which a marker slips; several times the noise of 6 um.",
+                                  "assumed"),
                       indentation_spec()}},
       created<MarkerDetector<by_deviation>>,
       nullptr,
@@ -102,13 +103,14 @@ DetectorKind marker_entropy_detector() {
   return {
       {.name = "marker_entropy",
        .summary = "Entropy of how far the markers of a gel have moved; no training.",
-       .law = "H = -sum p_k log2 p_k, p_k: share of the touching markers whose motion since they began to touch lies in bin k\n"
-              "incipient: H >= entropy; else non-slip. Where all slide, markers still differ: it tells no gross slip.",
+       .law =
+           "H = -sum p_k log2 p_k, p_k: share of the touching markers whose motion since they began to touch lies in bin k\n"
+           "incipient: H >= entropy; else non-slip. If all markers slide, their motions still differ, so it never reports gross slip.",
        .source =
            "W. Yuan, R. Li, M. A. Srinivasan, E. H. Adelson, Measurement of shear and slip with a GelSight tactile sensor, ICRA 2015. The figures: assumed",
        .parameters = {number_spec("bin", Quantity::length, "30 um", positive, "Width of a bin; several times the noise of 6 um.",
                                   "assumed"),
-                      number_spec("entropy", Quantity::none, "2", positive, "Bits from which on the motion is uneven.",
+                      number_spec("entropy", Quantity::none, "2", positive, "Entropy in bits above which the pad slips.",
                                   "assumed"),
                       indentation_spec()}},
       created<MarkerDetector<by_entropy>>,

@@ -59,7 +59,7 @@ class PluginDetector final : public Detector, private SampleListener {
     const bool whole = rate > 0.0 && frames >= 1.0 && frames <= max_stride &&
                        std::abs(frames * rate - source.rate) <= source.rate_rounding * source.rate;
     if (!whole) {
-      made_.library.refuse("makes a detector of " + format_number(rate) + " Hz, which does not divide the " +
+      made_.library.refuse("makes a detector with a rate of " + format_number(rate) + " Hz, which does not divide the " +
                            format_quantity(source.rate, Quantity::frequency) + " of sensors." + source.sensor +
                            "; allowed: the sensor's rate divided by a whole number");
     }
@@ -68,7 +68,7 @@ class PluginDetector final : public Detector, private SampleListener {
 
   void check(const slipbench_estimate& said, double time) const {
     const auto refuse = [&](const char* member, const std::string& value, const char* allowed) {
-      made_.library.refuse("says in update " + std::string(member) + " " + value + " at " + format_number(time) +
+      made_.library.refuse("returns in update " + std::string(member) + " " + value + " at " + format_number(time) +
                            " s; allowed: " + allowed);
     };
     if (said.state < 0 || said.state > 3) {
@@ -92,7 +92,7 @@ class PluginDetector final : public Detector, private SampleListener {
 
 DetectorKind plugin_detector() {
   return {
-      {"plugin", "Your own detector, from a shared library.",
+      {"plugin", "A custom detector from a shared library.",
        "The library computes the class from the samples of all sensors. It exports slipbench_detector_abi and slipbench_make_detector (detectors/plugin_abi.h; example: detectors/example).",
        "the library's author", plugin_specs()},
       created<PluginDetector>};

@@ -86,16 +86,16 @@ DetectorKind shear_rate_detector() {
            "slip: a loaded unit slips from r < following p on. With f_t < least_friction f_n it does not slip: its loading has ended, p = 0.\n"
            "stick: a slipping unit sticks again when r >= following p, or when f_t/f_n < release times its value when the slip was found; the latter ends its loading, p = 0\n"
            "non-slip: no unit slips; incipient: some slip; gross: all slip; stuck fraction: share of the touching units that do not slip\n"
-           "On a surface at constant speed a slip is reported (1 - following) window after it began. A load that stops growing is taken for a slip, until a firmer grip lowers f_t/f_n.",
+           "On a surface at constant speed a slip is reported (1 - following) window after its onset. A load that stops growing is classified as slip until a firmer grip lowers f_t/f_n.",
        .source =
            "A sticking unit is a spring, df_t/dt = k_t v; a slipping one carries f_t = mu_k f_n <= mu_s f_n: its shear stays or drops. Coulomb's law gives the release. The figures: assumed",
        .parameters =
            {window_spec(),
             number_spec("loading", Quantity::force, "20 mN", positive,
-                        "Growth of f_t over one window from which on a unit counts as loaded; several times the noise of 2 mN.",
+                        "Increase of f_t over one window above which a unit counts as loaded; several times the noise of 2 mN.",
                         "assumed"),
             number_spec("following", Quantity::none, "0.5", positive_up_to(1.0),
-                        "Share of the largest shear rate below which the shear no longer follows the load.", "assumed"),
+                        "Share of the largest shear rate below which a unit slips.", "assumed"),
             number_spec("release", Quantity::none, "0.9", positive_up_to(1.0),
                         "A slipping unit sticks again when f_t/f_n falls below this share of its value when the slip was found.",
                         "assumed"),

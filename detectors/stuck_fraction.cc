@@ -84,10 +84,10 @@ DetectorKind stuck_fraction_detector() {
            "V < moving_speed: a pillar slips when f_t >= friction_share mu f_n; until one has slipped, none does\n"
            "f_t < least_friction f_n: a pillar sticks in any case\n"
            "non-slip: no pillar slips; incipient: some slip; gross: all slip; stuck fraction: share of the touching pillars that do not slip\n"
-           "On a surface at constant speed v a slip is reported (1 - stuck_share) window after it began, that of the last pillar (1 - moving_speed/v) window after.\n"
-           "Limits: a pad that stops in a slide and stays loaded is taken for a sliding one. A pad whose pillars all let go at once is taken for one at rest.",
+           "On a surface at constant speed v a slip is reported (1 - stuck_share) window after its onset, the slip of the last pillar (1 - moving_speed/v) window after.\n"
+           "Limits: a pad that stops in a slide and stays loaded is classified as sliding. A pad whose pillars all slip at once is classified as at rest.",
        .source =
-           "A sticking tip goes with the surface: its displacement changes at the surface's speed over the pad. A sliding tip keeps the displacement at which friction gave way, f_t = mu_k f_n. Friction read from slipping pillars: HD-computing slip paper, section III. The figures: assumed",
+           "A sticking tip moves with the surface: its displacement changes at the surface's speed over the pad. A sliding tip keeps the displacement at which friction gave way, f_t = mu_k f_n. Friction measured on slipping pillars: HD-computing slip paper, section III. The figures: assumed",
        .parameters =
            {window_spec(),
             number_spec(
@@ -95,9 +95,9 @@ DetectorKind stuck_fraction_detector() {
                 "Speed of the fastest tip below which the speeds are not used; several times the noise of 1 um over 20 ms.",
                 "assumed"),
             number_spec("stuck_share", Quantity::none, "0.5", positive_up_to(1.0),
-                        "Share of the fastest tip's speed from which on a pillar sticks.", "assumed"),
+                        "Share of the fastest tip's speed above which a pillar sticks.", "assumed"),
             number_spec("friction_share", Quantity::none, "0.9", positive_up_to(1.0),
-                        "Share of the friction seen last from which on a pillar slips while nothing moves.", "assumed"),
+                        "Share of the friction measured last above which a pillar slips while nothing moves.", "assumed"),
             least_friction_spec(), touch_spec()}},
       created<StuckFraction>};
 }

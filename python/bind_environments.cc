@@ -142,7 +142,7 @@ class Grasps {
  private:
   void check(std::size_t found, const char* what) const {
     if (found != environments_.size())
-      throw InputError(std::to_string(found) + " " + what + "; allowed: one for each of " + std::to_string(environments_.size()) +
+      throw InputError(std::to_string(found) + " " + what + "; expected one for each of " + std::to_string(environments_.size()) +
                        " environments");
   }
   Results results() {

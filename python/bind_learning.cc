@@ -95,7 +95,7 @@ class FrameReader {
     return {input, type, rate, all};
   }
   void check(std::size_t values) const {
-    if (values != values_) reject("a sample of {} values; allowed: {}, those of all channels", values, values_);
+    if (values != values_) reject("a sample of {} values; expected {}, the values of all channels", values, values_);
   }
 
   network::Frames frames_;
@@ -112,7 +112,7 @@ class EngineOfFile {
   void reset() { engine_->reset(); }
   nb::ndarray<nb::numpy, float> run(const Rows& inputs) {
     if (inputs.shape(1) != engine_->inputs())
-      reject("inputs of {} values a step; allowed: {}", inputs.shape(1), engine_->inputs());
+      reject("inputs of {} values per step; expected {}", inputs.shape(1), engine_->inputs());
     std::vector<float> outputs;
     const std::size_t classes = engine_->description().classes.size();
     for (std::size_t step = 0; step < inputs.shape(0); ++step) {
@@ -180,7 +180,7 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
                         const std::string& classes, const std::string& sensor, std::size_t turned, std::size_t at_most,
                         std::uint64_t seed, const std::string& split, double held_out, bool divide_anew,
                         const std::optional<Told>& progress) {
-  if (paths.empty()) throw InputError("dataset: an empty list; allowed: one path at least");
+  if (paths.empty()) throw InputError("dataset: an empty list; expected at least one path");
   train::ExampleOptions options{.input = input_of(description),
                                 .labels = value_of(train::label_words, labels, "labels"),
                                 .classes = value_of(class_words, classes, "classes"),
@@ -251,7 +251,8 @@ std::vector<train::SlipSeries> series_of(const Series& given) {
   std::vector<train::SlipSeries> all;
   for (const auto& [probability, truth] : given) {
     if (probability.shape(0) != truth.shape(0))
-      reject("series {}: {} probabilities of {} frames; allowed: one a frame", all.size(), probability.shape(0), truth.shape(0));
+      reject("series {}: {} probabilities for {} frames; expected one for each", all.size(), probability.shape(0),
+             truth.shape(0));
     all.push_back(
         {{probability.data(), probability.data() + probability.shape(0)}, {truth.data(), truth.data() + truth.shape(0)}});
   }

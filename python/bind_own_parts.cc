@@ -119,7 +119,7 @@ auto locked(const Blame& blame, Work&& work) {
   } catch (const nb::python_error& error) {
     throw SceneValueError(blame.path, blame.whose + ": " + text_of(error));
   } catch (const nb::cast_error&) {
-    throw SceneValueError(blame.path, blame.whose + ": returned something of another type than its method may");
+    throw SceneValueError(blame.path, blame.whose + ": returned a value of the wrong type");
   }
 }
 
@@ -142,7 +142,8 @@ nb::dict shapes_of(const std::vector<Channel>& channels) {
 Entry entry_of(const std::string& name, const std::string& summary, const Declared& declared) {
   Entry entry{.name = name, .summary = summary, .law = {}, .source = "a Python class", .parameters = {}};
   for (const auto& [parameter, value] : declared)
-    entry.parameters.push_back(number_spec(parameter, quantity_of(value), value, any_value, "Of the Python class.", "the class"));
+    entry.parameters.push_back(
+        number_spec(parameter, quantity_of(value), value, any_value, "Parameter of the Python class.", "the class"));
   return entry;
 }
 

@@ -131,7 +131,7 @@ class Scene {
     for (const Override& change : options_.overrides) file_.apply(change);
     if (text && file_.root().find("accuracy") != nullptr)
       throw InputError(options_.scene_path +
-                       ": accuracy needs a scene that is a file, beside which its setting is kept; use Scene.load()");
+                       ": accuracy needs a scene in a file, next to which the chosen time step is stored; use Scene.load()");
     seed_ = parse_scene(file_, *catalogues_).seed;
   }
 

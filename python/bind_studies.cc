@@ -67,7 +67,7 @@ Estimates estimates(const TrialRecord& record, const std::string& name, const st
                                                                               sensor->time.back(),
                                                                               record.seed,
                                                                               {samples.source()}});
-    if (detector->listener() != nullptr) throw InputError("detector '" + type + "' reads other sensors, too");
+    if (detector->listener() != nullptr) throw InputError("detector '" + type + "' reads other sensors too");
     while (!samples.ended()) {
       const SlipEstimate& now = detector->update(samples.take());
       states.push_back(static_cast<std::uint8_t>(now.state));

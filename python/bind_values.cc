@@ -51,7 +51,7 @@ Quantity quantity_in(const std::string& unit) {
     }
     if (quantity != Quantity::none) allowed += (allowed.empty() ? "" : ", ") + std::string(si_symbol(quantity));
   }
-  throw InputError("unit " + quote(unit) + " belongs to no quantity; allowed: " + allowed + ", and what each is measured in");
+  throw InputError("unit " + quote(unit) + " is not a unit of any quantity; allowed: " + allowed + ", and the quantity of each");
 }
 
 // Value in SI. `unit`: a unit of the required quantity; empty: any quantity.

@@ -120,9 +120,9 @@ def main():
     parser.add_argument("-o", dest="out", type=Path, default=WORK, help="where the wheels are written")
     out = parser.parse_args().out.resolve()
     if platform.freedesktop_os_release().get("VERSION_ID") != "12":
-        sys.exit("build_wheels.py: is of Debian 12, whose glibc 2.36 the wheels name")
+        sys.exit("build_wheels.py: needs Debian 12, whose glibc 2.36 is in the name of the wheels")
     if not TOOLS.exists():
-        sys.exit("build_wheels.py: auditwheel is not there; get it with: tools/setup/setup.sh wheel")
+        sys.exit("build_wheels.py: auditwheel is missing; install it with: tools/setup/setup.sh wheel")
     fetch_headers()
     run("cmake", "--preset", "release", cwd=ROOT, stdout=subprocess.DEVNULL)
     run("cmake", "--build", "--preset", "release", "--target", "slipbench_python", "slipbench_python_stub", "slipbench_python_abi3", cwd=ROOT)

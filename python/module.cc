@@ -21,7 +21,7 @@ std::vector<slipbench::Override> slipbench::python::overrides_of(const Pairs& pa
 NB_MODULE(_core, module) {
   nb::set_leak_warnings(false);  // registered user classes live as long as the process
   nb::exception<slipbench::InputError>(module, "InputError", PyExc_ValueError).attr("__doc__") =
-      "Bad input, a ValueError, with the program's own message: file:line, what was found, what is allowed.";
+      "Bad input, a ValueError, with the message of the program: file:line, what is wrong, and what would be right.";
   nb::register_exception_translator([](const std::exception_ptr& error, void*) {
     try {
       std::rethrow_exception(error);

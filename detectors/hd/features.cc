@@ -71,7 +71,7 @@ FixedFrame to_fixed(std::span<const float> displacement) {
     const double units = std::round(metres * units_per_metre);
     using Limits = std::numeric_limits<std::int16_t>;
     if (units < Limits::min() || units > Limits::max()) {
-      refuse(i, std::to_string(metres) + " m; Q13.3 mm holds -4.096 to 4.095875 m");
+      refuse(i, std::to_string(metres) + " m; allowed: -4.096 to 4.095875 m, the range of Q13.3 mm");
     }
     fixed[i / 3][i % 3] = static_cast<std::int16_t>(units);
   }

@@ -22,7 +22,7 @@ constexpr const char* as_saved = "model";
 ChannelPlace displacement_of(const FrameSource& source) {
   const ChannelPlace place = vector_channel(source, "displacement", "the hyperdimensional classifier");
   if (source.type != "papillarray" || place.units != pillar_count) {
-    throw SceneValueError("detector.sensor", "the hyperdimensional classifier reads the nine pillars of a papillarray; " +
+    throw SceneValueError("detector.sensor", "the hyperdimensional classifier needs the nine pillars of a papillarray, but " +
                                                  quote(source.sensor) + " is a " + source.type);
   }
   return place;
@@ -61,7 +61,7 @@ SavedModel load_memories(const std::string& path) {
     return load(memories_folder(path), Model{});
   } catch (const InputError& error) {
     std::error_code ignored;
-    const std::string shipped = std::string("; those that ship: ") + default_memories + ", " + learnt_memories;
+    const std::string shipped = std::string("; included classifiers: ") + default_memories + ", " + learnt_memories;
     throw SceneValueError("detector.memories",
                           error.what() + (std::filesystem::exists(memories_folder(path), ignored) ? "" : shipped));
   }
@@ -92,17 +92,18 @@ std::size_t stride_of(double rate, const FrameSource& source) {
 
 std::vector<ParameterSpec> detector_parameters() {
   return {
-      path_spec("memories", default_memories, "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
-                "the folder that ships with the program", {learnt_memories}),
+      path_spec("memories", default_memories,
+                "Folder of the trained classifier with AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
+                "the folder included in the program", {learnt_memories}),
       number_spec("rate", Quantity::frequency, "100 Hz", positive,
-                  "Frames a second that are classified, every k-th of the sensor's; the sensor's rate must be a multiple.",
+                  "Rate of the classified frames, every k-th of the sensor's; the sensor's rate must be a multiple.",
                   "paper, section III-A"),
       choice_spec("quantiser", as_saved, or_as_saved(choice_names(quantiser_words)),
-                  "How displacements become levels; model: as in model.txt.",
+                  "How displacements are quantised to levels; model: as in model.txt.",
                   "without model.txt: fixed_point, as the published hardware"),
       choice_spec(
           "compat", as_saved, or_as_saved(choice_names(compat_words)),
-          "Bundling: paper: the paper's; published_core: the published core's, which keeps its counts between the frames of a window; model: as in model.txt.",
+          "Bundling - paper: as in the paper; published_core: as in the published core, which keeps its counts between the frames of a window; model: as in model.txt.",
           "without model.txt: paper"),
       choice_spec("ties", as_saved, or_as_saved(choice_names(ties_words)),
                   "Bit of a bundle that sums to zero; model: as in model.txt.", "without model.txt: one")};
@@ -141,8 +142,8 @@ DetectorKind gst_hd_detector() {
        .summary = "Hyperdimensional classifier of the PapillArray's displacements, in software and without latency.",
        .law = "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
               "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
-              "slip is said after `on` frames in a row that slip, as model.txt says: after the first where it says nothing\n"
-              "no contact: only the first N - 1 frames; later a pad that touches nothing gets one of the other three classes",
+              "slip is reported after `on` consecutive frames of slip, a number in model.txt (default: 1)\n"
+              "no contact: only the first N - 1 frames; later a pad without contact gets one of the other three classes",
        .source =
            "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",
        .parameters = hd::detector_parameters()},

@@ -20,7 +20,7 @@ int digit_value(char c) {
 }
 
 std::size_t class_of(PadState state) {
-  if (state == PadState::no_contact) throw std::out_of_range("hd training: no_contact is no class");
+  if (state == PadState::no_contact) throw std::out_of_range("hd training: no_contact is not a class");
   return static_cast<std::size_t>(state) - 1;
 }
 
@@ -47,12 +47,12 @@ std::vector<Hypervector> continuum(std::size_t dimension, std::size_t rows, std:
 
 void check_rows(const char* name, const std::vector<Hypervector>& memory, std::size_t rows, std::size_t dimension) {
   if (memory.size() != rows) {
-    throw InputError(std::string(name) + ": " + std::to_string(memory.size()) + " vectors; the model has " +
+    throw InputError(std::string(name) + ": " + std::to_string(memory.size()) + " vectors, but the model has " +
                      std::to_string(rows));
   }
   for (const Hypervector& vector : memory) {
     if (vector.dimension() != dimension) {
-      throw InputError(std::string(name) + ": a vector of " + std::to_string(vector.dimension()) + " bits; the model has " +
+      throw InputError(std::string(name) + ": a vector of " + std::to_string(vector.dimension()) + " bits, but the model has " +
                        std::to_string(dimension));
     }
   }
@@ -95,14 +95,15 @@ std::string to_hex(const Hypervector& a) {
 Hypervector from_hex(std::string_view text, std::size_t dimension) {
   const std::size_t digits = (dimension + 3) / 4;
   if (text.size() != digits) {
-    throw InputError(std::to_string(text.size()) + " digits; " + std::to_string(dimension) + " bits are " +
+    throw InputError(std::to_string(text.size()) + " digits, but " + std::to_string(dimension) + " bits need " +
                      std::to_string(digits));
   }
   Hypervector vector(dimension);
   for (std::size_t column = 0; column < digits; ++column) {
     const int value = digit_value(text[column]);
     if (value < 0) {
-      throw InputError(quote(text.substr(column, 1)) + " in column " + std::to_string(column + 1) + " is no hexadecimal digit");
+      throw InputError(quote(text.substr(column, 1)) + " in column " + std::to_string(column + 1) +
+                       " is not a hexadecimal digit");
     }
     const std::size_t digit = digits - 1 - column;
     if (column == 0 && dimension % 4 != 0 && value >> (dimension % 4) != 0) {

@@ -67,7 +67,7 @@ std::vector<Hypervector> read_memory(const fs::path& file, std::size_t dimension
   const std::vector<std::string> lines = lines_of(file);
   std::vector<Hypervector> memory;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (i == rows_too) throw InputError(at(file, i + 1) + "one line too many; allowed: " + std::to_string(rows));
+    if (i == rows_too) throw InputError(at(file, i + 1) + "one line too many; expected " + std::to_string(rows));
     try {
       memory.push_back(from_hex(lines[i], dimension));
     } catch (const InputError& error) {
@@ -75,8 +75,8 @@ std::vector<Hypervector> read_memory(const fs::path& file, std::size_t dimension
     }
   }
   if (memory.size() != rows && memory.size() != rows_too) {
-    throw InputError(at(file, lines.size() + 1) + "the file ends after " + std::to_string(lines.size()) +
-                     " lines; needed: " + std::to_string(rows));
+    throw InputError(at(file, lines.size() + 1) + "the file ends after " + std::to_string(lines.size()) + " lines; expected " +
+                     std::to_string(rows));
   }
   memory.resize(rows);
   return memory;
@@ -89,11 +89,11 @@ class DescriptionReader {
     const std::vector<std::string> lines = lines_of(file_);
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const std::size_t colon = lines[i].find(": ");
-      if (colon == std::string::npos) throw InputError(at(file_, i + 1) + "found " + quote(lines[i]) + "; allowed: key: value");
+      if (colon == std::string::npos) throw InputError(at(file_, i + 1) + "found " + quote(lines[i]) + "; expected 'key: value'");
       const auto [entry, fresh] = entries_.emplace(lines[i].substr(0, colon), Entry{lines[i].substr(colon + 2), i + 1});
       if (!fresh)
-        throw InputError(at(file_, i + 1) + quote(entry->first) + " stands in line " + std::to_string(entry->second.line) +
-                         " already");
+        throw InputError(at(file_, i + 1) + quote(entry->first) + " was already given in line " +
+                         std::to_string(entry->second.line));
     }
     line_count_ = lines.size();
   }
@@ -203,7 +203,7 @@ std::string hex_lines(const std::vector<Hypervector>& memory) {
 }
 
 [[noreturn]] void refuse(const std::string& folder, const std::error_code& reason) {
-  throw InputError(folder + ": cannot write: " + reason.message());
+  throw InputError(folder + ": cannot be written: " + reason.message());
 }
 
 std::error_code last_error() { return {errno, std::generic_category()}; }
@@ -221,11 +221,11 @@ void check_folder_target(const std::string& folder, const std::vector<std::strin
   try {
     if (fs::exists(fs::symlink_status(target))) {
       if (!fs::is_directory(fs::symlink_status(target)))
-        throw InputError(target.string() + ": is no folder; allowed: a new name, or a folder of a model");
+        throw InputError(target.string() + ": is not a folder; choose a new name, or the folder of a model");
       for (const fs::directory_entry& entry : fs::directory_iterator(target)) {
         const std::string name = entry.path().filename().string();
         if (std::ranges::find(own_names, name) == own_names.end()) {
-          throw InputError(target.string() + ": holds " + quote(name) + ", which is no part of a model; give another name");
+          throw InputError(target.string() + ": holds " + quote(name) + ", which is not part of a model; choose another name");
         }
       }
     }
@@ -259,7 +259,8 @@ void write_folder(const std::string& folder, const std::vector<TextFile>& files)
   }
   std::error_code error;
   fs::remove_all(stale, error);
-  if (error) throw InputError(target.string() + ": written, but what stood there is still at " + stale + ": " + error.message());
+  if (error)
+    throw InputError(target.string() + ": written, but the previous content is still at " + stale + ": " + error.message());
 }
 
 }  // namespace
@@ -275,7 +276,7 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
     if (!unnamed) {
       throw UnnamedModelError(
           (path / description_file).string() +
-          ": no such file, and the memories do not say which model they belong to; needed: a folder that `slipbench train` wrote");
+          ": no such file, and the memories do not say which model they belong to; expected a folder that `slipbench train` wrote");
     }
     saved.model = *unnamed;
     saved.model.dimension = 4 * digits;
@@ -305,7 +306,7 @@ void check_save_target(const std::string& folder) {
 
 void save(const std::string& folder, const SavedModel& saved, const std::set<std::string>& seen) {
   check(saved.model, saved.memories, true);
-  if (saved.trained.find('\n') != std::string::npos) throw InputError("trained: a line break; allowed: one line");
+  if (saved.trained.find('\n') != std::string::npos) throw InputError("trained: contains a line break; expected one line");
   check_save_target(folder);
   std::vector<TextFile> files{{memory_files[0], hex_lines(saved.memories.associative)},
                               {memory_files[1], hex_lines(saved.memories.level)},
@@ -326,7 +327,7 @@ std::optional<std::set<std::string>> seen_by(const std::string& folder) {
   const std::vector<std::string> lines = lines_of(file, largest_seen);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines[i].size() != digits || lines[i].find_first_not_of("0123456789abcdef") != std::string::npos)
-      throw InputError(at(file, i + 1) + "found " + quote(lines[i]) + "; allowed: the digest of a trial, 64 hexadecimal digits");
+      throw InputError(at(file, i + 1) + "found " + quote(lines[i]) + "; expected the digest of a trial, 64 hexadecimal digits");
   }
   return std::set<std::string>(lines.begin(), lines.end());
 }
@@ -335,8 +336,8 @@ std::string shipped_memories(const std::string& name) {
   const fs::path folder = fs::path(own_path(SLIPBENCH_HD_MEMORIES)) / name;
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
-    throw InputError("the program's own memories " + quote(name) + " are not at " + folder.string() +
-                     "; allowed: a folder with AM.hex, CIM.hex, CM.hex and IM.hex");
+    throw InputError("the included memories " + quote(name) + " are not at " + folder.string() +
+                     "; expected a folder with AM.hex, CIM.hex, CM.hex and IM.hex");
   }
   return folder.string();
 }

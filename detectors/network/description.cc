@@ -12,6 +12,7 @@
 #include "detectors/spectral/spectral_features.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench::network {
 namespace {
@@ -62,7 +63,7 @@ class Object {
  public:
   Object(const Json& json, std::string subject, std::string path, const std::vector<std::string_view>& known)
       : json_(json), subject_(std::move(subject)), path_(std::move(path)) {
-    if (!json.is_object()) refuse("", shown(json) + "; allowed: an object");
+    if (!json.is_object()) refuse("", shown(json) + "; expected an object");
     for (const auto& [key, value] : json.items()) {
       if (std::ranges::find(known, key) == known.end()) refuse("", "unknown key " + quote(key) + allowed_names(key, known));
     }
@@ -77,14 +78,14 @@ class Object {
   [[nodiscard]] bool has(const std::string& key) const { return json_.contains(key); }
 
   const Json& need(const std::string& key) const {
-    if (!has(key)) refuse("", "has no key '" + key + "', which must be there");
+    if (!has(key)) refuse("", "has no key '" + key + "', which is required");
     return json_.at(key);
   }
 
   [[nodiscard]] std::string text(const std::string& key) const {
     const Json& value = need(key);
     if (!value.is_string() || value.get_ref<const std::string&>().empty()) {
-      refuse(key, shown(value) + "; allowed: a text that is not empty");
+      refuse(key, shown(value) + "; expected a non-empty text");
     }
     return value.get<std::string>();
   }
@@ -135,7 +136,7 @@ class Object {
       const double number = entry.is_number() ? entry.get<double>() : std::nan("");
       // Frames are float32.
       if (!(std::abs(number) <= double{std::numeric_limits<float>::max()})) {
-        refuse(key, shown(entry) + "; allowed: numbers that a float32 can hold");
+        refuse(key, shown(entry) + "; allowed: numbers in the range of float32");
       }
       result.push_back(number);
     }
@@ -143,7 +144,7 @@ class Object {
   }
 
   const Json& array(const Json& value, const std::string& key) const {
-    if (!value.is_array()) refuse(key, shown(value) + "; allowed: an array");
+    if (!value.is_array()) refuse(key, shown(value) + "; expected an array");
     if (value.size() > most_values) refuse(key, shown(value) + "; allowed: at most " + std::to_string(most_values));
     return value;
   }
@@ -180,14 +181,14 @@ Json parsed(std::string_view text, const std::string& subject) {
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {
-      throw InputError(subject + ": key " + quote(value.get_ref<const std::string&>()) + " stands twice in one object");
+      throw InputError(subject + ": key " + quote(value.get_ref<const std::string&>()) + " appears twice in one object");
     }
     return true;
   };
   try {
     return Json::parse(text.begin(), text.end(), watch);
   } catch (const Json::exception& error) {
-    throw InputError(subject + ": is no JSON: " + printable(error.what()));
+    throw InputError(subject + ": is not valid JSON: " + printable(error.what()));
   }
 }
 
@@ -196,7 +197,8 @@ ChannelPick parse_channel(const Json& json, const Object& input) {
   ChannelPick pick{.name = object.text("name"), .values = {}};
   if (object.has("values")) {
     pick.values = object.indices(object.need("values"), "values");
-    if (pick.values.empty()) object.refuse("values", "an array of 0; allowed: one value at least, or no key 'values' for all");
+    if (pick.values.empty())
+      object.refuse("values", "an empty array; expected at least one value, or no key 'values' for all values");
   }
   return pick;
 }
@@ -206,21 +208,20 @@ void parse_spectrum(const Object& object, Input& input) {
   const double half = 0.5 * input.rate;
   const bool spectrum = is_spectrum(input.transform);
   for (const char* key : {"low", "high", "hann"}) {
-    if (!spectrum && object.has(key)) object.refuse(key, "belongs to a spectrum; allowed: with transform log_psd or amplitude");
+    if (!spectrum && object.has(key)) object.refuse(key, "needs the transform log_psd or amplitude");
   }
   const bool spans =
       input.transform == Transform::spreads || input.transform == Transform::levels || input.transform == Transform::units;
   if (input.transform != Transform::log_psd && !spans && object.has("floor")) {
-    object.refuse("floor", "belongs to a density, to spreads, levels and units; allowed: with transform log_psd or one of these");
+    object.refuse("floor", "needs the transform log_psd, spreads, levels or units");
   }
-  if (!spans && object.has("spans"))
-    object.refuse("spans", "belongs to spreads, levels and units; allowed: with one of these transforms");
+  if (!spans && object.has("spans")) object.refuse("spans", "needs the transform spreads, levels or units");
   if (spans) {
     input.spans = object.indices(object.need("spans"), "spans");
     if (input.spans.empty() || std::ranges::min(input.spans) < 2 || input.window < 2)
-      object.refuse("spans", "a span of fewer than two samples; allowed: one span at least, and a window, of 2 samples or more");
+      object.refuse("spans", "expected at least one span, and spans and a window of 2 samples or more");
     if (input.centre || object.has("pixels"))
-      object.refuse("transform", "spreads, levels and units know no centre and no pixels; allowed: another transform with them");
+      object.refuse("transform", "the transforms spreads, levels and units cannot be combined with centre and pixels");
     input.floor = object.number(
         "floor", [](double floor) { return floor > 0.0; }, "a number above 0, in the sensor's unit");
   }
@@ -233,8 +234,8 @@ void parse_spectrum(const Object& object, Input& input) {
       "high", [&](double f) { return f >= 0.0 && f <= half; }, limits);
   if (bins_within(input.rate, input.window, input.low, input.high).count == 0) {
     object.refuse("high", "no bin of the spectrum lies between " + format_quantity(input.low, Quantity::frequency) + " and " +
-                              format_quantity(input.high, Quantity::frequency) + "; allowed: a band that holds a multiple of " +
-                              format_quantity(input.rate / static_cast<double>(input.window), Quantity::frequency));
+                              format_quantity(input.high, Quantity::frequency) + "; the band must contain a multiple of " +
+                              readable_quantity(input.rate / static_cast<double>(input.window), Quantity::frequency));
   }
   input.hann = object.flag("hann", false);
   if (input.transform == Transform::log_psd) {
@@ -254,7 +255,7 @@ Input parse_input(const Json& json, const std::string& subject) {
   for (const Json& channel : object.array(object.need("channels"), "channels")) {
     input.channels.push_back(parse_channel(channel, object));
   }
-  if (input.channels.empty()) object.refuse("channels", "an array of 0; allowed: one channel at least");
+  if (input.channels.empty()) object.refuse("channels", "an empty array; expected at least one channel");
   input.median = object.count("median", 1, most_samples);
   input.window = object.count("window", 1, most_samples);
   input.stride = object.count("stride", 1, most_samples);
@@ -265,7 +266,7 @@ Input parse_input(const Json& json, const std::string& subject) {
     for (const Json& pixel : object.array(object.need("pixels"), "pixels")) {
       input.pixels.push_back(object.indices(pixel, "pixels"));
     }
-    if (input.pixels.empty()) object.refuse("pixels", "an array of 0; allowed: one pixel at least, or no key 'pixels'");
+    if (input.pixels.empty()) object.refuse("pixels", "an empty array; expected at least one pixel, or no key 'pixels'");
   }
   input.offset = object.numbers("offset");
   input.scale = object.numbers("scale");
@@ -280,12 +281,12 @@ std::vector<State> parse_states(const Object& whole) {
     const State state{.input = object.text("input"), .output = object.text("output")};
     const auto once = [&](const std::string& key, std::string State::*name) {
       if (std::ranges::find(states, state.*name, name) != states.end()) {
-        object.refuse(key, quote(state.*name) + " twice; allowed: each name once");
+        object.refuse(key, quote(state.*name) + " is listed twice");
       }
     };
     once("input", &State::input);
     once("output", &State::output);
-    if (states.size() == most_states) whole.refuse("states", "more than " + std::to_string(most_states) + "; allowed: fewer");
+    if (states.size() == most_states) whole.refuse("states", "more than " + std::to_string(most_states) + " states");
     states.push_back(state);
   }
   return states;
@@ -295,20 +296,20 @@ std::vector<Class> parse_classes(const Object& whole) {
   std::vector<Class> classes;
   const Json& json = whole.array(whole.need("classes"), "classes");
   if (json.size() < 2 || json.size() > most_classes) {
-    whole.refuse("classes", shown(json) + "; allowed: 2 to " + std::to_string(most_classes));
+    whole.refuse("classes", shown(json) + "; expected an array of 2 to " + std::to_string(most_classes) + " classes");
   }
   for (const Json& entry : json) {
     const Object object(entry, whole.subject(), "classes", {"name", "state"});
     Class one{.name = object.text("name"), .state = object.choice("state", pad_states)};
     if (std::ranges::find(classes, one.name, &Class::name) != classes.end()) {
-      object.refuse("name", quote(one.name) + " twice; allowed: each name once");
+      object.refuse("name", quote(one.name) + " is listed twice");
     }
     classes.push_back(std::move(one));
   }
   const auto slipping = std::ranges::count_if(classes, [](const Class& one) { return slips(one.state); });
-  if (slipping == 0) whole.refuse("classes", "none slips; allowed: one class at least with the state incipient or gross");
+  if (slipping == 0) whole.refuse("classes", "no class slips; at least one needs the state incipient or gross");
   if (slipping == std::ssize(classes)) {
-    whole.refuse("classes", "all slip; allowed: one class at least with the state no_contact or non_slip");
+    whole.refuse("classes", "all classes slip; at least one needs the state no_contact or non_slip");
   }
   return classes;
 }
@@ -344,7 +345,7 @@ Description parse_description(std::string_view text, const std::string& subject)
   }
   if (object.has("trained")) {
     const Json& trained = object.need("trained");
-    if (!trained.is_object()) object.refuse("trained", shown(trained) + "; allowed: an object");
+    if (!trained.is_object()) object.refuse("trained", shown(trained) + "; expected an object");
     description.trained = trained.dump();
   }
   return description;

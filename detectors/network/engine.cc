@@ -12,7 +12,7 @@ namespace slipbench::network {
 namespace {
 
 constexpr const char* remedy =
-    "allowed: pip install 'slipbench[network]', or a build of slipbench with OpenVINO and libonnx-dev, which tools/setup/setup.sh "
+    "install it with pip install 'slipbench[network]', or build slipbench with OpenVINO and libonnx-dev, which tools/setup/setup.sh "
     "build python installs";
 
 }  // namespace

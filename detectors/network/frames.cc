@@ -27,7 +27,7 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
     if (found == channels.end()) {
       std::vector<std::string> names;
       for (const Channel& channel : channels) names.push_back(channel.name);
-      throw InputError("the network reads the channel " + quote(pick.name) + allowed_names(pick.name, names));
+      throw InputError("the network needs the channel " + quote(pick.name) + allowed_names(pick.name, names));
     }
     std::size_t first = 0;
     for (auto channel = channels.begin(); channel != found; ++channel) first += channel->size();
@@ -37,13 +37,13 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
     }
     for (const std::size_t value : pick.values) {
       if (value >= size) {
-        throw InputError("the network reads value " + std::to_string(value) + " of the channel " + quote(pick.name) +
+        throw InputError("the network needs value " + std::to_string(value) + " of the channel " + quote(pick.name) +
                          ", which has " + std::to_string(size) + "; allowed: 0 to " + std::to_string(size - 1));
       }
       places.push_back(first + value);
     }
   }
-  if (places.empty()) throw InputError("the network reads no value of its sensor; allowed: one at least");
+  if (places.empty()) throw InputError("the network must read at least one value of its sensor");
   return places;
 }
 
@@ -99,17 +99,18 @@ struct Frames::State {
     const std::size_t values = places.size();
     const std::size_t features = frame_size(input, values);
     if (input.transform == Transform::units && values % 3 != 0) {
-      throw InputError("the network reads units by " + std::to_string(values) + " values; allowed: x, y, z of each unit");
+      throw InputError("the network reads " + std::to_string(values) +
+                       " values in units of three; expected x, y, z of each unit");
     }
-    if (features == 0) throw InputError("the network's frame is empty; allowed: one feature at least");
+    if (features == 0) throw InputError("the network's frame is empty; it needs at least one feature");
     for (const std::size_t span : input.spans) rows = std::max(rows, span);
     if (std::max(rows, input.median) > most_kept / values || features > most_kept) {
-      throw InputError("the network's frame is made of more than " + std::to_string(most_kept) + " values; allowed: fewer");
+      throw InputError("the network's frame needs more than " + std::to_string(most_kept) + " values, the most that is allowed");
     }
     for (const auto& pixel : input.pixels) {
       for (const std::size_t value : pixel) {
         if (value < values) continue;
-        throw InputError("the network has a pixel of value " + std::to_string(value) + ", of " + std::to_string(values) +
+        throw InputError("a pixel of the network shows value " + std::to_string(value) + ", of " + std::to_string(values) +
                          " values; allowed: 0 to " + std::to_string(values - 1));
       }
     }
@@ -285,12 +286,12 @@ struct Frames::State {
 
 Frames::Frames(const Input& input, const std::string& type, double rate, std::span<const Channel> channels) {
   if (type != input.sensor) {
-    throw InputError("the network reads a " + quote(input.sensor) + " by its metadata, this sensor is a " + quote(type) +
-                     "; allowed: the same in both");
+    throw InputError("the network reads a " + quote(input.sensor) + " according to its metadata, but this sensor is a " +
+                     quote(type));
   }
   if (!rate_fits(input, rate)) {
-    throw InputError("the network reads a sensor of " + format_quantity(input.rate, Quantity::frequency) + ", this one has " +
-                     format_quantity(rate, Quantity::frequency) + "; allowed: the network's rate within 1 %");
+    throw InputError("the network was trained for " + format_quantity(input.rate, Quantity::frequency) + ", but the sensor has " +
+                     format_quantity(rate, Quantity::frequency) + "; the rates must agree within 1 %");
   }
   state_ = std::make_unique<State>(input, channels);
 }

@@ -24,12 +24,12 @@ class NetworkDetector final : public Detector {
     if (threshold > 0.0) about_.threshold = threshold;
     const std::size_t history = about_.input.history, made = history * frames_.size();
     if (fed_.size() != made) {
-      const std::string open = fed_.size() < made
-                                   ? " (an extent that the file leaves open, that of time too, is taken as 1: export it "
-                                     "with its length)"
-                                   : "";
-      throw InputError("the network takes " + std::to_string(fed_.size()) + " values, its description makes " +
-                       std::to_string(history) + " frames of " + std::to_string(frames_.size()) + "; allowed: as many" + open);
+      const std::string open =
+          fed_.size() < made
+              ? " (an extent that the file leaves open, also that of time, is taken as 1; export the network with fixed extents)"
+              : "";
+      throw InputError("the network takes " + std::to_string(fed_.size()) + " values, but its description gives " +
+                       std::to_string(history) + " frames of " + std::to_string(frames_.size()) + open);
     }
     estimate_.latency = latency;
     estimate_.features.assign(features().size(), std::numeric_limits<double>::quiet_NaN());
@@ -69,7 +69,7 @@ class NetworkDetector final : public Detector {
 
 std::unique_ptr<Detector> make_network(const Parameters& parameters, const FrameSource& source) {
   const std::string& model = parameters.path("model");
-  if (model == no_network) throw SceneValueError("detector.model", "no network is named; allowed: the path of an ONNX file");
+  if (model == no_network) throw SceneValueError("detector.model", "no network is given; expected the path of an ONNX file");
   try {
     std::unique_ptr<network::Engine> engine = network::load_engine(model);
     network::Frames frames(engine->description().input, source.type, source.rate, source.channels);
@@ -87,21 +87,21 @@ DetectorKind network_detector() {
   return {
       {.name = "network",
        .summary =
-           "A neural network from an ONNX file, with what it eats and says in the file's metadata; recurrent states are carried.",
+           "A neural network from an ONNX file, whose metadata describe inputs and classes; recurrent states are kept from step to step.",
        .law =
-           "frame: values of the sensor, median, window, mean off, spectrum, spreads, levels or units, image, (x - offset) scale, as the file says\n"
+           "frame: values of the sensor, median, window, mean subtracted, spectrum, spreads, levels or units, image, (x - offset) scale, as the file specifies\n"
            "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
-           "slip is said from the on-th frame in a row with p >= threshold on, for `least` frames and until off in a row have less;\n"
-           "then it is the most probable class that slips, else the most probable that does not\n"
+           "slip is reported from the on-th consecutive frame with p >= threshold, for at least `least` frames and until `off` consecutive frames have less;\n"
+           "the class is the most probable class that slips, otherwise the most probable that does not\n"
            "feature class: number of the most probable class, of networks of more than two\n"
-           "no contact: until the first frames are complete; later where the network has such a class",
+           "no contact: until the first frames are complete; later if the network has such a class",
        .source = "the file; how to make one: detectors/network/README.md",
        .parameters = {path_spec("model", no_network, "The ONNX file.", "free"),
                       number_spec("latency", Quantity::time, "0 s", non_negative,
-                                  "Time that a step of the network takes on the robot: the loop sees an estimate so much later.",
+                                  "Time of a step of the network on the robot, by which the estimate is delayed in the loop.",
                                   "free"),
                       number_spec("threshold", Quantity::none, "0", fraction,
-                                  "Probability p from which on the pad slips; 0: the file's.", "free")}},
+                                  "Probability p above which the pad slips; 0: the threshold in the file.", "free")}},
       make_network};
 }
 

@@ -47,16 +47,15 @@ class Checker {
 
   void check(const onnx::GraphProto& graph) {
     for (const onnx::TensorProto& tensor : graph.initializer()) check(tensor);
-    if (graph.sparse_initializer_size() != 0) refuse("holds sparse tensors; allowed: dense ones");
+    if (graph.sparse_initializer_size() != 0) refuse("contains sparse tensors, which are not supported");
     for (const onnx::NodeProto& node : graph.node()) {
-      if (++nodes_ > most_nodes) refuse("has more than " + std::to_string(most_nodes) + " operators; allowed: fewer");
+      if (++nodes_ > most_nodes) refuse("has more than " + std::to_string(most_nodes) + " operators, the most that is allowed");
       if (!is_onnx(node.domain())) {
         refuse("uses the operator " + quote(node.op_type()) + " of " + quote(node.domain()) +
-               "; allowed: the operators of ONNX itself");
+               "; only operators of ONNX are supported");
       }
       if (node.op_type() == "Loop" || node.op_type() == "Scan") {
-        refuse("uses the operator " + quote(node.op_type()) +
-               ", which need not end; allowed: the others, GRU and LSTM among them");
+        refuse("uses the operator " + quote(node.op_type()) + ", which may not terminate; use GRU or LSTM instead");
       }
       check_random(graph, node);
       for (const onnx::AttributeProto& attribute : node.attribute()) check(attribute);
@@ -70,14 +69,13 @@ class Checker {
                                 "RandomNormalLike", "RandomUniform", "RandomUniformLike"};
     if (std::ranges::find(random, node.op_type()) != random.end()) {
       refuse("uses the operator " + quote(node.op_type()) +
-             ", which draws random numbers; allowed: operators that give the same each time");
+             ", which draws random numbers; only deterministic operators are supported");
     }
     constexpr int training = 2;  // input of Dropout
     if (node.op_type() != "Dropout" || node.input_size() <= training || node.input(training).empty()) return;
     if (is_false(graph, node.input(training))) return;
     refuse(
-        "uses the operator 'Dropout' as in training, where it draws random numbers; allowed: its training_mode false, or none (in PyTorch: "
-        "model.eval() before the export)");
+        "uses the operator 'Dropout' in training mode, where it draws random numbers; call model.eval() before the export from PyTorch");
   }
 
   // True if `name` is a constant of the graph that is false.
@@ -100,11 +98,11 @@ class Checker {
 
   void check(const onnx::AttributeProto& attribute) {
     if (std::isnan(attribute.f()) || std::ranges::any_of(attribute.floats(), &is_nan<float>))
-      refuse("has nan for the attribute " + quote(attribute.name()) + "; allowed: numbers");
+      refuse("has NaN in the attribute " + quote(attribute.name()));
     if (attribute.has_t()) check(attribute.t());
     for (const onnx::TensorProto& tensor : attribute.tensors()) check(tensor);
     if (attribute.has_sparse_tensor() || attribute.sparse_tensors_size() != 0)
-      refuse("holds sparse tensors; allowed: dense ones");
+      refuse("contains sparse tensors, which are not supported");
     if (attribute.has_g()) check(attribute.g());
     for (const onnx::GraphProto& graph : attribute.graphs()) check(graph);
   }
@@ -112,14 +110,14 @@ class Checker {
   void check(const onnx::TensorProto& tensor) const {
     const std::string name = "the tensor " + quote(tensor.name());
     if (tensor.data_location() == onnx::TensorProto::EXTERNAL || tensor.external_data_size() != 0) {
-      refuse("keeps " + name + " in another file; allowed: a network in one file (onnx.save(model, file) writes it so)");
+      refuse("keeps " + name + " in another file; write one file with onnx.save(model, file)");
     }
     const std::optional<std::size_t> width = bytes_of(tensor.data_type());
-    if (!width) refuse("has " + name + " of data type " + std::to_string(tensor.data_type()) + "; allowed: numbers and flags");
+    if (!width) refuse("has " + name + " of data type " + std::to_string(tensor.data_type()) + "; allowed: numbers and booleans");
     std::size_t elements = 1;
     for (const std::int64_t extent : tensor.dims()) {
       if (extent < 0 || (extent > 0 && elements > most_elements / static_cast<std::size_t>(extent))) {
-        refuse("has " + name + " of an extent of " + std::to_string(extent) + "; allowed: 0 or more, and " +
+        refuse("has " + name + " with an extent of " + std::to_string(extent) + "; allowed: 0 or more, and " +
                std::to_string(most_elements) + " elements in all");
       }
       elements *= static_cast<std::size_t>(extent);
@@ -127,8 +125,7 @@ class Checker {
     const std::size_t held = tensor.has_raw_data() ? tensor.raw_data().size() / *width : typed_elements(tensor);
     const bool whole = !tensor.has_raw_data() || tensor.raw_data().size() % *width == 0;
     if (held != elements || !whole) {
-      refuse("has " + name + " of " + std::to_string(elements) + " elements, with the data of " + std::to_string(held) +
-             "; allowed: one value an element");
+      refuse("has " + name + " of " + std::to_string(elements) + " elements, but data of " + std::to_string(held));
     }
     check_numbers(tensor);
   }
@@ -155,7 +152,7 @@ class Checker {
         break;
       default: break;
     }
-    if (nan) refuse("has the tensor " + quote(tensor.name()) + " with nan in it; allowed: numbers");
+    if (nan) refuse("has the tensor " + quote(tensor.name()) + " with NaN");
   }
 
   template <class Number>
@@ -205,17 +202,17 @@ void be_quiet() {
 Port port_of(const onnx::ValueInfoProto& value, const std::string& what, const Checker& checker) {
   const std::string name = what + " " + quote(value.name());
   if (!value.type().has_tensor_type() || value.type().tensor_type().elem_type() != onnx::TensorProto::FLOAT) {
-    checker.refuse("has the " + name + ", which is no tensor of float32; allowed: float32");
+    checker.refuse("the " + name + " is not a tensor of float32");
   }
   Port port{.name = value.name(), .shape = {}, .open = false};
-  if (!value.type().tensor_type().has_shape()) checker.refuse("has the " + name + " without a shape; allowed: one with a shape");
+  if (!value.type().tensor_type().has_shape()) checker.refuse("the " + name + " has no shape");
   std::size_t size = 1;
   for (const onnx::TensorShapeProto::Dimension& extent : value.type().tensor_type().shape().dim()) {
     const bool given = extent.has_dim_value() && extent.dim_value() != -1;
     port.open = port.open || (!given && !port.shape.empty());
     port.shape.push_back(given ? extent.dim_value() : 1);
     if (port.shape.back() < 1 || size > most_elements / static_cast<std::size_t>(port.shape.back())) {
-      checker.refuse("has the " + name + " of an extent of " + std::to_string(port.shape.back()) + "; allowed: 1 or more, and " +
+      checker.refuse("the " + name + " has an extent of " + std::to_string(port.shape.back()) + "; allowed: 1 or more, and " +
                      std::to_string(most_elements) + " elements in all");
     }
     size *= static_cast<std::size_t>(port.shape.back());
@@ -240,18 +237,18 @@ std::string how_to_describe(const std::string& file) {
          "  onnx.save(model, " +
          path +
          ")\n"
-         "The keys: detectors/network/README.md.";
+         "detectors/network/README.md explains the keys.";
 }
 
 std::string metadata_of(const onnx::ModelProto& model, const std::string& subject, const Checker& checker) {
   const onnx::StringStringEntryProto* found = nullptr;
   for (const onnx::StringStringEntryProto& entry : model.metadata_props()) {
     if (entry.key() != metadata_key) continue;
-    if (found != nullptr) checker.refuse("has the metadata 'slipbench' twice; allowed: once");
+    if (found != nullptr) checker.refuse("has the metadata 'slipbench' twice");
     found = &entry;
   }
   if (found == nullptr) {
-    checker.refuse("has no metadata 'slipbench', which says what the network eats and says. Add it:\n" +
+    checker.refuse("has no metadata 'slipbench', which describe the inputs and classes of the network. Add them:\n" +
                    how_to_describe(subject));
   }
   return found->value();
@@ -272,7 +269,8 @@ std::string only_other(const Values& given, const std::vector<std::string>& stat
   const std::vector<std::string> names = names_of(given);
   for (const std::string& state : states) {
     if (std::ranges::find(names, state) == names.end()) {
-      checker.refuse("has no " + what + " " + quote(state) + ", which its states name" + allowed_names(state, names));
+      checker.refuse("has no " + what + " " + quote(state) + ", which 'states' in its metadata names" +
+                     allowed_names(state, names));
     }
   }
   std::vector<std::string> others;
@@ -281,7 +279,7 @@ std::string only_other(const Values& given, const std::vector<std::string>& stat
   if (others.size() == 1) return others.front();
   std::string found;
   for (const std::string& name : others) found += (found.empty() ? ": " : ", ") + quote(name);
-  checker.refuse("has " + std::to_string(others.size()) + " " + what + "s that are no states" + found + "; allowed: one");
+  checker.refuse("has " + std::to_string(others.size()) + " " + what + "s besides its states" + found + "; expected one");
 }
 
 }  // namespace
@@ -300,7 +298,7 @@ CheckedNetwork check_network(std::string_view bytes, const std::string& subject)
   }
   onnx::ModelProto model;
   if (!model.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())) || !model.has_graph()) {
-    checker.refuse("is no ONNX file, or a damaged one; allowed: a network in the ONNX format");
+    checker.refuse("is not an ONNX file, or is damaged");
   }
   CheckedNetwork checked{
       .description = parse_description(metadata_of(model, subject, checker), subject + ": metadata 'slipbench'"),
@@ -312,12 +310,11 @@ CheckedNetwork check_network(std::string_view bytes, const std::string& subject)
     if (set.domain().empty() || set.domain() == "ai.onnx") opset = set.version();
   }
   if (opset < least_opset || opset > most_opset) {
-    checker.refuse("is of the operator set " + std::to_string(opset) + " of ONNX; allowed: " + std::to_string(least_opset) +
+    checker.refuse("uses the operator set " + std::to_string(opset) + " of ONNX; allowed: " + std::to_string(least_opset) +
                    " to " + std::to_string(most_opset));
   }
   if (model.functions_size() != 0) {
-    checker.refuse("defines the operator " + quote(model.functions(0).name()) +
-                   " of its own; allowed: the operators of ONNX itself");
+    checker.refuse("defines the operator " + quote(model.functions(0).name()) + "; only operators of ONNX are supported");
   }
   checker.check(model.graph());
 

@@ -34,8 +34,8 @@ std::string bytes_of(const std::string& path) {
   check_regular_file(path, most_network_bytes);
   std::ifstream file(path, std::ios::binary);
   if (!file)
-    throw InputError(
-        path + ": cannot be opened; allowed: an ONNX file; a scene names it from its own folder, --set from the current folder");
+    throw InputError(path +
+                     ": cannot be opened; expected an ONNX file, relative to the scene's folder, in --set to the current one");
   std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (file.bad()) throw InputError(path + ": cannot be read");
   return bytes;
@@ -164,7 +164,7 @@ void check_sizes(const ov::Model& model, const std::string& path, double& work) 
     for (const ov::Output<ov::Node>& output : node->outputs()) {
       if (size_of(output.get_partial_shape()) <= static_cast<double>(most_elements)) continue;
       throw InputError(path + ": the operator " + quote(node->get_friendly_name()) + " makes a tensor of more than " +
-                       std::to_string(most_elements) + " elements, or of no known shape; allowed: fewer");
+                       std::to_string(most_elements) + " elements, or of unknown shape");
     }
     work += work_of(*node);
     if (const auto branches = std::dynamic_pointer_cast<ov::op::util::MultiSubGraphOp>(node)) {
@@ -194,8 +194,8 @@ Network compiled(const std::string& bytes, const std::string& path) {
   } catch (const std::exception& error) {
     if (!network.about.input.open) throw;
     throw InputError(path + ": the extents that " + quote(network.about.input.name) +
-                     " leaves open are taken as 1, and then OpenVINO does not take it: " + reason_of(error) +
-                     "; allowed: an input exported with its extents");
+                     " leaves open are taken as 1, but OpenVINO rejects the network with them: " + reason_of(error) +
+                     "; export the input with fixed extents");
   }
   double work = 0.0;
   check_sizes(*model, path, work);
@@ -226,15 +226,15 @@ class OpenVinoEngine final : public Engine {
     std::fill_n(input_.data<float>(), input_.get_size(), 0.0F);
     output_ = tensor(network.compiled.output(network.about.output));
     if (output_.get_size() != about_.classes.size()) {
-      throw InputError(path_ + ": says " + std::to_string(output_.get_size()) +
-                       " values; allowed: " + std::to_string(about_.classes.size()) + ", one for each class of its description");
+      throw InputError(path_ + ": returns " + std::to_string(output_.get_size()) + " values; expected " +
+                       std::to_string(about_.classes.size()) + ", one for each class of its description");
     }
     for (const State& state : about_.states) {
       states_.emplace_back(tensor(network.compiled.input(state.input)), tensor(network.compiled.output(state.output)));
       const auto& [in, out] = states_.back();
       if (in.get_size() != out.get_size()) {
-        throw InputError(path_ + ": the state " + quote(state.input) + " has " + std::to_string(in.get_size()) + " values, " +
-                         quote(state.output) + " has " + std::to_string(out.get_size()) + "; allowed: as many");
+        throw InputError(path_ + ": the state " + quote(state.input) + " has " + std::to_string(in.get_size()) + " values, but " +
+                         quote(state.output) + " has " + std::to_string(out.get_size()));
       }
     }
     reset();
@@ -250,7 +250,7 @@ class OpenVinoEngine final : public Engine {
 
   std::span<const float> run(std::span<const float> input) override {
     if (input.size() != inputs()) throw std::logic_error("a network's input of another size");
-    check_finite(input, "is fed");
+    check_finite(input, "receives");
     std::ranges::copy(input, input_.data<float>());
     try {
       request_.infer();
@@ -282,19 +282,19 @@ class OpenVinoEngine final : public Engine {
   }
 
   void check(std::span<const float> said) const {
-    check_finite(said, "says");
+    check_finite(said, "returns");
     constexpr double rounding = 1e-3;  // of a sum of probabilities
     double sum = 0.0;
     bool probabilities = true;
     for (const float value : said) {
       if (!std::isfinite(value))
-        throw InputError(path_ + ": the network says " + std::to_string(value) + "; allowed: finite numbers");
+        throw InputError(path_ + ": the network returns " + std::to_string(value) + "; allowed: finite numbers");
       sum += double{value};
       probabilities = probabilities && double{value} >= -rounding;
     }
     if (about_.output == Output::probabilities && (!probabilities || std::abs(sum - 1.0) > rounding)) {
-      throw InputError(path_ + ": the network says values that are no probabilities, of the sum " + std::to_string(sum) +
-                       "; allowed: 0 or more, of the sum 1, or \"output\": \"logits\" in its description");
+      throw InputError(path_ + ": the network returns values that are not probabilities, with the sum " + std::to_string(sum) +
+                       "; expected values of 0 or more with the sum 1, or \"output\": \"logits\" in its description");
     }
   }
 
@@ -313,6 +313,6 @@ extern "C" __attribute__((visibility("default"))) slipbench::network::Engine* sl
   try {
     return new OpenVinoEngine(network_at(path), path);
   } catch (const std::exception& error) {
-    refuse(path + ": OpenVINO does not take it: ", error);
+    refuse(path + ": OpenVINO rejects it: ", error);
   }
 }

@@ -10,6 +10,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/math.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench::nib {
 namespace {
@@ -32,9 +33,8 @@ std::size_t place_of(const FrameSource& source, const std::string& name, const s
     }
     first += channel.size();
   }
-  throw SceneValueError("detector.sensor",
-                        fmt::format("{} reads the channel '{}' of a nib pad, which the {} {} does not have; allowed: a nib_pad",
-                                    detector, name, source.type, quote(source.sensor)));
+  throw SceneValueError("detector.sensor", fmt::format("{} needs the channel '{}' of a nib_pad, which the {} {} does not have",
+                                                       detector, name, source.type, quote(source.sensor)));
 }
 
 // Converts the parameter `name` [s] to frames.
@@ -43,8 +43,8 @@ std::size_t frames_of(const Parameters& parameters, const char* name, std::size_
   if (std::abs(frames - length * source.rate) > source.rate_rounding * frames || frames < static_cast<double>(least)) {
     throw SceneValueError(
         fmt::format("detector.{}", name),
-        fmt::format("{} is no whole number of the sensor's frames of {}, or fewer than {}; allowed: a multiple",
-                    format_quantity(length, Quantity::time), format_quantity(1.0 / source.rate, Quantity::time), least));
+        fmt::format("{} must be a whole multiple of the sensor's sampling time, {}, and at least {} times as long",
+                    format_quantity(length, Quantity::time), readable_quantity(1.0 / source.rate, Quantity::time), least));
   }
   return static_cast<std::size_t>(frames);
 }
@@ -53,12 +53,13 @@ SlidingSpectrum spectrum_for(const Parameters& parameters, const FrameSource& so
   const std::size_t window = frames_of(parameters, "window", 4, source);
   if (source.rate < 2.0 * fast_band) {
     throw SceneValueError("detector.sensor",
-                          fmt::format("its frames come at {}; allowed: at least twice the band's end of {:g} Hz",
+                          fmt::format("the sensor samples at {}; it must sample at least at twice the end of the band, {:g} Hz",
                                       format_quantity(source.rate, Quantity::frequency), fast_band));
   }
   if (source.rate / static_cast<double>(window) > fast_band - slow_band) {
-    throw SceneValueError("detector.window", fmt::format("{} has bins wider than the band of 6 to 8 Hz; allowed: at least 0.5 s",
-                                                         format_quantity(parameters.number("window"), Quantity::time)));
+    throw SceneValueError("detector.window",
+                          fmt::format("{} makes bins wider than the band of 6 to 8 Hz; allowed: at least 0.5 s",
+                                      format_quantity(parameters.number("window"), Quantity::time)));
   }
   return {window, frames_of(parameters, "hop", 1, source), source.rate};
 }
@@ -111,20 +112,21 @@ std::vector<ParameterSpec> feature_specs() {
       number_spec("hop", Quantity::time, "100 ms", positive, "Time from one spectrum to the next.",
                   "paper, section IV-B: windows of 500 ms overlap by 400 ms; its \"close to 8 Hz\" would be 125 ms"),
       number_spec("tare", Quantity::time, "300 ms", positive,
-                  "Time over which the unloaded pad's counts are averaged; nothing may touch the pad meanwhile.",
+                  "Time over which the counts of the unloaded pad are averaged; nothing may touch the pad in that time.",
                   "assumed: ten images of 30 ms"),
       number_spec("touch", Quantity::none, "30", positive,
-                  "Sum of the changes of all 36 electrodes from which on the pad touches [counts].",
+                  "Sum of the changes of all 36 electrodes above which the pad touches [counts].",
                   "assumed: three times its noise, half a newton of normal force"),
-      number_spec("capacitance", Quantity::none, "153", positive,
-                  "Counts of a taxel's electrode at rest, of four nibs. It sets how far 1/gap bends the reading under load.",
-                  "assumed: 4 C0, C0 0.045 pF at 850 counts/pF. The paper fits a polynomial of second order instead"),
+      number_spec(
+          "capacitance", Quantity::none, "153", positive,
+          "Counts of a taxel's electrode of four nibs at rest. They set the non-linearity of the reading under load (1/gap).",
+          "assumed: 4 C0, C0 0.045 pF at 850 counts/pF. The paper fits a polynomial of second order instead"),
       number_spec(
           "normal_gain", Quantity::none, "57.9", positive,
-          "Counts of all 36 electrodes together for a newton of normal force: 4 C0/(g0 k_post), C0: counts of a nib's electrode.",
+          "Counts of all 36 electrodes together per newton of normal force: 4 C0/(g0 k_post), C0: counts of a nib's electrode.",
           "assumed: small loads, C0 0.045 pF at 850 counts/pF, gap 0.254 mm, post 10.4 N/mm"),
       number_spec("shear_gain", Quantity::none, "454", positive,
-                  "Counts of N - S (E - W) of all taxels together for a newton of shear: 2 C0 r/(L g0 k_t).",
+                  "Counts of N - S (E - W) of all taxels together per newton of shear: 2 C0 r/(L g0 k_t).",
                   "assumed: small loads, r 1.1 mm, L 3.65 mm, k_t 0.2 N/mm, the rest as normal_gain"),
       number_spec("pitch", Quantity::length, "7.6 mm", positive, "Distance between taxels.",
                   "paper, section II: two nibs 3.8 mm apart"),

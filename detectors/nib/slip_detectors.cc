@@ -65,7 +65,7 @@ DetectorKind nib_linear_slip_detector() {
   return {
       {.name = "nib_linear_slip",
        .summary =
-           "Algorithm 1 of the nib pad's paper: it counts flags of the linear mode's spectrum against shear over normal force.",
+           "Algorithm 1 of the nib pad's paper: counts flags of the linear mode's spectrum and compares them with a limit that falls with shear over normal force.",
        .law =
            "D = C_N - C_S; magnitude: mean over 0 to 6 Hz of |FFT((D - line of least squares) Hamming)|, not divided by anything [counts]\n"
            "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, down to 0\n"
@@ -82,10 +82,10 @@ DetectorKind nib_linear_slip_detector() {
             number_spec("weight", Quantity::none, "10", non_negative, "alpha, by which the limit falls with the ratio F_S,y/F_N.",
                         "paper, section V"),
             number_spec("patience", Quantity::time, "0.5 s", non_negative,
-                        "TIME_THRES: time since the last flag after which the counter falls.",
+                        "TIME_THRES: time without a flag after which the counter falls.",
                         "assumed: not in the paper; one window"),
             number_spec("start", Quantity::time, "0 s", non_negative,
-                        "Time from which on flags count, after the load has been laid on.",
+                        "Time from which on flags count, after the load has been applied.",
                         "assumed: the paper runs the algorithm while the normal force falls"),
             choice_spec(
                 "ratio", "counts", {"forces", "counts"},
@@ -156,7 +156,7 @@ DetectorKind nib_slip_kind_detector() {
             number_spec("fr", Quantity::none, "40", positive,
                         "Magnitude of the rotational mode above which the pad slips [counts].",
                         "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
-            number_spec("curl", Quantity::none, "0.93", positive_up_to(2.13), "|curl| from which on a slip is rotational.",
+            number_spec("curl", Quantity::none, "0.93", positive_up_to(2.13), "|curl| above which a slip is rotational.",
                         "assumed: half the curl of a rigid rotation about the centre taxel")})},
       created<nib::SlipKindDetector>};
 }

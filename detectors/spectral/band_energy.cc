@@ -7,6 +7,7 @@
 #include "detectors/channel.h"
 #include "detectors/spectral/spectral_features.h"
 #include "sim/core/error.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace {
@@ -18,9 +19,8 @@ std::size_t whole_samples(double length, const std::string& key, const FrameSour
   const double whole = std::round(samples);
   if (whole < 1.0 || whole > most || std::abs(samples - whole) > source.rate_rounding * whole) {
     throw SceneValueError("detector." + key, format_quantity(length, Quantity::time) +
-                                                 " is no whole number of the samples that sensors." + source.sensor +
-                                                 " takes at " + format_quantity(source.rate, Quantity::frequency) +
-                                                 "; allowed: 1 to 1,000,000 of them");
+                                                 " must be a whole number of sampling times of sensors." + source.sensor + " (" +
+                                                 format_quantity(source.rate, Quantity::frequency) + "), 1 to 1,000,000");
   }
   return static_cast<std::size_t>(whole);
 }
@@ -35,8 +35,8 @@ SpectralLayout layout_of(const Parameters& parameters, const FrameSource& source
   if (std::floor(std::min(layout.high, 0.5 * source.rate) / width) < std::ceil(layout.low / width)) {
     throw SceneValueError("detector.high",
                           "no bin of the spectrum lies between " + format_quantity(layout.low, Quantity::frequency) + " and " +
-                              format_quantity(layout.high, Quantity::frequency) + "; allowed: a band that holds a multiple of " +
-                              format_quantity(width, Quantity::frequency) + ", up to half the sensor's rate");
+                              format_quantity(layout.high, Quantity::frequency) + "; the band must contain a multiple of " +
+                              readable_quantity(width, Quantity::frequency) + ", below half the sensor's rate");
   }
   return layout;
 }
@@ -77,7 +77,7 @@ DetectorKind band_energy_detector() {
        .law = "r^2 = rate/window sum_k S_k over the bins k within [low, high]: the mean square of the signal in the band\n"
               "S: power spectral density of a window less its mean\n"
               "slip from the first window with r >= threshold until the first with r < release threshold\n"
-              "gross: slip; non-slip: no slip or no contact, which a signal without a static part cannot tell apart",
+              "gross: slip; non-slip: no slip or no contact, which a signal without a static part cannot distinguish",
        .source =
            "friction vibration of a piezoelectric skin: FFT-GRU slip detection, sections IV-A and V-B (20 ms windows every 10 ms, 50 to 600 Hz); threshold and hysteresis: assumed",
        .parameters =
@@ -91,10 +91,10 @@ DetectorKind band_energy_detector() {
                         "FFT-GRU slip detection, table II: the range of its other experiments"),
             number_spec(
                 "threshold", Quantity::none, "40", positive,
-                "Root mean square of the signal in the band from which on the pad slips, in the unit of the channel.",
+                "Root mean square of the signal in the band above which the pad slips, in the unit of the channel.",
                 "assumed: 1.65 times the typical noise of the piezo_skin in the band, 24.2 counts, whose rms varies by 14 % from window to window"),
-            number_spec("release", Quantity::none, "0.7", positive_up_to(1.0),
-                        "Share of the threshold below which a slip has ended.", "assumed")}},
+            number_spec("release", Quantity::none, "0.7", positive_up_to(1.0), "Share of the threshold below which a slip ends.",
+                        "assumed")}},
       created<BandEnergy>};
 }
 

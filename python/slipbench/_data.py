@@ -51,11 +51,11 @@ def _member(group: h5py.Group, name: str) -> Any:
     if link is None:
         raise KeyError(name)
     if not isinstance(link, h5py.HardLink):
-        raise _core.InputError(f"{group.file.filename}: {group.name}/{name} is a link to another place; allowed: what the file itself holds")
+        raise _core.InputError(f"{group.file.filename}: {group.name}/{name} is a link to another file, but a dataset must contain all of its data")
     with reading(group):
         found = group[name]
         if isinstance(found, h5py.Dataset) and (found.external or found.is_virtual):
-            raise _core.InputError(f"{group.file.filename}: {found.name} is stored in another file; allowed: what the file itself holds")
+            raise _core.InputError(f"{group.file.filename}: {found.name} is stored in another file, but a dataset must contain all of its data")
     return Array(found.id, readonly=True) if isinstance(found, h5py.Dataset) else found
 
 
@@ -437,7 +437,7 @@ class Dataset(Mapping[int, StoredTrial]):
             return f"<slipbench.Dataset {self._path}: closed>"
         first = self[self.trials[0]].sensors if self.trials else {}
         sensors = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in first.items())
-        return f"<slipbench.Dataset {self._path}: {len(self)} trials; {sensors or 'outcomes alone'}>"
+        return f"<slipbench.Dataset {self._path}: {len(self)} trials; {sensors or 'only outcomes'}>"
 
     def _repr_html_(self) -> str:
         return trial_table(repr(self), self[self.trials[0]].sensors if self._files[0] and self.trials else {})
@@ -475,7 +475,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         if self._sensor in names:
             return self._sensor
         if self._sensor or len(names) != 1:
-            raise _core.InputError(f"trial {trial.trial}: sensor {self._sensor!r}; allowed: {', '.join(map(repr, names)) or 'nothing, outcomes alone'}")
+            raise _core.InputError(f"trial {trial.trial}: sensor {self._sensor!r}; allowed: "
+                                   f"{', '.join(map(repr, names)) or 'nothing, only outcomes were recorded'}")
         return names[0]
 
     def _states(self, trial: StoredTrial, name: str) -> h5py.Dataset:
@@ -487,7 +488,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             found = ", ".join(map(repr, rules)) or "no labels"
             which = "recording" if labels is None or is_recording(labels) else "simulated trial"
             raise _core.InputError(f"trial {trial.trial}: labels {self._rule!r}: the {which} has {found}; "
-                                   + (f"pass {' or '.join(f'labels={rule!r}' for rule in rules)}" if rules else "allowed: a recording that has labels"))
+                                   + (f"pass {' or '.join(f'labels={rule!r}' for rule in rules)}" if rules else "use a recording with labels"))
         return labels[rules[self._rule]]
 
     def _count(self, number: int) -> int:
@@ -569,8 +570,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         columns = self._read(self.trial(0))[0].shape[1] if len(self) else 0
         size = 4 * len(self) * self._length * columns
         if size > _MOST_BYTES:
-            raise _core.InputError(f"{len(self)} windows of {self._length} samples of {columns} values take {size / 1e9:.3g} GB; allowed: "
-                                   f"{_MOST_BYTES / 1e9:g} GB, so a greater stride, a shorter length or fewer channels")
+            raise _core.InputError(f"{len(self)} windows of {self._length} samples of {columns} values need {size /  1e9:.3g} GB; allowed: "
+                                   f"{_MOST_BYTES / 1e9:g} GB; use a greater stride, a shorter length or fewer channels")
         X, y = np.empty((len(self), self._length, columns), np.float32), np.empty(len(self), np.uint8)
         at = 0
         for trial, count in zip(self._trials, counts, strict=True):

@@ -201,10 +201,10 @@ class OwnSensor(Protocol):
 def layout_of(said: Any) -> tuple[float, list[list[float]], list[int], list[tuple[str, str, list[int]]]]:
     """Checks the result of a sensor's layout() and converts it for the program."""
     if not isinstance(said, Layout):
-        raise TypeError(f"layout() returned {said!r}; allowed: a Layout")
+        raise TypeError(f"layout() returned {said!r}; expected a Layout")
     tips = np.asarray(said.tips, float)
     if tips.ndim != 2 or tips.shape[1] != 3:
-        raise ValueError(f"tips of shape {tips.shape}; allowed: (points, 3)")
+        raise ValueError(f"tips of shape {tips.shape}; expected (points, 3)")
     each = [np.broadcast_to(np.asarray(value, float), shape)
             for value, shape in ((said.directions, tips.shape), (said.k_normal, len(tips)), (said.k_tangential, len(tips)))]
     units = range(len(tips)) if said.units is None else np.broadcast_to(np.asarray(said.units, int), len(tips))
@@ -228,7 +228,7 @@ def estimate_of(said: Any) -> Estimate:
     """Checks the result of a detector."""
     estimate = said if isinstance(said, Estimate) else Estimate(said)
     if isinstance(estimate.state, bool) or not isinstance(estimate.state, numbers.Integral) or not 0 <= int(estimate.state) <= 3:
-        raise TypeError(f"update() returned {said!r}; allowed: a State, 0 to 3, or an Estimate")
+        raise TypeError(f"update() returned {said!r}; expected a State, 0 to 3, or an Estimate")
     if not 0.0 <= estimate.latency < math.inf:
         raise ValueError(f"a latency of {estimate.latency} s; allowed: 0 s or more")
     if estimate.stuck_fraction < 0.0 or estimate.stuck_fraction > 1.0:
@@ -242,7 +242,7 @@ def command_of(said: Any) -> Command:
     for name in ("position", "speed", "force"):
         value = getattr(command, name)
         if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 0 <= int(value) <= 255:
-            raise TypeError(f"act() returned {said!r}; allowed: a position of 0 to 255, or a Command of such numbers")
+            raise TypeError(f"act() returned {said!r}; expected a position of 0 to 255, or a Command with such numbers")
     return command
 
 

@@ -35,7 +35,7 @@ class Interrupt:
 
     def __init__(self, notice: str) -> None:
         self._asked = False
-        self._notice = f"slipbench: {notice}; once more to stop at once\n"
+        self._notice = f"slipbench: {notice}; interrupt again to stop at once\n"
         for number in SIGNALS:
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, self._note)

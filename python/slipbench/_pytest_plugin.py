@@ -20,7 +20,7 @@ class _Failed(Exception):
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.getgroup("slipbench").addoption("--slipbench-draws", type=int, default=0, metavar="N",
-                                           help="Trials of each cell of a scene's sweep (default: as the scene says)")
+                                           help="Trials of each cell of a scene's sweep (default: of the scene)")
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:

@@ -35,11 +35,11 @@ def input_text(frames: Input) -> str:
     text = f"{names} of a {frames.sensor} at {frequency_text(frames.rate)}"
     text += f", median of {frames.median}" if frames.median > 1 else ""
     text += f"; a frame of {frames.window} sample{'' if frames.window == 1 else 's'} every {frames.stride}"
-    text += ", less its mean" if frames.centre else ""
+    text += ", minus its mean" if frames.centre else ""
     band, spans = f"{frequency_text(frames.low)} to {frequency_text(frames.high)}", ", ".join(str(span) for span in frames.spans)
     text += {"samples": "", "log_psd": f", log10 of its power spectral density, {band}", "amplitude": f", amplitude of its spectrum, {band}",
              "levels": f", its mean, and its changes over {spans} samples, with their signs",
-             "units": ", or of any sensor of three-axis units at 200 Hz or more, as many ms each; each unit for itself: force, ratio, changes",
+             "units": ", or of any sensor of three-axis units at 200 Hz or more, as many ms each; for each unit: force, ratio, changes",
              "spreads": f", how far and how fast its values move over {spans} samples"}[frames.transform]
     return text + (f", as an image of {len(frames.pixels)} pixels" if len(frames.pixels) else "")
 
@@ -54,7 +54,7 @@ def training_text(training: Training) -> str:
     if training.label_smoothing:
         text += f"; label smoothing {training.label_smoothing:g}"
     if training.patience:
-        text += f"; ends after {training.patience} validations without a better one"
+        text += f"; stops after {training.patience} validations without improvement"
     return text
 
 

@@ -349,7 +349,7 @@ class Scene:
         """
         _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
-            raise _core.InputError(f"draws={draws} and trials={trials}; allowed: one of them")
+            raise _core.InputError(f"draws={draws} and trials={trials}; give only one of them")
         _check_record(record, ("full", "outcome"))
         apart = self._apart(isolate, trial_limit, trials or self.trials(draws))
         self._warn(draws, trials, seed, os.fspath(path), apart)
@@ -371,7 +371,7 @@ class Scene:
         without a file.
         """
         if self._text is not None:
-            raise _core.InputError(f"{self.path}: check() needs a scene that is a file, which its replay command names; use Scene.load()")
+            raise _core.InputError(f"{self.path}: check() needs a scene in a file, for its replay command; use Scene.load()")
         _check_counts(draws=draws, seed=seed, jobs=jobs)
         apart = self._apart(isolate, trial_limit, self.trials(draws))
         self._warn(draws, seed=seed, apart=apart)
@@ -392,7 +392,7 @@ class Scene:
         if time is not None and not time > 0:
             raise _core.InputError(f"trial_limit={time}; allowed: more than 0 s")
         if time is not None and isolate is False:
-            raise _core.InputError("isolate=False beside a limit of a trial; allowed: one of them")
+            raise _core.InputError("isolate=False cannot be combined with trial_limit")
         if isolate is None:
             own = trials > 1 and self._has_own_parts() and not {"torch", "ipykernel"} & sys.modules.keys()
             isolate = time is not None or own

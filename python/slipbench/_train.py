@@ -122,8 +122,8 @@ def figures_text(trained: Trained) -> str:
     if judged:
         alarms = judged["alarms_per_minute"]
         rows += [("balanced accuracy, all classes", share_text(judged["all_classes_balanced_accuracy"])),
-                 ("balanced accuracy, slip or not", share_text(judged["balanced_accuracy"])), ("F1 of slip", share_text(judged["f1"])),
-                 ("false alarms a minute of hold", "nan" if alarms is None else f"{alarms:.1f}")]
+                 ("balanced accuracy, slip or no slip", share_text(judged["balanced_accuracy"])), ("F1 of slip", share_text(judged["f1"])),
+                 ("false alarms per minute of hold", "nan" if alarms is None else f"{alarms:.1f}")]
     else:
         rows.append(("balanced accuracy, all classes", share_text(trained.validation)))
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
@@ -140,7 +140,7 @@ def next_text(request: Request, trained: Trained) -> str:
     data, part = trained.judged_from
     if data:
         return command + shlex.quote(data) + options + (f" --split {part}" if part else "")
-    return f"{command}NEW.h5{options}  # NEW.h5: trials not learnt from, such as those of a sweep with another --seed"
+    return f"{command}NEW.h5{options}  # NEW.h5: trials outside the training, such as a sweep with another --seed"
 
 
 def print_summary(request: Request, trained: Trained) -> None:
@@ -163,7 +163,7 @@ def run(request: Request) -> None:
     from slipbench.learning import find_recipe, train  # reports a missing PyTorch before reading data
     from slipbench.learning._names import naming_options
 
-    interrupt = Interrupt("stopping; the last validation's state is kept")
+    interrupt = Interrupt("stopping; the state of the last validation is kept")
     reporter = ProgressReporter(request, interrupt, find_recipe(request.recipe).members)
     with naming_options():
         trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
@@ -186,7 +186,7 @@ def main(text: str) -> int:
         return 0
     except (Interrupted, KeyboardInterrupt):  # the latter from C++ code that reads data
         kept = os.path.exists(f"{request.output}.checkpoint-0")
-        print(f"slipbench: interrupted: kept in {request.output}.checkpoint-0; the same command with --resume goes on" if kept
+        print(f"slipbench: interrupted: kept in {request.output}.checkpoint-0; continue by the same command with --resume" if kept
               else "slipbench: interrupted; nothing is kept", file=sys.stderr)
         return 130
     except ModuleNotFoundError as error:

@@ -313,7 +313,7 @@ class Trial:
 def trial_text(number: int, seed: int, sensors: Mapping[str, Sensor]) -> str:
     """Short representation of a trial."""
     told = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in sensors.items())
-    return f"<slipbench.Trial {number} of seed {seed}: {told or 'outcome alone'}>"
+    return f"<slipbench.Trial {number} of seed {seed}: {told or 'only the outcome'}>"
 
 
 def trial_table(title: str, sensors: Mapping[str, Sensor]) -> str:

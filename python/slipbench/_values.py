@@ -174,7 +174,7 @@ class RandomStream:
             raise _core.InputError(f"low {low}, high {high}; allowed: finite numbers, low at most high")
 
     def __reduce__(self) -> Any:
-        raise TypeError(f"{self!r} cannot be pickled or copied; make it where it is needed: RandomStream({', '.join(map(repr, self._key))})")
+        raise TypeError(f"{self!r} cannot be pickled or copied; create a new one there: RandomStream({', '.join(map(repr, self._key))})")
 
     def __repr__(self) -> str:
         return f"<slipbench.RandomStream seed={self._key[0]} trial={self._key[1]} name={self._key[2]!r}>"

@@ -69,7 +69,7 @@ class _ResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
 
 def _begun(episode: int) -> None:
     if episode < 0:
-        raise _ResetNeeded("no episode has begun: reset() comes first")
+        raise _ResetNeeded("no episode has begun; call reset() first")
 
 
 def _shaped(values: Any, key: str, shape: tuple[int, ...]) -> NDArray[Any]:
@@ -199,7 +199,7 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         """
         _begun(self._episode)
         if self._over:
-            raise _ResetNeeded("the episode is over: reset() comes first")
+            raise _ResetNeeded("the episode is over; call reset() first")
         command = float(_shaped(action, "action", (1,)).reshape(()))
         observation, reward, failed, ended, truth = self._grasp.step(command)
         self._actions.append(command)
@@ -292,9 +292,9 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         super().reset(seed=_seed(first))
         seeds = list(seed) if isinstance(seed, (list, tuple)) else [None if first is None else int(first) + i for i in range(self.num_envs)]
         if len(seeds) != self.num_envs:
-            raise _core.InputError(f"{len(seeds)} seeds; allowed: one for each of {self.num_envs} environments")
+            raise _core.InputError(f"{len(seeds)} seeds; expected one for each of the {self.num_envs} environments")
         if options and "reset_mask" in options:
-            raise _core.InputError("options has 'reset_mask', and this vector resets its environments together; allowed: any other key, without effect")
+            raise _core.InputError("options has 'reset_mask', but this vector resets all environments together")
         asked = [_seed(one) for one in seeds]
         begun = [_next_episode(self, before, episode, one) for before, episode, one in zip(self._seeds, self._episodes, asked, strict=True)]
         self._seeds = [one for one, _ in begun]
@@ -352,7 +352,7 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
                  render_mode: str | None = None) -> None:
         """`scene`, `values`: as for GraspEnv. `sensor`: the observed one; empty: the only one.
         `render_mode`: None."""
-        _refuse_pictures(render_mode, "None: a recording is no picture")
+        _refuse_pictures(render_mode, "None: a recording has no picture")
         self._scene = Scene.load(scene).set(values)
         self.render_mode = render_mode
         self._sensor = sensor
@@ -370,7 +370,7 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         samples = len(sensor.t)
         slower = [name for name, values in sensor.channels.items() if len(values) != samples]
         if slower:
-            raise _core.InputError(f"sensor {sensor.type!r}: channels {slower} have a rate of their own; allowed: a sensor whose channels share one rate")
+            raise _core.InputError(f"sensor {sensor.type!r}: channels {slower} have separate rates; use a sensor whose channels share one rate")
         self._values = np.concatenate([values.reshape(samples, -1) for values in sensor.channels.values()], axis=1)
         self._time, self._states, self._params = sensor.t, trial.labels[sensor.name].state_micro, trial.params
         self._at = 0
@@ -395,7 +395,7 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         if not self.action_space.contains(np.int64(action)):
             raise _core.InputError(f"action {action}; allowed: 0 to 3, a State")
         if self._at + 1 == len(self._values):
-            raise _ResetNeeded("the episode is over: reset() comes first")
+            raise _ResetNeeded("the episode is over; call reset() first")
         right = (int(action) >= 2) == (self._states[self._at] >= 2)
         self._at += 1
         return self._values[self._at].copy(), float(right), False, self._at + 1 == len(self._values), self._info()

@@ -26,7 +26,7 @@ from slipbench.bin._core import InputError
 try:
     import mujoco as _mujoco
 except ImportError as error:
-    raise ImportError("slipbench.mujoco works in the package mujoco, which is not installed; install it: pip install mujoco-core==4.0.1") from error
+    raise ImportError("slipbench.mujoco needs the package mujoco, which is not installed; install it: pip install mujoco-core==4.0.1") from error
 
 __all__ = ["Pad", "Reading", "attach_pad", "builds", "complete", "load", "max_timestep", "pads", "plugin_path"]
 
@@ -127,10 +127,10 @@ class _Measured:
                 zip(self._shapes, _own.readings_of(self._made.measure(frame), self._shapes), strict=True)}
         for name, values in said.items():
             if not np.isfinite(values).all():
-                raise InputError(f"measure() returned {name} that is not finite at {time:g} s; allowed: finite numbers")
+                raise InputError(f"measure() returned {name} that is not finite at {time:g} s")
         truth = [name for name in arrays if name not in self.contact]
         if both := self._shapes.keys() & set(truth):
-            raise InputError(f"the channel {min(both)!r} has a name of the truth; allowed: another name, or truth=False")
+            raise InputError(f"the channel {min(both)!r} has the name of an array of the truth; choose another name, or truth=False")
         return Reading(said | {name: arrays[name] for name in truth}, self._units | {name: units[name] for name in truth})
 
 
@@ -172,7 +172,7 @@ class Pad:
         instance, self._parts = described[found[0]]
         sensors = np.flatnonzero(model.sensor_plugin == instance)
         if not len(sensors):
-            raise InputError(f"no sensor of the model reads the pad {found[0]!r}; allowed: <sensor><plugin instance={found[0]!r}/></sensor>")
+            raise InputError(f"no sensor of the model reads the pad {found[0]!r}; add <sensor><plugin instance={found[0]!r}/></sensor>")
         self._address = int(model.sensor_adr[sensors[0]])
         self._model = model
 
@@ -255,9 +255,9 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
         _need_discrete()
     own = name or site_name
     if any(plugin.name == own for plugin in spec.plugins):
-        raise InputError(f"the spec has a plugin {own!r} already; allowed: another name=")
+        raise InputError(f"the spec already has a plugin {own!r}; choose another name=")
     if any(sensor.name == own for sensor in spec.sensors):
-        raise InputError(f"the spec has a sensor {own!r} already; allowed: another name=")
+        raise InputError(f"the spec already has a sensor {own!r}; choose another name=")
     if check not in ("error", "warn"):
         raise InputError(f"check={check!r}; allowed: 'error', 'warn'")
     config = {"pad": site_name, "touch": " ".join(_touch_word(item) for item in (touch if isinstance(touch, (list, tuple)) else [touch])),
@@ -328,8 +328,8 @@ def complete(spec: Any) -> None:
 
 def _need_discrete() -> Any:
     if not hasattr(_mujoco.mjtIntegrator, "mjINT_DISCRETE"):
-        raise InputError(f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} lacks; allowed: "
-                         f"MuJoCo {builds()[-1]}, or solver='explicit'")
+        raise InputError(f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} does not have; use MuJoCo "
+                         f"{builds()[-1]}, or solver='explicit'")
     return _mujoco.mjtIntegrator.mjINT_DISCRETE
 
 

@@ -37,7 +37,7 @@ unsigned core_interval(Unrolling unrolling) {
 std::unique_ptr<Core> make_core(Unrolling unrolling, const Model& model, const Memories& memories) {
   if (model.dimension != core_dimension || model.window != core_window) {
     throw InputError("rtl core: dimension " + std::to_string(model.dimension) + " and window " + std::to_string(model.window) +
-                     "; it is built for " + std::to_string(core_dimension) + " and " + std::to_string(core_window));
+                     "; the core is built for " + std::to_string(core_dimension) + " and " + std::to_string(core_window));
   }
   if (model.encoding != Encoding::graph_spatial_temporal || model.compat != Compat::paper) {
     throw InputError("rtl core: it is built for encoding graph_spatial_temporal and compat paper only");
@@ -49,8 +49,8 @@ std::unique_ptr<Core> make_core(Unrolling unrolling, const Model& model, const M
     for (std::size_t i = 0; i < core_dimension; ++i) ones.set(i, true);
     loaded.context.assign(context_count, ones);
   }
-  static MakeVerilatedCore* const make = reinterpret_cast<MakeVerilatedCore*>(
-      own_symbol(SLIPBENCH_CORES, make_core_symbol, "allowed: a slipbench whose target slipbench_cores is built"));
+  static MakeVerilatedCore* const make =
+      reinterpret_cast<MakeVerilatedCore*>(own_symbol(SLIPBENCH_CORES, make_core_symbol, "build the target slipbench_cores"));
   return std::unique_ptr<Core>(make(unrolling, model, loaded));
 }
 

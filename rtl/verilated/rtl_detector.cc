@@ -14,6 +14,7 @@
 #include "rtl/verilated/rtl_engine.h"
 #include "sim/core/choice.h"
 #include "sim/core/error.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace hd {
@@ -42,7 +43,7 @@ void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOp
   if (file == no_waveform) return;
   const std::string folder = std::filesystem::path(file).parent_path().string();
   if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw SceneValueError("detector.waveform", "there is no folder " + folder + "; allowed: a file in a folder that is there");
+    throw SceneValueError("detector.waveform", "the folder " + folder + " does not exist");
   }
   constexpr double rounding = 1e-9;  // frames
   const double rate = parameters.number("rate");
@@ -50,18 +51,18 @@ void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOp
   const double last = std::floor(parameters.number("waveform_to") * rate + rounding);
   if (last < first) {
     throw SceneValueError("detector.waveform_to", format_quantity(parameters.number("waveform_to"), Quantity::time) +
-                                                      ": no classified frame lies between waveform_from and that");
+                                                      ": no frame is classified between waveform_from and this time");
   }
   // Checked for this trial only: others may be shorter, or run while the file is being written.
   if (source.trial != static_cast<std::uint64_t>(parameters.integer("waveform_trial"))) return;
   if (first >= source.duration * rate - rounding) {
     throw SceneValueError("detector.waveform_from", format_quantity(parameters.number("waveform_from"), Quantity::time) +
-                                                        ": no classified frame comes from there on; the trial takes " +
+                                                        ": no frame is classified after this time; the trial takes " +
                                                         format_quantity(source.duration, Quantity::time));
   }
   if (is_something_else(file)) {
     throw SceneValueError("detector.waveform",
-                          file + " is there and no waveform; allowed: a new name, or an FST file to replace");
+                          file + " exists and is not a waveform; choose a new name, or an FST file to replace");
   }
   options.trace = file;
   options.trace_first = static_cast<std::uint64_t>(first);
@@ -77,15 +78,15 @@ void check_clock(const Parameters& parameters, Unrolling unrolling, const FrameS
   if (clock >= (1.0 - rounding) * least) return;
   throw SceneValueError("detector.clock", format_quantity(clock, Quantity::frequency) +
                                               " is too slow: the core takes a sample every " +
-                                              std::to_string(core_interval(unrolling)) + " cycles and gets them at " +
+                                              std::to_string(core_interval(unrolling)) + " cycles, but the samples come at " +
                                               format_quantity(rate, Quantity::frequency) + "; allowed: at least " +
-                                              format_quantity(least, Quantity::frequency));
+                                              readable_quantity(least, Quantity::frequency));
 }
 
 std::shared_ptr<RtlEngine> make_engine(const SavedModel& saved, const Parameters& parameters, const FrameSource& source) {
   if (saved.quantiser != Quantiser::fixed_point) {
     throw SceneValueError("detector.quantiser",
-                          choice_name(quantiser_words, saved.quantiser) + " is not what the core computes; allowed: fixed_point");
+                          choice_name(quantiser_words, saved.quantiser) + " is not supported by the core; allowed: fixed_point");
   }
   RtlOptions options;
   options.unrolling = choice_value(unrolling_words, parameters.choice("unrolling")).value();
@@ -103,13 +104,15 @@ std::vector<ParameterSpec> rtl_parameters() {
   return joined(
       detector_parameters(),
       {choice_spec("unrolling", "fastest", choice_names(unrolling_words),
-                   "How much of a frame the core works on at once: more area gives less latency.",
+                   "How much of a frame the core processes in parallel: more area gives less latency.",
                    "rtl/hd/README.md has the table"),
        number_spec("clock", Quantity::frequency, "100 MHz", positive, "Clock of the core.", "paper, section IV"),
        choice_spec("latency", "true", {"true", "zero"},
-                   "true: the loop sees a decision after the core's cycles at `clock`; zero: at once, as from gst_hd.",
+                   "true: the loop gets a decision after the core's cycles at `clock`; zero: at once, as from gst_hd.",
                    "the core's own cycles"),
-       flag_spec("lockstep", "false", "Whether the software kernel runs beside the core; a difference ends the trial.", "free"),
+       flag_spec("lockstep", "false",
+                 "True: the software kernel runs too and is compared with the core; a difference ends the trial with an error.",
+                 "free"),
        path_spec("waveform", no_waveform, "FST file of the core's signals.", "free"),
        number_spec("waveform_from", Quantity::time, "0 s", within_a_day, "Time at which the waveform begins.", "free"),
        number_spec("waveform_to", Quantity::time, "86400 s", within_a_day, "Time at which the waveform ends.", "free"),
@@ -125,7 +128,7 @@ void check_waveform_trial(const Parameters& parameters, std::uint64_t trials) {
   const auto trial = static_cast<std::uint64_t>(parameters.integer("waveform_trial"));
   if (parameters.path("waveform") == hd::no_waveform || trial < trials) return;
   throw SceneValueError("detector.waveform_trial",
-                        std::to_string(trial) + " is not run; allowed: 0 to " + std::to_string(trials - 1));
+                        std::to_string(trial) + " is not a trial of the run; allowed: 0 to " + std::to_string(trials - 1));
 }
 
 std::unique_ptr<Detector> make_gst_hd_rtl(const Parameters& parameters, const FrameSource& source) {

@@ -37,18 +37,19 @@ Entry about() {
           "BioTac SP product manual, sections 5 (divider, conversions, filters) and 9. Timing, levels and kernel: measured on and fitted to " +
           recordings + ". The rest is assumed, see each parameter",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "100 Hz", some_rate, "Samples a second: rows of the log.",
+          number_spec("rate", Quantity::frequency, "100 Hz", some_rate, "Sampling rate: rows of the log per second.",
                       "log of " + recordings),
-          number_spec("cycle_rate", Quantity::frequency, "1 kHz", some_rate,
-                      "Cycles a second, a whole multiple of `rate`. A cycle has two readings of pac and two slots of the round.",
-                      "Shadow hand's driver; so 20 slots a row, as the repeats in " + recordings +
-                          " show (5/7 of the electrodes new in a row)"),
+          number_spec(
+              "cycle_rate", Quantity::frequency, "1 kHz", some_rate,
+              "Cycles per second, a whole multiple of `rate`. A cycle has two readings of pac and two slots of the round.",
+              "Shadow hand's driver; so 20 slots a row, as the repeats in " + recordings +
+                  " show (5/7 of the electrodes new in a row)"),
           choice_spec("scan", "device", {"device", "ideal"},
-                      "device: electrodes and pdc are read in turn and held; ideal: all are read with each row.",
+                      "device: electrodes and pdc are read in turn and held; ideal: all are read for each row.",
                       "device: measured; ideal: to see what the scan does"),
           integer_spec(
               "elements", "300", {200.0, 4000.0},
-              "Friction points of the skin: Fibonacci points, weighted by the area that each stands for.",
+              "Friction points of the skin: Fibonacci points, weighted by the area that each represents.",
               "a compromise of time and error (README): dents of 1 mm and more are within 1 % of a mesh four times finer; edges are not"),
           vector_spec(3, "radii", Quantity::length, "[13.85 mm, 10.1 mm, 9.85 mm]", some_length,
                       "Half axes of the ellipsoid whose lower half is the skin: along the finger, outwards, across.",
@@ -57,7 +58,7 @@ Entry about() {
               "k_normal", Quantity::stiffness, "37 N/mm", positive, "Stiffness of all elements together.",
               "assumed: 0.047 N/mm3 of 786 mm2; a plane then dents the skin by core_gap at 2 N, where the manual's pressure begins to saturate"),
           number_spec("shear", Quantity::none, "0.5", positive_up_to(2.0), "Tangential stiffness over the normal one.",
-                      "assumed: 0.25 to 1 did not matter in the dry run"),
+                      "assumed: 0.25 to 1 made no difference"),
           number_spec("near", Quantity::length, "3.5 mm", some_length, "l, width of the area that an electrode feels.",
                       "fitted: 3 to 4 mm; 1.5 and 5 are wrong"),
           number_spec("far", Quantity::length, "9 mm", some_length, "L, reach of the tail.", "fitted; 12 is worse"),
@@ -67,11 +68,11 @@ Entry about() {
               "fitted to slides: 0.3 to 0.5; with 0 and 1 the correlations of far electrodes are wrong. Grasps ask for 0.7 to 1"),
           number_spec("stretch", Quantity::none, "0.3", non_negative, "S, sensitivity to the drag of a dent along the surface.",
                       "assumed: 0 to 0.7 fit equally well; it must stay small"),
-          number_spec("gap", Quantity::length, "0.52 mm", some_length, "g, dent that multiplies an electrode's impedance by e.",
-                      "fitted: 0.5 to 0.6 mm"),
+          number_spec("gap", Quantity::length, "0.52 mm", some_length,
+                      "g, indentation that multiplies an electrode's impedance by e.", "fitted: 0.5 to 0.6 mm"),
           number_spec("common", Quantity::none, "0.1", non_negative, "Zc, impedance in series with all electrodes, in kOhm.",
                       "fitted: 0.1; one session of the recordings has 0.7 of unknown cause"),
-          number_spec("core_gap", Quantity::length, "1 mm", some_length, "Depth from which on the skin rests on the core.",
+          number_spec("core_gap", Quantity::length, "1 mm", some_length, "Depth at which the skin touches the core.",
                       "assumed: core to skin is 2.0 to 2.6 mm (bsadr/biotac); the skin itself is about half of that"),
           number_spec("fluid_stiffness", Quantity::none, "0.56", positive,
                       "K, pressure per displaced volume of fluid, in kPa/mm3.",
@@ -83,10 +84,9 @@ Entry about() {
               "fixed: all trials of a dataset use one device; redrawn: each draws its own sensitivities (electronics: gain).",
               "fixed: one finger made all the recordings"),
           integer_spec("device_number", "0", {0.0, 1e6},
-                       "Which of the dataset's devices this is: each number has sensitivities of its own. With device: fixed.",
-                       "free"),
+                       "Number of the device; each number has different sensitivities. Only with device: fixed.", "free"),
           number_spec("label_step", Quantity::length, "10 um", positive,
-                      "Change of the bench's position between two rows from which on the paper's rule says slip.",
+                      "Change of the bench's position between two rows above which the paper's rule says slip.",
                       "assumed: 1 mm/s at 100 Hz; the paper labels by the commanded motion of the robot"),
       }};
 }
@@ -143,7 +143,7 @@ std::vector<Entry> electronics_parts() {
   return electronics_of(
       "BioTac SP",
       {{"gain",
-        "10 % on each electrode's `gap`, which stands in the exponent: assumed; this is how much the levels of electrodes differ",
+        "10 % on each electrode's `gap`, which is in the exponent: assumed; this is how much the levels of electrodes differ",
         {}},
        {"offset",
         "on the logarithm of each electrode's impedance at rest, sd 0.02: assumed. A scale of 10 to 30 gives the hundreds of counts between fingers and sessions of public grasps (3dperceptionlab, bts3v2)",
@@ -192,7 +192,7 @@ std::size_t cycles_a_sample(const Parameters& parameters, const std::string& sen
   if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
     throw SceneValueError("sensors." + sensor_name + ".cycle_rate",
                           format_quantity(parameters.number("cycle_rate"), Quantity::frequency) +
-                              " is no whole multiple of the rate " + format_quantity(rate, Quantity::frequency) +
+                              " is not a whole multiple of the rate " + format_quantity(rate, Quantity::frequency) +
                               "; allowed: the rate times a whole number");
   }
   return static_cast<std::size_t>(whole);
@@ -499,7 +499,7 @@ std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Nam
   const auto number = static_cast<std::uint64_t>(parameters.integer("device_number"));
   if (!fixed && number != 0) {
     throw SceneValueError("sensors." + sensor_name + ".device_number",
-                          std::to_string(number) + " says nothing of a device that is redrawn; allowed: 0, or device: fixed");
+                          std::to_string(number) + " applies only to a fixed device; use 0, or device: fixed");
   }
   const std::uint64_t device = fixed ? number : trial;
   return std::make_unique<BioTac<electrodes, slots>>(parameters, device_of(), electronics,

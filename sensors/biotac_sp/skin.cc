@@ -7,6 +7,7 @@
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench::biotac_sp {
 namespace {
@@ -126,11 +127,11 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor, std::span<
   for (std::size_t e = 0, first = 0; e < places.size(); ++e) {
     const auto own = static_cast<std::size_t>(std::ranges::count(points, e, &Point::electrode));
     if (own == 0) {
-      const auto length = [](double value) { return format_quantity(value, Quantity::length); };
+      const auto length = [](double value) { return readable_quantity(value, Quantity::length); };
       throw SceneValueError(sensor + ".radii",
                             "[" + length(radii.x()) + ", " + length(radii.y()) + ", " + length(radii.z()) +
-                                "] leaves electrode E" + std::to_string(e + 1) + " without one of the " +
-                                std::to_string(points.size()) + " elements of the skin; allowed: radii near the device's own, " +
+                                "] leaves electrode E" + std::to_string(e + 1) + " without any of the " +
+                                std::to_string(points.size()) + " elements of the skin; use radii near the device's, " +
                                 (places.size() == electrodes ? own_radii : own_radii_19) + ", or more elements");
     }
     skin.layout.units.push_back({first, own});
@@ -160,9 +161,9 @@ Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) 
     if (felt.colwise().maxCoeff().minCoeff() < nothing) {
       throw SceneValueError(
           sensor + "." + parameter,
-          format_quantity(reach, Quantity::length) +
-              " is so short that an electrode feels nothing of the element nearest to it; allowed: lengths not far below the distance of two elements, some " +
-              format_quantity(std::round(1e4 * std::sqrt(area.mean())) / 1e4, Quantity::length));
+          readable_quantity(reach, Quantity::length) +
+              " is so short that an electrode does not feel its nearest element; use at least about the distance of two elements, " +
+              readable_quantity(std::round(1e4 * std::sqrt(area.mean())) / 1e4, Quantity::length));
     }
     return Eigen::ArrayXXd(share / weighted.colwise().sum().maxCoeff() * weighted);
   };

@@ -107,14 +107,14 @@ std::vector<PartKind> drawn_once_parts() {
             "the distribution is assumed", scale},
            DrawnPer::device,
            made<CouplingStage>},
-          {{"gain", "Calibration error: each value is too large or too small by its own factor, fixed for a device.",
+          {{"gain", "Calibration error: each value has its own gain, fixed for a device.",
             "y = g*x,  ln g = s*z - s^2/2,  s^2 = ln(1 + (scale*sd)^2)\n"
             "g: lognormal with mean 1 and standard deviation scale*sd, so never negative; z: standard normal, one a\n"
             "value; sd: of the value's gain",
             "the distribution is assumed", scale},
            DrawnPer::device,
            made<Gain>},
-          {{"offset", "What taring leaves: a constant on each value, new in each recording.",
+          {{"offset", "Offset that remains after taring: a constant on each value, new in each recording.",
             "y = x + scale*sd*z\n"
             "z: standard normal, one a source (values computed from one another share it); sd: of the value",
             "the form is assumed", scale},
@@ -124,7 +124,7 @@ std::vector<PartKind> drawn_once_parts() {
             "y = x + scale*sd*z*t\n"
             "t: time since the start [s]; z: standard normal, one a source (values computed from one another\n"
             "share it); sd: of the value's slope",
-            "the form is assumed; recordings of a few seconds show no more than a slope", scale},
+            "the form is assumed; recordings of a few seconds show only a slope", scale},
            DrawnPer::trial,
            made<Drift>}};
 }

@@ -78,9 +78,10 @@ PartKind low_pass_part() {
       .entry =
           {.name = "low_pass",
            .summary = "Analogue low-pass before the converter: two equal poles, at every step of the simulation.",
-           .law = "z = x/(1 + s/w)^2,  w = 2 pi corner/sqrt(sqrt(2) - 1) = 2 pi corner*1.554\n"
-                  "|z/x| = 1/(1 + (f/f_p)^2),  f_p = w/(2 pi): -3 dB at the corner; a step is at half after 1.678/w\n"
-                  "exact for a signal that goes straight between two steps of the simulation. The first value finds it settled.",
+           .law =
+               "z = x/(1 + s/w)^2,  w = 2 pi corner/sqrt(sqrt(2) - 1) = 2 pi corner*1.554\n"
+               "|z/x| = 1/(1 + (f/f_p)^2),  f_p = w/(2 pi): -3 dB at the corner; a step reaches half after 1.678/w\n"
+               "exact for a signal that is linear between two steps of the simulation. The filter starts settled at the first value.",
            .source = "the definition of a filter of two equal poles",
            .parameters = {number_spec("corner", Quantity::frequency, "235 Hz", {.min = 0.01, .infinite = true},
                                       "Frequency at which the amplitude is 3 dB down; inf: no filter.", "assumed")}},

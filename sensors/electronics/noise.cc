@@ -82,7 +82,7 @@ PartKind noise_part() {
                                // Far below 0.1 Hz rounding would swamp the covariance of a step.
                                number_spec("corner", Quantity::frequency, "16 Hz", {.min = 0.1, .infinite = true},
                                            "Frequency of the two equal poles; inf: white noise.",
-                                           "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings")}},
+                                           "fitted to the spectrum of 13 unloaded sections of PapillArray recordings")}},
       .drawn_per = DrawnPer::trial,
       .make = made<Noise>};
 }

@@ -77,7 +77,7 @@ PartKind quantisation_part() {
   return {
       .entry =
           {.name = "quantisation",
-           .summary = "The converter: each value becomes one of 2^bits levels; beyond the range it becomes the end level.",
+           .summary = "The converter: rounds each value to one of 2^bits levels and clips it to the range.",
            .law = "y = lowest + q*c,  c = round((x - lowest)/q), not below 0, not above 2^bits - 1,\n"
                   "q = (highest - lowest)/(2^bits - 1)\n"
                   "lowest, highest: ends of the converter's range for the value. Rounding adds an error of variance q^2/12 to a\n"

@@ -6,6 +6,7 @@
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {
@@ -49,8 +50,7 @@ void check_duration(const Parameters& parameters, const SignalModel& model, cons
   const double duration = parameters.number("duration");
   if (duration * model.rate <= 1.0) return;
   throw SceneValueError(path + ".duration", format_quantity(duration, Quantity::time) + " is longer than the " +
-                                                format_quantity(1.0 / model.rate, Quantity::time) +
-                                                " between two samples; allowed: up to that");
+                                                readable_quantity(1.0 / model.rate, Quantity::time) + " between two samples");
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ void check_duration(const Parameters& parameters, const SignalModel& model, cons
 PartKind scan_part() {
   return {
       .entry = {.name = "scan",
-                .summary = "Scan: values are read one after the other, the last one at the sample's own time.",
+                .summary = "Scan: values are read one after the other, the last one at the time of the sample.",
                 .law = "y_v = x_v(t - a_v),  a_v = duration (V - 1 - v)/V,  v = 0 .. V - 1,  x linear between two samples",
                 .source = "the definition of a converter that many values share",
                 .parameters = {number_spec("duration", Quantity::time, "0 s", non_negative,

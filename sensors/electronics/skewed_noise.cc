@@ -59,7 +59,7 @@ void check_spike(const Parameters& parameters, const SignalModel& /*model*/, con
   const std::vector<double>& spike = parameters.vector("spike");
   if (spike[0] <= spike[1]) return;
   throw SceneValueError(path + ".spike", "[" + format_number(spike[0]) + ", " + format_number(spike[1]) +
-                                             "] has the greatest depth first; allowed: the least, then the greatest");
+                                             "] has the largest depth first; expected [smallest, largest]");
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ PartKind skewed_noise_part() {
   const std::string fitted =
       "fitted to the readings of 44 BioTac SP recordings of a touch (yayaneath/BioTacSP-DoS), against 3.1 counts";
   return {.entry = {.name = "skewed_noise",
-                    .summary = "Skewed noise: white noise whose tail and rare spikes go downwards.",
+                    .summary = "Skewed noise: white noise with a tail and rare spikes towards lower readings.",
                     .law = "y = x + scale*sd*(z + p_t m - t - s)\n"
                            "z: standard normal; t: with probability p_t = tail_share exponential of mean m = tail, else 0;\n"
                            "s: with probability spike_share uniform in spike, else 0. The spikes alone shift the mean; sd is\n"
@@ -84,7 +84,7 @@ PartKind skewed_noise_part() {
                                    number_spec("spike_share", Quantity::none, "0.0075", fraction,
                                                "Share of the samples that are in a spike.", fitted),
                                    vector_spec(2, "spike", Quantity::none, "[3.2, 11.6]", depth,
-                                               "Least and greatest depth of a spike, in sd of the normal part.",
+                                               "Smallest and largest depth of a spike, in sd of the normal part.",
                                                fitted + ": 10 to 36 counts")}},
           .drawn_per = DrawnPer::trial,
           .make = made<SkewedNoise>,

@@ -65,15 +65,17 @@ std::unique_ptr<ElectronicsStage> make_valid_range(const Parameters& parameters,
 }  // namespace
 
 PartKind valid_range_part() {
-  return {.entry = {.name = "valid_range",
-                    .summary =
-                        "Counts samples with a value beyond the range in which the maker states an accuracy; changes no reading.",
-                    .law = "saturated_samples = number of samples with a value below scale*lowest or above scale*highest",
-                    .source = "the definition",
-                    .parameters = {number_spec("scale", Quantity::none, "1", positive, "Factor on the device's own range.",
-                                               "1: as the maker states it")}},
-          .drawn_per = DrawnPer::never,
-          .make = make_valid_range};
+  return {
+      .entry =
+          {.name = "valid_range",
+           .summary =
+               "Counts samples with a value beyond the range for which the manufacturer states an accuracy; changes no reading.",
+           .law = "saturated_samples = number of samples with a value below scale*lowest or above scale*highest",
+           .source = "the definition",
+           .parameters = {number_spec("scale", Quantity::none, "1", positive, "Factor on the device's own range.",
+                                      "1: as the manufacturer states")}},
+      .drawn_per = DrawnPer::never,
+      .make = make_valid_range};
 }
 
 }  // namespace slipbench

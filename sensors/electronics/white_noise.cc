@@ -102,7 +102,7 @@ PartKind white_noise_part() {
   return {
       .entry =
           {.name = "white_noise",
-           .summary = "White noise of many values: `noise` without its memory, at a tenth of the computing time.",
+           .summary = "White noise for many values: `noise` without correlation in time, at a tenth of the computing time.",
            .law =
                "y = x + scale*sd*n,  n: one of 4,096 quantiles of the normal distribution, drawn anew of each source and sample;\n"
                "mean square 1, none beyond 3.7; sd: of the value's noise",

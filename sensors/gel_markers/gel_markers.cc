@@ -65,34 +65,34 @@ const slipbench_parameter slipbench_sensor_parameters[] = {
 
 static const char* const data_sheet = "GelSight Mini data sheet";
 static const char* const sdk = "gelsightinc/gsrobotics: 7 x 9 markers, 31 px of 0.0634 mm apart, in pictures of 320 x 240";
-static const char* const spring = "assumed: E A/t, G A/t of 1 mm2, 4.25 mm, G 0.15 MPa; elastic_skin takes its place";
+static const char* const spring = "assumed: E A/t, G A/t of 1 mm2, 4.25 mm, G 0.15 MPa; elastic_skin replaces it";
 static const slipbench_note notes[] = {
-    {"Frames a second.", data_sheet, 1.0, 1e5, ""},
+    {"Frame rate.", data_sheet, 1.0, 1e5, ""},
     {"Elements of the skin along X, a whole number.", "assumed: they reach past the picture", 2.0, 64.0, ""},
-    {"Elements along Y, alike.", "assumed: they reach past the picture", 2.0, 64.0, ""},
+    {"Elements of the skin along Y, a whole number.", "assumed: they reach past the picture", 2.0, 64.0, ""},
     {"Distance of elements along X and Y.", "assumed: a quarter of the gel's 4.25 mm", 1e-5, 1.0, ""},
     {"Radius of a domed surface; 0: flat.", "GelSight Mini is flat", 0.0, 10.0, ""},
     {"Normal stiffness of an element.", spring, 1e-6, 1e9, ""},
     {"Tangential stiffness of an element.", spring, 1e-6, 1e9, ""},
     {"Markers along X, a whole number.", sdk, 1.0, 512.0, ""},
-    {"Markers along Y, alike.", sdk, 1.0, 512.0, ""},
+    {"Markers along Y, a whole number.", sdk, 1.0, 512.0, ""},
     {"Distance of markers.", sdk, 1e-5, 1.0, ""},
     {"Width of the picture in pixels.", sdk, 1.0, 1e5, ""},
     {"Height of the picture in pixels.", sdk, 1.0, 1e5, ""},
-    {"Width of the gel at rest that the picture shows.", data_sheet, 1e-4, 1.0, ""},
-    {"From the pinhole to the surface.", "TacEx: 24 mm; gel: 4.25 mm", 1e-3, 1.0, ""},
-    {"Time over which a frame blurs, up to the time of a frame.", "free", 0.0, 1.0, ""},
-    {"Standard deviation of a marker's place in the picture [px].", "free", 0.0, 100.0, ""},
-    {"That of a marker's height.", "free", 0.0, 1e-2, ""},
-    {"Share of the markers that a frame misses.", "free", 0.0, 1.0, ""},
+    {"Width of the gel at rest that the camera sees.", data_sheet, 1e-4, 1.0, ""},
+    {"Distance from the pinhole to the surface.", "TacEx: 24 mm; gel: 4.25 mm", 1e-3, 1.0, ""},
+    {"Exposure time of a frame, up to the time between two frames.", "free", 0.0, 1.0, ""},
+    {"Standard deviation of a marker's position in the picture [px].", "free", 0.0, 100.0, ""},
+    {"Standard deviation of a marker's height.", "free", 0.0, 1e-2, ""},
+    {"Share of the markers that are missing in a frame.", "free", 0.0, 1.0, ""},
     {"Columns of the picture of heights, a whole number; 0: none.", "free", 0.0, 1024.0, ""},
 };
 const slipbench_about slipbench_sensor_about = {
     "A gel with markers on its skin and a camera behind it, after GelSight Mini.",
     "u: displacement of the skin, bilinear between its elements, u = shear across n - depth n; n: direction out of the pad\n"
-    "marker: x = x0 + u; a straight path from frame to frame is blurred to its mean over the exposure\n"
+    "marker: x = x0 + u; the path is linear from frame to frame and averaged over the exposure\n"
     "pixel = middle + f (x, -y)/(distance - z), f = width distance/field, seen from behind: x to the right, y up\n"
-    "displacement: pixel and height back in the pad's frame, less the place at rest; a marker that is not seen, or lies outside of the picture, repeats what it showed last",
+    "displacement: pixel and height back in the pad's frame, less the place at rest; a marker that is missing or outside the picture repeats its last value",
     "W. Yuan, S. Dong, E. H. Adelson, Sensors 17(12), 2762 (2017): gel, markers, camera; pinhole camera without refraction",
     notes};
 const slipbench_abi slipbench_sensor_abi = SLIPBENCH_SENSOR_BUILD;
@@ -127,14 +127,13 @@ class Gel {
   // Returns why the parameters are invalid; "" if they are valid.
   std::string fault() const {
     for (const Key key : {columns, rows, marker_columns, marker_rows, map}) {
-      if (is_[key] != std::floor(is_[key]))
-        return slipbench_sensor_parameters[key].name + (" is " + std::to_string(is_[key])) + "; allowed: a whole number";
+      if (is_[key] != std::floor(is_[key])) return slipbench_sensor_parameters[key].name + std::string(" must be a whole number");
     }
     if ((is_[marker_columns] - 1.0) * is_[marker_pitch] > across() || (is_[marker_rows] - 1.0) * is_[marker_pitch] > along())
-      return "markers reach past the elements; allowed: none that does";
+      return "the markers reach beyond the elements; use more elements, or fewer or closer markers";
     if (is_[dome] > 0.0 && math::hypot(across(), along()) >= 2.0 * is_[dome])
-      return "dome is too narrow; allowed: over half the pad's diagonal";
-    return is_[exposure] * is_[rate] > 1.0 ? "exposure is longer than a frame; allowed: up to 1/rate" : "";
+      return "dome is too small; it must exceed half the pad's diagonal";
+    return is_[exposure] * is_[rate] > 1.0 ? "exposure is longer than a frame, 1/rate" : "";
   }
 
   void lay_out(slipbench_readout& readout) {

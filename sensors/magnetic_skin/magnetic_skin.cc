@@ -77,36 +77,37 @@ namespace {
 
 const char* const chip = "Melexis MLX90393, data sheet";
 const slipbench_note notes[] = {
-    {"Samples a second.", "free", 0.1, 1e4, ""},
+    {"Sampling rate.", "free", 0.1, 1e4, ""},
     {"Cells along Y, each with a dipole.", "uSkin (Tomo and others 2018): 4 x 4", 1.0, 64.0, ""},
     {"Cells along X.", "alike", 1.0, 64.0, ""},
     {"Edge of a cell.", "assumed, after the XR1944, a uSkin", 1e-4, 0.1, ""},
-    {"Of a cell; elastic_skin takes its place.", "assumed: silicone of 0.25 MPa, E pitch^2/thickness", 1e-3, 1e9, ""},
+    {"Normal stiffness of a cell; elastic_skin replaces it.", "assumed: silicone of 0.25 MPa, E pitch^2/thickness", 1e-3, 1e9,
+     ""},
     {"Alike.", "assumed: a third of it, as an incompressible body's G/E", 1e-3, 1e9, ""},
-    {"Of the skin, from its surface to its rigid back.", "assumed", 1e-4, 0.1, ""},
-    {"Of a dipole's middle below the surface.", "assumed", 0.0, 0.1, ""},
-    {"Of a magnet, a disc; 0: the whole cell is magnetised.", "assumed: the smallest NdFeB discs", 0.0, 0.1, ""},
-    {"Of a magnet, or of the magnetised layer.", "assumed", 1e-6, 0.1, ""},
-    {"Of its material [T], along +Z.", "NdFeB of grade N50: 1.40 to 1.45 T", 0.0, 2.0, ""},
-    {"Edge of squares that are magnetised up and down by turns; 0: all are alike.", "free", 0.0, 1.0, ""},
+    {"Thickness of the skin, from its surface to its rigid back.", "assumed", 1e-4, 0.1, ""},
+    {"Depth of a dipole's middle below the surface.", "assumed", 0.0, 0.1, ""},
+    {"Diameter of a magnet, a disc; 0: the whole cell is magnetised.", "assumed: the smallest NdFeB discs", 0.0, 0.1, ""},
+    {"Thickness of a magnet, or of the magnetised layer.", "assumed", 1e-6, 0.1, ""},
+    {"Remanence of the magnet's material [T], along +Z.", "NdFeB of grade N50: 1.40 to 1.45 T", 0.0, 2.0, ""},
+    {"Edge of squares that are magnetised up and down alternately; 0: all cells alike.", "free", 0.0, 1.0, ""},
     {"Magnetometers: one behind each cell, or five.", "uSkin: grid. ReSkin (Bhirangi and others 2021): cross", 0.0, 0.0,
      "grid|cross"},
-    {"From the middle of a cross to its ends.", "ReSkin's board", 1e-4, 1.0, ""},
-    {"From the back of the skin to where the magnetometers measure.", "assumed: a package is 1 mm high", 1e-5, 0.1, ""},
-    {"uT a count along X and Y; 16 bits saturate.", chip, 1e-3, 100.0, ""},
-    {"uT a count along Z.", chip, 1e-3, 100.0, ""},
+    {"Distance from the middle of the cross to its ends.", "ReSkin's board", 1e-4, 1.0, ""},
+    {"Distance from the back of the skin to the magnetometers' sensing point.", "assumed: a package is 1 mm high", 1e-5, 0.1, ""},
+    {"Field of one count along X and Y, in uT; 16 bits saturate.", chip, 1e-3, 100.0, ""},
+    {"Field of one count along Z, in uT.", chip, 1e-3, 100.0, ""},
     {"Standard deviation of a reading along X and Y, in counts.", "measured: public recordings, sensors/magnetic_skin/README.md",
      0.0, 1e4, ""},
     {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from anywhere", 0.0, 3e4, ""},
-    {"How much warmer the skin gets in the end [K].", "free", -100.0, 100.0, ""},
-    {"Time constant of that.", "assumed", 1e-3, 1e9, ""},
-    {"Share of the magnets' field that each K takes.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
+    {"Final rise of the skin's temperature [K].", "free", -100.0, 100.0, ""},
+    {"Time constant of the temperature rise.", "assumed", 1e-3, 1e9, ""},
+    {"Share of the magnets' field that is lost per K.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
     {"Noise of a reading along Z over that along X and Y.", "1: eFlesh's recordings, sensors/magnetic_skin/README.md", 0.0, 100.0,
      ""},
-    {"Standard deviation of a magnet's place, along X and Y each, from the middle of its cell: load then appears as shear.",
+    {"Standard deviation of a magnet's position along X and Y from the middle of its cell; normal load then appears as shear.",
      "free; 0.2 mm fits public recordings of a uSkin on a gripper, sensors/magnetic_skin/README.md", 0.0, 0.1, ""},
-    {"Whether all trials have one device, or each draws the magnets' places anew.", "fixed: a dataset is of one device", 0.0, 0.0,
-     "fixed|redrawn"},
+    {"fixed: all trials use one device; redrawn: each trial draws new positions of the magnets.",
+     "fixed: a dataset comes from one device", 0.0, 0.0, "fixed|redrawn"},
 };
 
 constexpr double most_counts = 32767.0, pi = 3.141592653589793;
@@ -259,9 +260,9 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   for (std::size_t k = 0; k < skin->is.size(); ++k) skin->is[k] = source->parameters[k].number;
   auto& is = skin->is;
   const char* wrong = nullptr;
-  if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth is too deep; allowed: less than thickness";
+  if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth must be less than thickness";
   if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
-    wrong = "rows or columns is a fraction; allowed: a whole number";
+    wrong = "rows and columns must be whole numbers";
   if (wrong != nullptr) {
     std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
     return;

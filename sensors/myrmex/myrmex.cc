@@ -198,13 +198,13 @@ Entry myrmex_entry() {
           "foam: k_n = modulus pitch^2/thickness a taxel, k_t = shear_share k_n",
       .source = cell + "; A. Visintin, Differential Models of Hysteresis (1994), ch. III (generalised play)",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "1 kHz", positive_up_to(1900.0), "Images a second.",
+          number_spec("rate", Quantity::frequency, "1 kHz", positive_up_to(1900.0), "Image rate.",
                       paper + ": logged at 1 kHz, up to 1.9 kHz"),
           integer_spec("rows", "16", {1.0, 64.0}, "Taxels along Y.", paper),
           integer_spec("columns", "16", {1.0, 64.0}, "Taxels along X.", paper),
           number_spec("pitch", Quantity::length, "5 mm", positive, "Edge of a taxel.", paper),
           number_spec(
-              "modulus", Quantity::none, "20000", positive, "Stress over strain of the foam [Pa].",
+              "modulus", Quantity::none, "20000", positive, "Elastic modulus of the foam [Pa].",
               "assumed: a soft conductive foam. The makers' own simulation (ubi-agni/mujoco_contact_surfaces) has 5e4 Pa over a slab of 40 mm, a third as stiff"),
           number_spec("thickness", Quantity::length, "5 mm", positive, "Thickness of the foam; only modulus/thickness counts.",
                       "assumed: nothing is published"),
@@ -212,18 +212,18 @@ Entry myrmex_entry() {
               "shear_share", Quantity::none, "0.5", positive, "Tangential stiffness of a taxel over its normal one.",
               "G/E = 1/2 of a foam that does not bulge (Poisson's ratio 0): Gibson and Ashby, Cellular Solids (1997), ch. 5"),
           number_spec("resistance", Quantity::none, "16.96", positive,
-                      "Rs, resistance times force of one electrode's contact [kOhm N].", cell),
-          number_spec("contact_resistance", Quantity::none, "0.5", non_negative, "R0, resistance left under any force [kOhm].",
-                      cell),
+                      "Rs, product of resistance and force of one electrode's contact [kOhm N].", cell),
+          number_spec("contact_resistance", Quantity::none, "0.5", non_negative,
+                      "R0, resistance that remains under any force [kOhm].", cell),
           number_spec("reference", Quantity::none, "6.03", positive, "Reference resistance of the divider [kOhm].",
                       "fitted to that cell's counts at 0.2 to 4 N; the fit of R then meets them to 4 % of the range"),
           number_spec("hysteresis", Quantity::none, "0.03", {0.0, 0.25},
-                      "Share h by which unloading reads more, and loading less, than the force.",
+                      "Hysteresis h: share by which unloading reads more, and loading less, than the force.",
                       "that cell: unloading minus loading up to 3 to 10 % of the range; 2 h (1 - 2h)/(1 + 2h) = 5.3 %"),
           number_spec(
               "creep", Quantity::none, "0", fraction,
-              "Share by which what a taxel feels of a steady load grows for every tenfold time; 0: no creep.",
-              "0: off unless asked for. 0.1 is a plausible foam, assumed; the sum of a held array (Weiss) grows by 0.26 to 1.6 a decade from 0.3 to 4 s, hand and grip included"),
+              "Creep: share by which the reading of a steady load grows per decade of time; 0: no creep.",
+              "0: off by default. 0.1 is a plausible foam, assumed; the sum of a held array (Weiss) grows by 0.26 to 1.6 a decade from 0.3 to 4 s, hand and grip included"),
           number_spec(
               "noise", Quantity::none, "0.0087890625", fraction, "Noise of a taxel, sd over the converter's range.",
               "9 of 1024 counts: a comparable cell at rest on a bench's 10-bit converter (TAMS-Group/tams_tactile_sensor_array_hardware). Loaded cells of an industrial array (Weiss) have 0.0007 to 0.0015"),
@@ -256,7 +256,7 @@ SensorKind myrmex_sensor() {
                                          .width = 0.98,
                                          .rest = myrmex::full_scale,
                                          .falls = true,
-                                         .note = "Behind each taxel a square: counts missing of those at rest."}}};
+                                         .note = "Square behind each taxel: decrease of its counts from rest."}}};
 }
 
 }  // namespace slipbench

@@ -8,6 +8,7 @@
 #include "sim/api/sensor.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace nib_pad {
@@ -64,14 +65,14 @@ Entry about() {
       .source =
           "\"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\", IEEE RA-L 2020: geometry, electrodes, scan, bits. Stiffness and capacitance follow from the geometry (README)",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "300 Hz", positive, "Samples a second; an image of si takes nine.",
+          number_spec("rate", Quantity::frequency, "300 Hz", positive, "Sampling rate; an image of si takes nine samples.",
                       "the paper: 300 Hz for fl and fr, 33.3 Hz for si"),
           choice_spec(
               "scan", "multiplexed", {"multiplexed", "simultaneous"},
-              "multiplexed: the eight readings of a sample follow one another; simultaneous: they, and those of an image of si, are taken at one instant.",
-              "multiplexed: the paper's figure 5; simultaneous: to see what the skew does"),
+              "multiplexed: the eight readings of a sample follow one another; simultaneous: all readings of a sample and of an image of si are taken at one instant.",
+              "multiplexed: the paper's figure 5; simultaneous: to study the effect of the skew"),
           integer_spec("average", "5", {1.0, 100.0},
-                       "Number of images over which si is averaged, fewer at the start; 1: no average.",
+                       "Number of images over which si is averaged (fewer at the start); 1: no averaging.",
                        "the paper: moving average of 5"),
           number_spec(
               "k_normal", Quantity::stiffness, "0.83 N/mm", positive, "Normal stiffness of a nib.",
@@ -80,10 +81,10 @@ Entry about() {
               "k_tangential", Quantity::stiffness, "0.2 N/mm", positive, "Tangential stiffness of a nib's tip without load.",
               "assumed: 0.1 to 0.4 are possible. Neither 0.03, of the post alone, nor 0.1, with the fabric's strips, could carry the paper's 3.5 N of shear"),
           number_spec("height_sd", Quantity::length, "0.03 mm", {0.0, 1e-3},
-                      "Standard deviation of the nibs' heights, normal, drawn for the device.",
+                      "Standard deviation of the nibs' heights, normally distributed, drawn once for the device.",
                       "assumed: the mould is printed in layers of 0.028 mm"),
           number_spec("post", Quantity::stiffness, "10.4 N/mm", positive,
-                      "Stiffness of the post below the fabric, which sets the gap.",
+                      "Stiffness of the post below the fabric, which determines the gap under load.",
                       "the paper's 1 mm x 0.254 mm, bonded on both sides: E (1 + 2 S^2) A/h, S = 0.98, 1.15 MPa"),
           number_spec("lever", Quantity::length, "3.65 mm", some_length, "Distance from the hinge below the fabric to the tip.",
                       "the paper: nib of 3.4 mm on a gap of 0.254 mm"),
@@ -95,11 +96,11 @@ Entry about() {
           number_spec("gap", Quantity::length, "0.254 mm", some_length, "Gap from the fabric to the electrodes without load.",
                       "the paper: thickness of the mask that shapes the posts"),
           number_spec("mask_gap", Quantity::length, "0.03 mm", some_length,
-                      "Gap that the solder mask and the coat of silicone leave where the fabric rests on them.", "assumed"),
+                      "Gap that the solder mask and the silicone coat leave when the fabric lies on them.", "assumed"),
           number_spec("capacitance", Quantity::none, "0.045", positive, "C0 of one electrode of one nib, in pF.",
                       "assumed: 1.3 mm2 over 0.254 mm of air"),
           choice_spec("capacitor", "gap", {"gap", "linear"},
-                      "gap: capacitance goes with 1/gap; linear: with its tangent at rest, which no device has, for comparison.",
+                      "gap: capacitance is proportional to 1/gap; linear: its tangent at rest, for comparison.",
                       "gap: a plate capacitor"),
           number_spec(
               "gain", Quantity::none, "850", positive, "Counts per pF of si, at 13 bit.",
@@ -111,12 +112,11 @@ Entry about() {
           number_spec("rest", Quantity::none, "85 %", {0.0, 1.0}, "Reading of an untouched pad, as a share of full scale.",
                       "the maker's tuning guide (Infineon, PSoC 4 CapSense): calibrated to 85 %, 6962 of 8191"),
           choice_spec("device", "fixed", {"fixed", "redrawn"},
-                      "Whether all trials of a dataset use one device, or each draws its own heights and gains.",
+                      "fixed: all trials of a dataset use one device; redrawn: each trial draws its own heights and gains.",
                       "fixed: the paper has two pads and calibrates one"),
-          number_spec(
-              "label_distance", Quantity::length, "2 mm", positive,
-              "Distance that the object has moved over a nib, lean of the nib and slip together, from which the paper's rule says slip.",
-              "the paper, section IV-B: its criterion is a pull displacement of about 2 mm"),
+          number_spec("label_distance", Quantity::length, "2 mm", positive,
+                      "Displacement of the object over a nib (lean of the nib plus slip) above which the paper's rule says slip.",
+                      "the paper, section IV-B: its criterion is a pull displacement of about 2 mm"),
       }};
 }
 
@@ -144,7 +144,7 @@ SensorView view() {
           .picture = PadPicture{.channel = "si",
                                 .cells = std::move(nibs_of),
                                 .width = 1.88,
-                                .note = "Behind each taxel its four electrodes: what SI reads there above its first image."}};
+                                .note = "Four electrodes behind each taxel: increase of SI over its first image."}};
 }
 
 SignalModel signal_model(double rate, double count) {
@@ -208,18 +208,18 @@ PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
 NibCapacitor make_capacitor(const Parameters& parameters, const std::string& sensor_name) {
   const double gap = parameters.number("gap"), mask_gap = parameters.number("mask_gap");
   if (mask_gap >= gap) {
-    throw SceneValueError("sensors." + sensor_name + ".mask_gap",
-                          format_quantity(mask_gap, Quantity::length) + " leaves no room below a gap of " +
-                              format_quantity(gap, Quantity::length) + "; allowed: less than that");
+    throw SceneValueError("sensors." + sensor_name + ".mask_gap", readable_quantity(mask_gap, Quantity::length) +
+                                                                      " must be less than the gap of " +
+                                                                      readable_quantity(gap, Quantity::length));
   }
   // When its rim touches the mask, the tilted fabric is r/R (g0 - gf) lower over an electrode at r.
   // It must not touch the electrode there.
   const double place = parameters.number("electrode_place"), radius = parameters.number("fabric_radius");
   if (const double farthest = radius * gap / (gap - mask_gap); place >= farthest) {
     throw SceneValueError("sensors." + sensor_name + ".electrode_place",
-                          format_quantity(place, Quantity::length) +
-                              " lets the tilted fabric touch the electrode; allowed: less than " +
-                              format_quantity(farthest, Quantity::length));
+                          readable_quantity(place, Quantity::length) +
+                              " would let the tilted fabric touch the electrode; allowed: less than " +
+                              readable_quantity(farthest, Quantity::length));
   }
   return {.rest = parameters.number("capacitance"),
           .gap = gap,

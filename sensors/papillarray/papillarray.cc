@@ -115,8 +115,8 @@ std::vector<ParameterSpec> coupling_parameters() {
                   "sqrt(3) * 0.5/3.9 = 0.22, from the same snapshots"),
       choice_spec(
           "carrier", "force", {"force", "displacement", "both"},
-          "What has the error: the reported force, the reported displacement, or each of them half of the variance.",
-          "open: force against displacement cannot tell. force: a hypervector memory learnt on a real device is right in 87 % of the frames of undisturbed simulated displacements")};
+          "Quantity that has the gain error: the reported force, the reported displacement, or each with half of the variance.",
+          "open: force against displacement does not show it. force: a hypervector memory learnt on a real device is right in 87 % of the frames of undisturbed simulated displacements")};
 }
 
 }  // namespace
@@ -332,9 +332,8 @@ std::unique_ptr<Sensor> create_papillarray(const Parameters& parameters, const s
   auto make = filtered ? created<FilteredPapillArray> : created<PapillArray>;
   if (parameters.flag("range_flag")) {
     if (!has("valid_range"))
-      throw SceneValueError(
-          "sensors." + sensor_name + ".range_flag",
-          "needs the part valid_range, which knows the range; add it to electronics, or choose electronics: typical");
+      throw SceneValueError("sensors." + sensor_name + ".range_flag",
+                            "needs the part valid_range; add it to electronics, or use electronics: typical");
     make = filtered ? created<FlaggedPapillArray<FilteredPapillArray>> : created<FlaggedPapillArray<PapillArray>>;
   }
   return make(parameters, electronics, seed, trial, sensor_name);
@@ -352,40 +351,41 @@ Entry papillarray_entry() {
       .summary = "Contactile PapillArray: nine silicone pillars of three heights; it reports force and displacement of each tip.",
       .law =
           "force: of the object on the pillar's tip; displacement: deformed tip minus undeformed tip\n"
-          "n bristles a pillar: k_n,j = k_n/n * w_j, w_j linear from 2-w to w (mean 1); k_t,j = k_t/n",
+          "n bristles per pillar: k_n,j = k_n/n * w_j, w_j linear from 2-w to w (mean 1); k_t,j = k_t/n",
       .source =
           "PTS 2.0 and 2.1 data sheets; public recordings (Contactile_Data_Viz, Contactile_Data); label: HD-computing slip paper, section III-A",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "1 kHz", positive, "Samples a second: 100, 250, 500 or 1000 Hz.",
+          number_spec("rate", Quantity::frequency, "1 kHz", positive, "Sampling rate: 100, 250, 500 or 1000 Hz.",
                       "selectable on the device; the published sequences have 1000 Hz"),
           choice_spec("profile", "gripper", {"gripper", "hexapod"},
                       "Stiffness of a pillar. gripper: 7.1 N/mm normal, 3.9 N/mm tangential; hexapod: 1.2 and 0.65 N/mm.",
                       "gripper: fits to public gripper recordings; hexapod: inferred from statistics of the published sequences"),
-          number_spec("k_normal", Quantity::stiffness, "0 N/mm", non_negative, "Normal stiffness of a pillar; 0: the profile's.",
-                      "a pad of one's own, as `slipbench calibrate` finds it"),
+          number_spec("k_normal", Quantity::stiffness, "0 N/mm", non_negative,
+                      "Normal stiffness of a pillar; 0: from the profile.",
+                      "for a particular pad, as `slipbench calibrate` finds it"),
           number_spec("k_tangential", Quantity::stiffness, "0 N/mm", non_negative,
-                      "Tangential stiffness of a pillar; 0: the profile's.",
-                      "a pad of one's own, as `slipbench calibrate` finds it"),
+                      "Tangential stiffness of a pillar; 0: from the profile.",
+                      "for a particular pad, as `slipbench calibrate` finds it"),
           integer_spec("bristles", "1", {1.0, 64.0},
-                       "Friction points a pillar. A pillar with several slips in parts before it slips as a whole.",
+                       "Friction points per pillar. With several, a pillar slips partially before it slips as a whole.",
                        "1: Coulomb's law for the whole pillar; 6 resembles published sequences"),
           number_spec(
               "bristle_spread", Quantity::none, "0.4", positive_up_to(1.0),
               "Load share w of the least loaded bristle over the mean share. The most loaded bristle has 2-w; 1: all are equal.",
               "assumed: resembles the statistics of published sequences"),
           number_spec("edge_drop", Quantity::length, "0.20 mm", {0.0, pillar_height},
-                      "How much shorter the four edge pillars are than the centre pillar.",
+                      "Height by which the four edge pillars are shorter than the centre pillar.",
                       "plane fits to public gripper recordings, 0.163 to 0.196 mm; the vendor's drawing scaled, 0.22 mm"),
           number_spec("corner_drop", Quantity::length, "0.45 mm", {0.0, pillar_height},
-                      "How much shorter the four corner pillars are than the centre pillar.",
+                      "Height by which the four corner pillars are shorter than the centre pillar.",
                       "plane fits to public gripper recordings, 0.29 to 0.45 mm; the vendor's drawing scaled, 0.52 mm"),
           number_spec(
               "stiffness_sd", Quantity::none, "0", {0.0, 1.0},
-              "Scatter of the pillars' stiffness, relative, lognormal with mean 1, normal and tangential alike.",
-              "0: none. The ratio of reported normal force to displacement scatters by 9.3 %, which part `gain` of the electronics stands for: use one of the two"),
+              "Relative standard deviation of the pillars' stiffness, lognormal with mean 1, normal and tangential alike.",
+              "0: none. The ratio of reported normal force to displacement scatters by 9.3 %, which the part `gain` of the electronics models: use only one of the two"),
           choice_spec(
               "device", "fixed", {"fixed", "redrawn"},
-              "Whether all trials of a dataset use one device, or each draws its own stiffness scatter, gains and coupling.",
+              "fixed: all trials of a dataset use one device; redrawn: each trial draws its own stiffness scatter, gains and coupling.",
               "fixed: the published sequences were recorded with one device"),
           number_spec("label_speed", Quantity::speed, "0.1 mm/s", non_negative,
                       "Tip speed above which the paper's labelling rule says that a pillar slips.",

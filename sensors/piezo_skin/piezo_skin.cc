@@ -30,9 +30,9 @@ std::size_t label_stride(const Parameters& parameters, const std::string& sensor
   const double whole = std::round(ratio);
   if (whole < 1.0 || std::abs(ratio - whole) > rounding * whole) {
     throw SceneValueError("sensors." + sensor_name + ".label_rate",
-                          format_quantity(parameters.number("label_rate"), Quantity::frequency) +
-                              " is no whole part of the rate " + format_quantity(parameters.number("rate"), Quantity::frequency) +
-                              "; allowed: the rate over a whole number");
+                          format_quantity(parameters.number("label_rate"), Quantity::frequency) + " does not divide the rate " +
+                              format_quantity(parameters.number("rate"), Quantity::frequency) +
+                              "; allowed: the rate divided by a whole number");
   }
   return static_cast<std::size_t>(whole);
 }
@@ -156,7 +156,7 @@ Entry piezo_skin_entry() {
           paper +
           " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 (elastic foundation)",
       .parameters = {
-          number_spec("rate", Quantity::frequency, "10 kHz", positive, "Samples a second.", paper + ": 10 kHz"),
+          number_spec("rate", Quantity::frequency, "10 kHz", positive, "Sampling rate.", paper + ": 10 kHz"),
           integer_spec(
               "elements", "20", {1.0, 1000.0}, "Friction points of the contact, on Vogel's spiral, each of the same area.",
               "assumed: a dry run had 20 to 100. The spectrum keeps its shape, but more elements average out: from 20 to 100 the signal of stick-slip falls by a third"),
@@ -170,9 +170,10 @@ Entry piezo_skin_entry() {
                       "assumed: 4 to 9 N/mm in a dry run; G/E of the layer gives a third of the normal stiffness"),
           vector_spec(
               2, "shear", Quantity::none, "[0.35, 0.35]", any_value,
-              "Charge of a newton of tangential force, along X and along Y, over that of a newton of normal force.",
-              "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. One signal of X and Y does not see shear at right angles to their sum, here at 135 and 315 deg"),
-          number_spec("gain", Quantity::none, "2000", positive, "Counts for a newton of normal force, far above the corner.",
+              "Charge per newton of tangential force along X and Y, relative to the charge per newton of normal force.",
+              "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. A single signal does not respond to shear at right angles to the sum of X and Y, here at 135 and 315 deg"),
+          number_spec("gain", Quantity::none, "2000", positive,
+                      "Counts per newton of normal force, far above the corner frequency.",
                       "assumed: pressing then stays within 16 bits, whose steps are far below the noise"),
           number_spec("corner", Quantity::frequency, "3 Hz", positive, "Corner of the charge amplifier's high-pass.",
                       "assumed: nothing is published"),
@@ -180,10 +181,10 @@ Entry piezo_skin_entry() {
                       "Corner of a low-pass before the converter; inf: none.",
                       "inf: the field has no time between the samples, so nothing folds"),
           number_spec("label_rate", Quantity::frequency, "100 Hz", positive,
-                      "Rate of the bench's position sensor, by whose samples the paper labels.",
+                      "Rate of the bench's position sensor, from whose samples the paper derives its labels.",
                       "FFT-GRU slip detection paper, section III-A"),
           number_spec("label_step", Quantity::length, "10 um", positive,
-                      "Change of the bench's position between two samples from which on the paper's rule says slip.",
+                      "Change of the bench's position between two samples above which the paper's rule says slip.",
                       "assumed: 1 mm/s; the slowest published slide makes 33 um between two samples"),
       }};
 }

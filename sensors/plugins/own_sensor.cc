@@ -29,7 +29,7 @@ void OwnSensor::refuse(const std::string& what) const { throw SceneValueError(wh
 
 void OwnSensor::set(OwnLayout said) {
   if (!(said.rate > 0.0) || std::isinf(said.rate))
-    refuse("has a rate of " + format_number(said.rate) + " Hz; allowed: more than 0 Hz, finite");
+    refuse("has a rate of " + format_number(said.rate) + " Hz; it must be finite and above 0 Hz");
   std::vector<Element>& elements = said.elements;
   if (elements.empty() || elements.size() > OwnLayout::most_elements)
     refuse("has a layout of " + std::to_string(elements.size()) + " elements; allowed: 1 to " +
@@ -38,18 +38,18 @@ void OwnSensor::set(OwnLayout said) {
     Element& element = elements[i];
     const std::size_t unit = said.units.at(i), units = layout_.units.size();
     const auto bad = [&](const std::string& problem) {
-      refuse("has in its layout element " + std::to_string(i) + " " + problem);
+      refuse("has a layout in which element " + std::to_string(i) + " " + problem);
     };
     if (element.axis.isZero(0.0)) element.axis = Element{}.axis;
-    if (!element.tip.allFinite()) bad("with a tip that is not finite; allowed: metres");
-    if (!(std::abs(element.axis.norm() - 1.0) < 1e-6)) bad("with a direction that is no unit vector; allowed: length 1");
+    if (!element.tip.allFinite()) bad("has a tip that is not finite");
+    if (!(std::abs(element.axis.norm() - 1.0) < 1e-6)) bad("has a direction that is not a unit vector");
     element.axis.normalize();
     for (const double k : {element.k_normal, element.k_tangential}) {
-      if (!(k > 0.0) || std::isinf(k)) bad("with a stiffness of " + format_number(k) + " N/m; allowed: more than 0 N/m, finite");
+      if (!(k > 0.0) || std::isinf(k)) bad("has a stiffness of " + format_number(k) + " N/m; it must be finite and above 0 N/m");
     }
     if (unit > units || unit + 1 < units)
-      bad("in unit " + std::to_string(unit) + " where unit " + std::to_string(units) +
-          " would be the next one; allowed: 0 at first, then the same or one more");
+      bad("belongs to unit " + std::to_string(unit) + ", but unit " + std::to_string(units) +
+          " would be next; units are numbered from 0 without gaps");
     if (unit == units) layout_.units.push_back({i, 0});
     ++layout_.units.back().count;
   }
@@ -60,14 +60,14 @@ void OwnSensor::set(OwnLayout said) {
   for (Channel& channel : said.channels) {
     const auto bad = [&](const std::string& problem) { refuse("has the channel " + quote(channel.name) + " " + problem); };
     if (!is_identifier(channel.name) || channel.name == "t")
-      bad("as a name; allowed: letters, digits and '_', no digit first, not t, which a dataset calls the times");
-    if (std::ranges::count(said.channels, channel.name, &Channel::name) != 1) bad("twice; allowed: each name once");
+      bad("with an invalid name; allowed: letters, digits and '_', no digit first, and not t, the name of the times");
+    if (std::ranges::count(said.channels, channel.name, &Channel::name) != 1) bad("twice");
     double values = 1.0;
     for (const std::size_t extent : channel.shape) values *= static_cast<double>(extent);
     if (channel.shape.empty() || channel.shape.size() > OwnLayout::most_dimensions || !(values >= 1.0) ||
         values + static_cast<double>(size) > static_cast<double>(OwnLayout::most_values))
-      bad("with no values, or too many; allowed: 1 to 8 extents, and up to " + std::to_string(OwnLayout::most_values) +
-          " values a sample");
+      bad("with an invalid shape; allowed: 1 to 8 extents and up to " + std::to_string(OwnLayout::most_values) +
+          " values per sample");
     channel.channel_names = value_names(channel);
     size += channel.size();
   }
@@ -87,9 +87,9 @@ const SensorFrame& OwnSensor::measure(const ContactFrame& truth) {
     const auto own = values.first(channel.size());
     const auto bad = std::ranges::find_if(own, [](float value) { return !std::isfinite(value); });
     if (bad != own.end())
-      refuse("says in measure " + format_number(static_cast<double>(*bad)) + " for " +
+      refuse("returns in measure " + format_number(static_cast<double>(*bad)) + " for " +
              channel.channel_names[static_cast<std::size_t>(bad - own.begin())] + " at " + format_number(truth.time) +
-             " s; allowed: a finite number");
+             " s; it must be finite");
     values = values.subspan(own.size());
   }
   frame_.time = truth.time;

@@ -124,8 +124,8 @@ std::unique_ptr<Sensor> make_bundled(const BundledSensor& bundled, const Paramet
 SensorKind plugin_sensor() {
   return {
       .about =
-          {"plugin", "Your own sensor, from a shared library.",
-           "The library says where its elements stand and computes each sample from their contact. It exports slipbench_sensor_abi and slipbench_make_sensor (sensors/plugin_abi.h; example: sensors/example).",
+          {"plugin", "A custom sensor from a shared library.",
+           "The library defines the positions of its elements and computes each sample from their contact. It exports slipbench_sensor_abi and slipbench_make_sensor (sensors/plugin_abi.h; example: sensors/example).",
            "the library's author", plugin_specs()},
       .electronics = {},
       .create = [](const Parameters& parameters, const std::vector<Named>&, std::uint64_t seed, std::uint64_t trial,

@@ -67,7 +67,7 @@ struct Description {
     const bool grid = p.integer("rows") != grid_size || p.integer("columns") != grid_size || p.number("pitch") != grid_pitch ||
                       p.choice("scan_order") != "rows";
     if (!places.empty() && grid)
-      refuse("places", "stands beside rows, columns, pitch or scan_order, which are of a grid; allowed: one of the two");
+      refuse("places", "cannot be combined with rows, columns, pitch or scan_order, which define a grid");
     for (std::size_t i = 0; p.table("places").rows.empty() && i < rows * columns; ++i) {
       const std::size_t above = i / columns, beside = i % columns;
       const auto row = static_cast<double>(above), column = static_cast<double>(beside);
@@ -88,32 +88,31 @@ struct Description {
       const bool stiff = place[k_normal] > 0.0 && place[k_tangential] > 0.0;
       if (!(direction.norm() > 0.0) || !stiff)
         refuse("places", "taxel " + std::to_string(i) +
-                             (stiff ? " has no direction nx, ny, nz; allowed: all three, not all of them 0, or none"
-                                    : " has a stiffness that is not above 0 N/m; allowed: > 0 N/m"));
+                             (stiff ? " needs a direction nx, ny, nz that is not 0; give all three, or none"
+                                    : " needs a stiffness above 0 N/m"));
       direction.normalize();
     }
   }
 
   void check_channels() const {
     for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-      if (channel->first == "t") refuse("channels.t", "is what a dataset calls the times; allowed: another name");
+      if (channel->first == "t") refuse("channels.t", "is the name of the times in a dataset; choose another name");
       if (std::find_if(channels.begin(), channel, [&](const auto& other) { return other.second == channel->second; }) != channel)
-        refuse("channels." + channel->first, channel->second + " is read by another channel; allowed: each once");
+        refuse("channels." + channel->first, channel->second + " is already read by another channel");
     }
   }
 
   void check_signals() const {
     if (!reads("signal") && !(matrix.empty() && curve.empty()))
-      refuse(matrix.empty() ? "curve" : "matrix", "makes a signal, which no channel reads; allowed: channels: {NAME: signal}");
-    if (!(p.vector("range")[0] < p.vector("range")[1])) refuse("range", "does not grow; allowed: [lowest, highest]");
+      refuse(matrix.empty() ? "curve" : "matrix", "defines a signal that no channel reads; add channels: {NAME: signal}");
+    if (!(p.vector("range")[0] < p.vector("range")[1])) refuse("range", "must be [lowest, highest]");
     if (!matrix.empty() && matrix.front().size() != axes * places.size())
-      refuse("matrix", "has rows of " + std::to_string(matrix.front().size()) +
-                           " numbers; allowed: " + std::to_string(axes * places.size()) + ", the x, y and z of each taxel");
+      refuse("matrix", "has rows of " + std::to_string(matrix.front().size()) + " numbers; expected " +
+                           std::to_string(axes * places.size()) + ", the x, y and z of each taxel");
     const auto back = std::ranges::adjacent_find(curve, [](const auto& a, const auto& b) { return b[0] <= a[0]; });
     if (curve.size() == 1 || back != curve.end())
-      refuse("curve", curve.size() == 1
-                          ? "has one point; allowed: two or more"
-                          : "goes back after the input " + format_number((*back)[0]) + "; allowed: inputs that grow");
+      refuse("curve",
+             curve.size() == 1 ? "needs at least two points" : "does not ascend after the input " + format_number((*back)[0]));
   }
 
   // One unit per taxel, its friction points on a square lattice over its face.
@@ -301,7 +300,7 @@ class Taxels final : public PadSensor {
   Eigen::ArrayXd signal_;
 };
 
-const char* const yours = "assumed: a pad of one's own";
+const char* const yours = "assumed: a custom pad";
 
 ParameterSpec figure(std::string name, std::string share, std::string doc) {
   return number_spec(std::move(name), Quantity::none, std::move(share), fraction, std::move(doc), yours);
@@ -314,30 +313,35 @@ std::vector<ParameterSpec> parameters() {
   const std::vector<TableColumn> columns{{"x", length}, {"y", length}, {"z", length},           {"nx"},
                                          {"ny"},        {"nz"},        {"k_normal", stiffness}, {"k_tangential", stiffness}};
   return {
-      number_spec("rate", frequency, "100 Hz", positive, "Samples a second.", yours),
+      number_spec("rate", frequency, "100 Hz", positive, "Sampling rate.", yours),
       integer_spec("rows", "4", {1.0, 64.0}, "Taxels along Y.", yours),
       integer_spec("columns", "4", {1.0, 64.0}, "Taxels along X.", yours),
-      number_spec("pitch", length, "4 mm", positive, "Distance of taxels.", yours),
-      table_spec(2, "places", columns, "Where each taxel stands, in which direction it looks (0, 0, -1) and its own stiffness.",
-                 yours),
-      number_spec("k_normal", stiffness, "1 N/mm", positive, "Of a taxel; elastic_skin takes its place.", yours),
+      number_spec("pitch", length, "4 mm", positive, "Distance between neighbouring taxels.", yours),
+      table_spec(2, "places", columns, "Position of each taxel, its direction (default: 0, 0, -1) and its own stiffness.", yours),
+      number_spec("k_normal", stiffness, "1 N/mm", positive, "Normal stiffness of a taxel; elastic_skin replaces it.", yours),
       number_spec("k_tangential", stiffness, "0.5 N/mm", positive, "Alike.", yours),
-      number_spec("width", length, "4 mm", positive, "Edge of a taxel's square face: a pressure is a force over it.", yours),
-      integer_spec("points", "1", {1.0, 16.0}, "Friction points along each edge: a taxel slips in parts.", yours),
-      number_spec("height", length, "inf", positive, "Height of a taxel, which bounds its travel.", yours),
-      map_spec("channels", "What each reads. None: force and displacement, called so.", yours, names),
-      table_spec(1, "matrix", {}, "Weights of x, y and z of each taxel's force, a row a signal. None: its normal force.", yours),
-      table_spec(2, "curve", {{"input"}, {"output"}}, "Points through which each signal goes, straight on beyond the ends.",
-                 yours),
+      number_spec("width", length, "4 mm", positive, "Edge of a taxel's square face; a pressure is a force divided by its area.",
+                  yours),
+      integer_spec("points", "1", {1.0, 16.0}, "Friction points along each edge of a taxel, so that it can slip partially.",
+                   yours),
+      number_spec("height", length, "inf", positive, "Height of a taxel, which limits its compression.", yours),
+      map_spec("channels", "Quantity of each channel by name. none: channels force and displacement.", yours, names),
+      table_spec(1, "matrix", {},
+                 "Weights of x, y and z of each taxel's force, one row per signal. none: the normal force of each taxel.", yours),
+      table_spec(2, "curve", {{"input"}, {"output"}},
+                 "Points of the characteristic of each signal, extrapolated linearly beyond the ends.", yours),
       choice_spec("unit", "counts", {"counts", "V", "mV", "N", "Pa", "kPa", "uT", "pF", "ohm"}, "Unit of the signals.", yours),
-      vector_spec(2, "range", none, "[0, 4095]", any_value, "What the converter of a signal spans.", yours),
-      number_spec("max_force", force, "10 N", positive, "Converter's end: of forces, of what it does to springs.", yours),
-      choice_spec("scan_order", "rows", {"rows", "columns", "zigzag"}, "Order of a grid's part scan.", yours),
-      figure("noise", "0.001", "Standard deviation of the part white_noise, as a share of the range's larger end."),
-      figure("offset", "0.002", "That of the part offset, alike."),
-      figure("drift", "0.0001", "That of the slope of the part drift, alike [1/s]."),
-      figure("gain", "0.02", "That of the gain about 1 of the part gain."),
-      figure("coupling", "0.005", "Largest share that the part coupling adds of the taxel, or signal, before."),
+      vector_spec(2, "range", none, "[0, 4095]", any_value, "Range of the converter of a signal.", yours),
+      number_spec("max_force", force, "10 N", positive,
+                  "Range of the converter of forces; that of displacements follows from the stiffness.", yours),
+      choice_spec("scan_order", "rows", {"rows", "columns", "zigzag"}, "Order in which the electronics part scan reads a grid.",
+                  yours),
+      figure("noise", "0.001", "Standard deviation of the part white_noise, as a share of the larger end of the range."),
+      figure("offset", "0.002", "Standard deviation of the part offset, as a share of the larger end of the range."),
+      figure("drift", "0.0001",
+             "Standard deviation of the slope of the part drift, as a share of the larger end of the range [1/s]."),
+      figure("gain", "0.02", "Standard deviation of the gain of the part gain."),
+      figure("coupling", "0.005", "Largest share of the previous taxel or signal that the part coupling adds."),
   };
 }
 
@@ -346,14 +350,14 @@ std::vector<ParameterSpec> parameters() {
 SensorKind taxels_sensor() {
   std::vector<PartFigures> parts{{"scan", "taxel by taxel in scan_order, signals of a matrix in its order"}};
   for (const char* part : {"coupling", "gain", "offset", "drift", "white_noise", "quantisation"})
-    parts.push_back({part, "figures by the sensor's own keys"});
+    parts.push_back({part, "values from the sensor's own keys"});
   return {
       .about =
-          {"taxels", "Taxels of one's own: where they stand, what they read and their electronics, in the scene alone.",
-           "force: of the object on the taxel, in the pad's frame; displacement: deformed surface minus undeformed surface, of an elastic skin also where nothing touches it\n"
+          {"taxels", "Custom taxels, defined in the scene alone: positions, readings and electronics.",
+           "force: of the object on the taxel, in the pad's frame; displacement: deformed surface minus undeformed surface; with an elastic skin also without contact\n"
            "normal_force, shear: the force in the taxel's own frame, whose z is against its direction; pressure: normal_force/width^2\n"
            "signal: curve(matrix f), f: x, y and z of the force of all taxels",
-           "none: a sensor of one's own", parameters()},
+           "none: a custom sensor", parameters()},
       .electronics = electronics_of("taxels", parts),
       .create = created<Taxels>,
       .view = {

@@ -36,7 +36,7 @@ const PadLayout& checked(const PadLayout& layout, const Friction& friction, cons
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
   if (layout.elements.empty()) refuse("a pad needs at least one element");
   if (layout.elements.size() > Field::max_elements) {
-    refuse("a pad of " + std::to_string(layout.elements.size()) + " elements; allowed are up to " +
+    refuse("a pad of " + std::to_string(layout.elements.size()) + " elements; allowed: up to " +
            std::to_string(Field::max_elements));
   }
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
@@ -55,7 +55,7 @@ const PadLayout& checked(const PadLayout& layout, const Friction& friction, cons
     next += unit.count;
   }
   if (next != layout.elements.size()) refuse("units must tile the elements in order");
-  if (effects.cone && effects.lean) refuse("columns do not lean on an effect's cone");
+  if (effects.cone && effects.lean) refuse("columns that lean need the circular friction cone");
   if (!(friction.mu_kinetic >= 0.0) || !(friction.mu_static >= friction.mu_kinetic) || std::isinf(friction.mu_static)) {
     refuse("friction must satisfy 0 <= mu_kinetic <= mu_static");
   }
@@ -83,11 +83,11 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
   if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
     throw std::invalid_argument(
-        "field: tips with mass need a plane and stand alone: no other cone, rate law, lean, rheology or dashpot");
+        "field: tips with mass need a plane and cannot be combined with another cone, rate law, lean, rheology or dashpot");
   }
   if (effects_.skin && (effects_.tip || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
     throw std::invalid_argument(
-        "field: an elastic skin stands alone: no tips with mass, other cone, rate law, lean, rheology or dashpot");
+        "field: an elastic skin cannot be combined with tips with mass, another cone, rate law, lean, rheology or dashpot");
   }
   extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() ||
               effects_.tip || effects_.skin;

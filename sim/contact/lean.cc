@@ -144,9 +144,9 @@ kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, con
   }
   if (force.normal > (k + lean.stop_stiffness) * lean.length) {
     throw SceneValueError("effects", "lean: element " + std::to_string(i) + " carries " + std::to_string(force.normal) +
-                                         " N, and its stop holds a column up to (k_t + stop stiffness) length = " +
+                                         " N, more than a column with a stop can carry, (k_t + stop_stiffness) length = " +
                                          std::to_string((k + lean.stop_stiffness) * lean.length) +
-                                         " N; press less, or give the column a stiffer stop");
+                                         " N; reduce the load or raise stop_stiffness");
   }
   const Eigen::Vector3d f = force.tangential, s = slip * along;
   return {force.normal, f.x(), f.y(), f.z(), s.x(), s.y(), s.z(), s.norm(), slides};

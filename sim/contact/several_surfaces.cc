@@ -116,9 +116,10 @@ void refuse_seam_of_meshes(std::span<const Field> fields, std::span<const Pose> 
       Pose there = pads[j] * pads[k].inverse();
       there = {pads[j].rotation, there * contact - pads[j].rotation * field.layout().elements[i].tip};
       if (j == k || std::abs(fields[j].meet(i, there).gap) > rounded) continue;
-      throw InputError("a pad is on the seam of two geoms, at least one a mesh, whose edges its distance grid rounds; element " +
-                       std::to_string(i) +
-                       " would press on the wall between them: join the meshes, let them overlap by 2 mm, or use boxes");
+      throw InputError(
+          "a pad touches the seam of two geoms, at least one of them a mesh, whose distance grid rounds its edges; element " +
+          std::to_string(i) +
+          " would press on the wall between the geoms: join the meshes, let them overlap by 2 mm, or use boxes");
     }
   }
 }
@@ -145,7 +146,7 @@ void refuse_two_contacts(std::span<const Field> fields) {
     // Each field would solve for a skin pressed by its surface alone.
     if (std::ranges::count_if(fields, [](const Field& field) { return field.touching() > 0; }) > 1) {
       throw InputError(
-          "effects: elastic_skin: the pad touches two surfaces at once, and its skin is solved for one; let it touch one");
+          "effects: elastic_skin: the pad touches two surfaces at once, but its skin is solved for one surface only");
     }
     return;
   }

@@ -31,7 +31,7 @@ const T& value_of(const std::map<std::string, Parameters::Value, std::less<>>& v
   const auto found = values.find(name);
   if (found == values.end()) throw std::logic_error("parameter " + quote(name) + " was not declared");
   const T* value = std::get_if<T>(&found->second);
-  if (value == nullptr) throw std::logic_error("parameter " + quote(name) + " is no " + std::string(type_name(type)));
+  if (value == nullptr) throw std::logic_error("parameter " + quote(name) + " is not a " + std::string(type_name(type)));
   return *value;
 }
 
@@ -226,8 +226,8 @@ Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text)
     case ParameterType::flag: return parse_flag(text);
     case ParameterType::choice: return parse_choice(spec, text);
     case ParameterType::path: return parse_path(spec, text);
-    case ParameterType::map: throw std::invalid_argument(quote(text) + " is no map; allowed: {name: value, ...}");
-    case ParameterType::table: throw std::invalid_argument(quote(text) + " is no table; allowed: [[a, b, ...], ...]");
+    case ParameterType::map: throw std::invalid_argument(quote(text) + " is not a map; allowed: {name: value, ...}");
+    case ParameterType::table: throw std::invalid_argument(quote(text) + " is not a table; allowed: [[a, b, ...], ...]");
     case ParameterType::number:
     case ParameterType::vector: {
       const double value = parse_quantity(text, spec.quantity);

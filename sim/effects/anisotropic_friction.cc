@@ -99,8 +99,8 @@ class AnisotropicFriction final : public ConeEffect {
 EffectKind anisotropic_friction() {
   return {
       {"anisotropic_friction",
-       "Friction depends on the direction of sliding (felt, brushed metal, fabric): an elliptic cone.",
-       "(t_1/mu)^2 + (t_2/(ratio mu))^2 <= f_n^2, t_1 along the grain. Slip is normal to the ellipse (maximum dissipation), so a slide along d meets\n"
+       "Friction that depends on the direction of sliding (felt, brushed metal, fabric): an elliptic cone.",
+       "(t_1/mu)^2 + (t_2/(ratio mu))^2 <= f_n^2, t_1 along the grain. Slip is normal to the ellipse (maximum dissipation), so the friction on a slide along d is\n"
        "f = -f_n (mu_1^2 d_1, mu_2^2 d_2)/sqrt(mu_1^2 d_1^2 + mu_2^2 d_2^2), mu_1 = mu, mu_2 = ratio mu",
        "Zmitrowicz, Int. J. Solids Struct. 43 (2006) 4407; associated flow",
        {number_spec("ratio", Quantity::none, "0.6", {0.01, 100.0}, "Friction across the grain over friction along it.",

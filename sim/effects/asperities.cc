@@ -145,12 +145,12 @@ class Asperities final : public RingingEffect {
 EffectKind asperities() {
   return {
       {"asperities",
-       "A slipping element strikes single asperities, which make its body ring.",
+       "A slipping element hits single asperities, which make its body ring.",
        "The asperities are a Poisson process along the path that a tip has slipped: one every `distance` for a unit, shared equally by its elements.\n"
        "Each asperity adds A exp(-zeta w t) (sin(w1 t) + second sin(w2 t)) to the force felt along the slip, w1 and w2 = 2.1 w1 those of inertia.\n"
        "A = +-amplitude sqrt(f_n/load) sqrt(v/speed) exp(scatter g), g normal; f_n: load of the element over its share, v: speed of the tip. The tip's friction is not changed.",
        "assumed: band of slip noise that does not move with speed, as published for a piezoelectric fingertip (50 to 450 Hz)",
-       {number_spec("distance", Quantity::length, "0.2 mm", positive, "Mean distance between two asperities that a unit meets.",
+       {number_spec("distance", Quantity::length, "0.2 mm", positive, "Mean distance between two asperities that a unit hits.",
                     "assumed: 3 to 8 in a millimetre"),
         number_spec("amplitude", Quantity::force, "4 mN", non_negative, "Median force at `load` and `speed`.", "assumed"),
         number_spec("scatter", Quantity::none, "0.7", {0.0, 2.0}, "Standard deviation of ln A.", "assumed"),
@@ -160,9 +160,9 @@ EffectKind asperities() {
         number_spec("second", Quantity::none, "1", non_negative, "Amplitude of the second mode over that of the first.",
                     "assumed: a short blow excites both modes alike")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-        if (!effects.tip) throw SceneValueError("effects", "asperities needs inertia");
+        if (!effects.tip) throw SceneValueError("effects", "asperities needs the effect inertia");
         if (effects.tip->damping_ratio() >= 1.0) {
-          throw SceneValueError("effects", "asperities needs an inertia that rings; allowed: damping of inertia below 1");
+          throw SceneValueError("effects", "asperities needs tips that ring: the damping of inertia must be below 1");
         }
         effects.ringing.push_back(std::make_unique<Asperities>(p, context, *effects.tip));
       },

@@ -60,11 +60,11 @@ class ElasticSkin final : public SkinEffect {
 EffectKind elastic_skin() {
   return {
       {"elastic_skin",
-       "The pad is one elastic body: load spreads to its neighbours, and slip creeps in from where friction holds least.",
-       "w = C p, u = C q: how far the surface sinks and shifts under normal and tangential forces of all elements\n"
+       "The pad is one elastic body: a load also deforms its surroundings, and slip starts where friction is lowest and spreads.",
+       "w = C p, u = C q: how far the surface is pressed in and sheared under normal and tangential forces of all elements\n"
        "p >= 0, gap + w >= 0, p (gap + w) = 0; |q| <= mu p; slip along q where |q| = mu p\n"
        "C: an incompressible half-space (thickness inf: Boussinesq, Cerruti) or layer on a rigid back, each element's load spread over its cell.\n"
-       "It takes the place of the sensor's stiffness. The touched face is rigid, its slopes are small, what normal and tangential load do to each\n"
+       "It replaces the sensor's stiffness. The touched face is rigid, its slopes are small, what normal and tangential load do to each\n"
        "other is left out (nothing for a half-space).",
        "K. L. Johnson, Contact Mechanics (1985), ch. 3 to 5 and 7; J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990)",
        {number_spec("shear_modulus", Quantity::pressure, "0.15 MPa", {1.0, 1e12}, "Shear modulus G; Young's modulus is 3 G.",
@@ -74,16 +74,16 @@ EffectKind elastic_skin() {
                     "free"),
         number_spec(
             "patch", Quantity::length, "0 mm", non_negative,
-            "Edge of the square that an element stands for where elements stand on no regular grid; 0: their mean distance.",
+            "Edge of the square that each element represents if the elements are not on a regular grid; 0: their mean distance.",
             "geometry"),
         number_spec("tolerance", Quantity::none, "0.0001", {1e-10, 1e-2},
-                    "What the solver leaves undone, of the greatest depth and of the greatest friction.",
+                    "Residual at which the solver stops, as a share of the largest depth and of the largest friction.",
                     "error of a force below 0.01 % of the load: tests/oracle")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-        if (effects.skin) throw SceneValueError("effects", "elastic_skin is named twice; allowed: once");
+        if (effects.skin) throw SceneValueError("effects", "elastic_skin is listed twice");
         if (context.dashpots) {
           throw SceneValueError(
-              "effects", "elastic_skin takes the place of the sensor's springs, and this one has dashpots; allowed: damping 0");
+              "effects", "elastic_skin replaces the sensor's springs, so the sensor must not have dashpots; set damping to 0");
         }
         effects.skin = std::make_unique<ElasticSkin>(p, *context.layout);
       }};

@@ -231,11 +231,11 @@ EffectKind inertia() {
         number_spec("damping", Quantity::none, "0.1", {0.0, 10.0}, "Damping ratio; an element rings below 1.",
                     "assumed: a stroked PVDF finger has 0.06")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-        if (!context.plane) throw SceneValueError("effects", "inertia needs a plane; allowed shapes: plane");
+        if (!context.plane) throw SceneValueError("effects", "inertia needs a plane (surface.shape: plane)");
         if (context.dashpots) {
           throw SceneValueError(
               "effects",
-              "inertia gives the elements dashpots (damping), and the sensor's have some of their own; allowed: a sensor without");
+              "inertia adds dashpots to the elements (damping), but the sensor has dashpots already; use a sensor without damping");
         }
         effects.tip = std::make_unique<Inertia>(p, context);
       }};

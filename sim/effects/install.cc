@@ -49,18 +49,16 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
     }
   }
   if (!moves_tips.empty() && !maps_tips.empty()) {
-    throw SceneValueError("effects",
-                          moves_tips + " and " + maps_tips + " cannot be named together: " + moves_tips +
-                              " moves the tips by a spring, a dashpot and a friction of its own; allowed: one of them");
+    throw SceneValueError("effects", moves_tips + " and " + maps_tips + " cannot be combined: " + moves_tips +
+                                         " moves the tips by its own spring, dashpot and friction");
   }
   if (installed.skin && (installed.tip || !maps_tips.empty())) {
-    throw SceneValueError("effects",
-                          "elastic_skin and " + (installed.tip ? moves_tips : maps_tips) +
-                              " cannot be named together: either says what an element's force is; allowed: one of them");
+    throw SceneValueError("effects", "elastic_skin and " + (installed.tip ? moves_tips : maps_tips) +
+                                         " cannot be combined: each of them sets the force of an element");
   }
   if (installed.lean && installed.cone) {
     throw SceneValueError("effects",
-                          "lean and anisotropic_friction cannot be named together: columns lean over a circular cone only");
+                          "lean and anisotropic_friction cannot be combined: columns that lean need a circular friction cone");
   }
   return installed;
 }

@@ -12,9 +12,9 @@ EffectKind lean() {
        {number_spec("length", Quantity::length, "3.65 mm", positive, "Distance from the hinge to the tip.",
                     "reconfigurable nib sensor: nib 2.1 mm and round tip 1.4 mm over the fabric, 0.15 mm of fabric assumed"),
         number_spec(
-            "stop", Quantity::length, "0.55 mm", non_negative, "Stretch at which the column comes to lean on its stop.",
+            "stop", Quantity::length, "0.55 mm", non_negative, "Stretch at which the column touches its stop.",
             "geometry: length x gap of 0.254 mm less what load takes, over 1.4 mm from the hinge to the edge that touches down"),
-        number_spec("stop_stiffness", Quantity::stiffness, "1 N/mm", non_negative, "Stiffness added from the stop on.",
+        number_spec("stop_stiffness", Quantity::stiffness, "1 N/mm", non_negative, "Stiffness that the stop adds.",
                     "assumed: five times the column's own")}},
       [](const Parameters& p, const EffectContext&, FieldEffects& effects) {
         effects.lean = Lean{p.number("length"), p.number("stop"), p.number("stop_stiffness")};

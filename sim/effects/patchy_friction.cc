@@ -143,16 +143,16 @@ EffectKind patchy_friction() {
            "assumed: patches of 2 to 5 mm give a pad in slow slip the published energy below 8 Hz",
            {number_spec("sd", Quantity::none, "0.2", {0.0, 2.0}, "Standard deviation of ln mu.", "assumed"),
             number_spec("shortest", Quantity::length, "2 mm", positive, "Shortest wavelength.", "assumed"),
-            number_spec("longest", Quantity::length, "5 mm", positive, "Longest wavelength, from `shortest` to ten times that.",
+            number_spec("longest", Quantity::length, "5 mm", positive, "Longest wavelength, at most ten times `shortest`.",
                         "assumed")}},
           [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
             if (!context.flat_surface)
               throw SceneValueError("effects", "patchy_friction needs a flat surface; allowed shapes: plane, box");
             const double shortest = p.number("shortest"), longest = p.number("longest");
             if (longest < shortest || longest > 10.0 * shortest) {
-              throw SceneValueError("effects", "longest of patchy_friction is " + format_quantity(longest, Quantity::length) +
-                                                   "; allowed is shortest (" + format_quantity(shortest, Quantity::length) +
-                                                   ") to ten times that");
+              throw SceneValueError("effects", "the longest wavelength of patchy_friction is " +
+                                                   format_quantity(longest, Quantity::length) + "; allowed: `shortest` (" +
+                                                   format_quantity(shortest, Quantity::length) + ") to ten times `shortest`");
             }
             effects.friction.push_back(std::make_unique<PatchyFriction>(p, context));
           }};

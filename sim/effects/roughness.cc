@@ -109,9 +109,9 @@ class Roughness final : public SurfaceEffect {
 void refuse_unordered(double shortest, double longest) {
   constexpr double widest = 1000.0;
   if (longest >= shortest && longest <= widest * shortest) return;
-  throw SceneValueError("effects", "longest of roughness is " + format_quantity(longest, Quantity::length) +
-                                       "; allowed is shortest (" + format_quantity(shortest, Quantity::length) +
-                                       ") to 1000 times that");
+  throw SceneValueError("effects", "the longest wave of roughness is " + format_quantity(longest, Quantity::length) +
+                                       "; allowed: `shortest` (" + format_quantity(shortest, Quantity::length) +
+                                       ") to 1000 times `shortest`");
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ void refuse_unordered(double shortest, double longest) {
 EffectKind roughness() {
   return {
       {"roughness",
-       "The surface is rough on many lengths at once, so a sliding tip feels noise.",
+       "A surface that is rough on many length scales, so a sliding tip feels noise.",
        "gap shrinks by h(x, y) = sum_j h_j(x cos a_j + y sin a_j), a_j = angle + pi j/directions\n"
        "h_j(s) = sum_n a n^-exponent cos(2 pi n s/L + phase), waves L/n from longest to shortest, L = 8 longest, random phases; rms of h: height\n"
        "directions 1: a ground surface with ridges across `angle`; 2: rms of height and slope are the same in all directions; 3: rms of curvature, too\n"
@@ -131,7 +131,7 @@ EffectKind roughness() {
         number_spec("shortest", Quantity::length, "60 um", positive,
                     "Shortest wave; a step must not move a root by more than a sixteenth of it.",
                     "assumed: what 10 kHz resolves at 33 mm/s; a finer surface needs a shorter time_step"),
-        number_spec("longest", Quantity::length, "3 mm", positive, "Longest wave, from `shortest` to 1000 times that.",
+        number_spec("longest", Quantity::length, "3 mm", positive, "Longest wave, at most 1000 times `shortest`.",
                     "assumed: the size of a contact patch"),
         integer_spec("directions", "3", {1.0, 8.0}, "Number of profiles that cross each other at equal angles.",
                      "3: the fewest whose sum looks alike in all directions up to curvature"),

@@ -4,6 +4,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/math.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -68,16 +69,16 @@ void check_profile(const Parameters& p) {
   constexpr double rounding = 1e-9;  // of lengths read from text
   if (p.choice("profile") == "sine") {
     if (std::abs(duty - duty_assumed) > rounding * duty_assumed || std::abs(edge - edge_assumed) > rounding * edge_assumed)
-      throw SceneValueError("effects.texture.profile", "a sine has no duty and no edge, found duty " + format_number(duty) +
-                                                           " and edge " + format_quantity(edge, Quantity::length) +
-                                                           "; allowed: profile bars, or neither of them");
+      throw SceneValueError("effects.texture.profile",
+                            "a sine has no duty and no edge, but the scene gives duty " + format_number(duty) + " and edge " +
+                                format_quantity(edge, Quantity::length) + "; use profile: bars, or leave both out");
     return;
   }
   const double widest = std::min(duty, 1.0 - duty) * wavelength;
   if (edge > widest * (1.0 + rounding)) {
     throw SceneValueError("effects.texture.edge", format_quantity(edge, Quantity::length) +
                                                       " is wider than a bar or its gap; allowed: at most " +
-                                                      format_quantity(widest, Quantity::length));
+                                                      readable_quantity(widest, Quantity::length));
   }
 }
 
@@ -87,7 +88,7 @@ EffectKind texture() {
   const std::string board = "recordings of a printed board (github.com/wngfra/FabricSlide)";
   return {
       {"texture",
-       "The surface has ridges: sliding at speed v makes every unit vibrate at v/wavelength.",
+       "A surface with ridges: sliding at speed v makes each unit vibrate at v/wavelength.",
        "gap shrinks by height p(u) + waviness sin(2 pi s/waviness_length), s = x cos angle + y sin angle, u = s/wavelength\n"
        "sine: p = sin(2 pi u). bars: p = clamp((duty - 2 |u - 1/4 - n|) wavelength/edge, -1, 1), n the nearest whole number:\n"
        "1 over `duty` of the wavelength, -1 elsewhere, edges straight; its waves n = 0, 1, ... about a bar's middle have\n"
@@ -96,7 +97,7 @@ EffectKind texture() {
        board + ": peak at speed/3.97 mm, at any force",
        {number_spec("wavelength", Quantity::length, "4 mm", positive, "Distance of the ridges.",
                     "FabricSlide: one of its boards has 2 mm bars, 2 mm apart"),
-        number_spec("height", Quantity::length, "20 um", {0.0, 5e-3}, "Amplitude, up to 5 mm: half of what a ridge stands out.",
+        number_spec("height", Quantity::length, "20 um", {0.0, 5e-3}, "Amplitude, up to 5 mm: half of the height of a ridge.",
                     "assumed; printed boards have some tenths of a millimetre"),
         number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the ridges, from the surface's X axis.",
                     "assumed"),
@@ -107,7 +108,7 @@ EffectKind texture() {
         number_spec("edge", Quantity::length, edge_default, {.min = 1e-6}, "Width of each of a bar's two edges.",
                     "assumed: half a nozzle of a printer"),
         number_spec("waviness", Quantity::length, "0 um", {0.0, 5e-3},
-                    "Amplitude of a slow wave along the same direction, as a board that is not flat has it.", "0: none"),
+                    "Amplitude of a slow wave along the same direction, as on a board that is not flat.", "0: none"),
         number_spec("waviness_length", Quantity::length, "150 mm", positive, "Length of the slow wave.",
                     board + ": a quarter of the variance has one wave in the 150 mm of a slide")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {

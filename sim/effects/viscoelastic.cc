@@ -86,7 +86,7 @@ EffectKind viscoelastic() {
       {"viscoelastic",
        "Elements relax under load and creep: a standard linear solid instead of a spring.",
        "f = (1 - relaxation) k u + q,  dq/dt = -q/time + relaxation k du/dt  (normal and tangential alike)\n"
-       "k: the sensor's stiffness, met by fast loading; after a long time (1 - relaxation) k is left. Updated exactly by exp(-dt/time).",
+       "k: the sensor's stiffness, which fast loading feels; after a long time (1 - relaxation) k remains. Updated exactly by exp(-dt/time).",
        "Zener, Elasticity and Anelasticity of Metals (1948); recorded PapillArray holds lose 3.2 % in 3 s, log-like: one time constant is a simplification",
        {number_spec("relaxation", Quantity::none, "0.05", {0.0, 0.99}, "Share of the stiffness that relaxes.",
                     "assumed; recordings show about 4 % a decade of time"),

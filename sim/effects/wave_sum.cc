@@ -9,7 +9,7 @@
 namespace slipbench {
 
 WaveSum::WaveSum(std::size_t points) : turn_(points / 2) {
-  if (points < 2 || !std::has_single_bit(points)) throw std::logic_error("WaveSum: points are no power of two");
+  if (points < 2 || !std::has_single_bit(points)) throw std::logic_error("WaveSum: the number of points must be a power of two");
   const double step = 2.0 * std::numbers::pi / static_cast<double>(points);
   for (std::size_t k = 0; k < turn_.size(); ++k) {
     const auto [sine, cosine] = math::sincos(step * static_cast<double>(k));

@@ -13,6 +13,7 @@
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
 #include "sim/core/random.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace {
@@ -55,7 +56,7 @@ int byte_of(int value, const char* name, bool wrap, double time) {
   if (value >= 0 && value <= max_register) return value;
   if (wrap) return static_cast<int>(static_cast<unsigned char>(value));
   throw InputError(
-      fmt::format("the command of the gripper has the {} {} at {:.6g} s; allowed: 0 to {} (grip.wrap: true takes the low byte)",
+      fmt::format("at {2:.6g} s the controller commanded the {0} {1}; allowed: 0 to {3} (grip.wrap: true takes the low byte)",
                   name, value, time, max_register));
 }
 
@@ -89,10 +90,10 @@ Entry grip_entry() {
                       "Smallest gap between either pad and the box at the start; the fingers begin at a whole count.", "assumed"),
           number_spec("height", Quantity::length, "70 mm", positive, "Height of the pads' middle over the table at the start.",
                       "assumed"),
-          number_spec("yaw", Quantity::angle, "0 deg", {-0.5, 0.5}, "Turn of the hand against the box about the vertical.",
-                      "assumed"),
-          number_spec("pitch", Quantity::angle, "0 deg", {-0.5, 0.5}, "Turn of the hand against the box about the pads' width.",
-                      "assumed"),
+          number_spec("yaw", Quantity::angle, "0 deg", {-0.5, 0.5},
+                      "Rotation of the hand relative to the box about the vertical.", "assumed"),
+          number_spec("pitch", Quantity::angle, "0 deg", {-0.5, 0.5},
+                      "Rotation of the hand relative to the box about the pads' width axis.", "assumed"),
 
           vector_spec(3, "stiffness", Quantity::stiffness, "[8 N/mm, 15 N/mm, 15 N/mm]", positive,
                       "Stiffness of one finger: along its closing direction, sideways, up.",
@@ -101,7 +102,7 @@ Entry grip_entry() {
                       "Stiffness of one finger against pitching and any other turn, N m/rad.",
                       "assumed: fingers below 30 pump the grip force up"),
           number_spec("pivot", Quantity::length, "20 mm", any_value,
-                      "Height over the pad of a finger's mass, and of the point about which the finger turns.", "assumed"),
+                      "Height above the pad of a finger's mass, and of the point about which the finger rotates.", "assumed"),
           number_spec("damping_ratio", Quantity::none, "0.3", {0.0, 10.0}, "Damping ratio of the finger's springs.", "assumed"),
           number_spec("finger_mass", Quantity::mass, "80 g", positive, "Mass of one finger.", "assumed"),
           number_spec("finger_inertia", Quantity::none, "1.2e-4", positive,
@@ -109,7 +110,7 @@ Entry grip_entry() {
 
           number_spec(
               "drift", Quantity::length, "0 mm", {0.0, 0.02},
-              "Standard deviation of a slow wander of the opening that no count shows; on weak fingers the grip force wanders.",
+              "Standard deviation of a slow drift of the opening that the position register does not show; with soft fingers the grip force drifts too.",
               "0: none. On 1 N/mm a drift of 0.9 mm moves 4 N by 11 %, as public recordings of a uSkin on a gripper have it"),
           number_spec("drift_bandwidth", Quantity::frequency, "0.3 Hz", positive_up_to(10.0), "Highest frequency of the drift.",
                       "assumed: recorded grips change within seconds"),
@@ -121,12 +122,12 @@ Entry grip_entry() {
           vector_spec(2, "pad_stiffness", Quantity::stiffness, "[400 N/mm, 200 N/mm]", positive,
                       "Stiffness of the whole silicone pad: normal, tangential.", "assumed"),
           number_spec("pad_damping", Quantity::time, "0.3 ms", non_negative,
-                      "Time constant of the dashpot beside each spring of the second pad.", "assumed"),
+                      "Time constant of the dashpot in parallel with each spring of the second pad.", "assumed"),
 
           number_spec("count", Quantity::length, "0.374 mm", positive,
                       "Change of the opening for one count of the position register.", robotiq),
           integer_spec("open_at", "3", byte, "Count of the open stop.", robotiq),
-          integer_spec("closed_at", "230", byte, "Count of the closed stop, at which the pads' origins meet.", robotiq),
+          integer_spec("closed_at", "230", byte, "Count of the closed stop, at which the pads' origins touch.", robotiq),
           number_spec("slowest", Quantity::speed, "20 mm/s", positive, "Speed of the opening at speed register 0.", robotiq),
           number_spec("fastest", Quantity::speed, "150 mm/s", positive, "Speed of the opening at speed register 255.", robotiq),
           number_spec("acceleration", Quantity::acceleration, "0.5 m/s2", positive, "Acceleration of the opening.", "assumed"),
@@ -143,7 +144,7 @@ Entry grip_entry() {
           number_spec("phase", Quantity::time, "0 ms", non_negative, "Time of the first read.", "assumed"),
           integer_spec("dead_band", "0", byte, "Largest change of position, in counts, for which a command is ignored.",
                        "assumed: 0; a driver of another make ignores small changes"),
-          flag_spec("wrap", "false", "Whether a number beyond a byte wraps to its low byte; otherwise it is refused.",
+          flag_spec("wrap", "false", "True: a command beyond a byte wraps to its low byte; false: it is an error.",
                     "free; the published loop's 8-bit adder wraps"),
       }};
 }
@@ -151,7 +152,7 @@ Entry grip_entry() {
 Entry box_entry() {
   return {
       .name = "box",
-      .summary = "The box that a grasp lifts. It stands on a table; the pads meet two of its sides.",
+      .summary = "The box that a grasp lifts. It stands on a table; the pads grip two of its sides.",
       .law = "",
       .source = "neither the paper nor its data gives mass and size of the published boxes",
       .parameters = {
@@ -164,26 +165,26 @@ Entry box_entry() {
           vector_spec(2, "position", Quantity::length, "[0 mm, 0 mm]", any_value,
                       "Position of the box's middle from the middle between the fingers: along the closing direction, sideways.",
                       "assumed"),
-          number_spec("weight", Quantity::mass, "0 g", non_negative, "Mass of a weight put into the box, beside the box's own.",
-                      "free"),
+          number_spec("weight", Quantity::mass, "0 g", non_negative,
+                      "Mass of a weight in the box, in addition to the box's own mass.", "free"),
           vector_spec(3, "weight_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
-                      "Place of the weight, a point, from the box's middle.", "free"),
+                      "Position of the weight, a point mass, from the box's middle.", "free"),
           number_spec("table_friction", Quantity::none, "0.5", {0.0, 100.0}, "Friction coefficient between box and table.",
                       "assumed"),
           number_spec("table_stiffness", Quantity::stiffness, "100 N/mm", positive,
                       "Stiffness of the table under the four corners of the box together.",
                       "assumed: a box of 0.2 kg sinks in by 0.02 mm"),
           table_spec(4, "push", {{"t", Quantity::time}, {"x", Quantity::force}, {"y", Quantity::force}, {"z", Quantity::force}},
-                     "Force from outside on the box over time, along the world's axes, straight between the rows.", "free"),
+                     "External force on the box over time, along the world's axes, linear between the rows.", "free"),
           vector_spec(3, "push_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
-                      "Where the push acts, from the box's middle.", "free"),
+                      "Point where the push acts, from the box's middle.", "free"),
       }};
 }
 
 Entry scatter_entry() {
   return {
       .name = "scatter",
-      .summary = "What differs from trial to trial of a grasp. A scene without the key has none.",
+      .summary = "Random variation between the trials of a grasp; none without this key.",
       .law = "",
       .source = "assumed: spreads of a hand-placed box",
       .parameters = {
@@ -196,11 +197,11 @@ Entry scatter_entry() {
                       "Standard deviation of each coordinate of the centre of mass.", "assumed"),
           number_spec(
               "width", Quantity::length, "0.374 mm", non_negative,
-              "Largest growth of the box's width, drawn evenly from 0. The default is one count, so no grip force is preferred.",
+              "Largest increase of the box's width, drawn uniformly from 0. The default is one count, so that no grip force is preferred.",
               "assumed"),
           number_spec("friction", Quantity::none, "0.1", {0.0, 2.0}, "Standard deviation of the logarithm of the pads' friction.",
                       "assumed"),
-          flag_spec("phase", "true", "Whether the loop's phase is drawn from its whole period.", "assumed"),
+          flag_spec("phase", "true", "True: the loop's phase is drawn uniformly from its period.", "assumed"),
       }};
 }
 
@@ -221,19 +222,18 @@ Grasp draw_grasp(const GraspScene& scene, std::uint64_t seed, std::uint64_t tria
   grasp.opening = grasp.box_size.x() + 2.0 * (grip.number("clearance") + std::abs(grasp.box_position.x()));
   const double widest = static_cast<double>(grip.integer("closed_at") - grip.integer("open_at")) * grip.number("count");
   if (widest <= 0.0) {
-    throw SceneValueError("grip.open_at", fmt::format("{} is not open: the fingers are closed at {}; allowed: less than that",
-                                                      grip.integer("open_at"), grip.integer("closed_at")));
+    throw SceneValueError("grip.open_at", fmt::format("{} must be less than grip.closed_at, {}", grip.integer("open_at"),
+                                                      grip.integer("closed_at")));
   }
   if (grasp.opening > widest) {
     throw SceneValueError(
         "box.size",
-        fmt::format("a box of {} with its clearance does not fit between the fingers; allowed: {} in all",
-                    format_quantity(grasp.box_size.x(), Quantity::length), format_quantity(widest, Quantity::length)));
+        fmt::format("a box of {} with its clearance does not fit between the fingers; allowed: up to {} including the clearance",
+                    readable_quantity(grasp.box_size.x(), Quantity::length), readable_quantity(widest, Quantity::length)));
   }
   const Eigen::Vector3d beyond = grasp.box_position.cwiseAbs() - 0.5 * grasp.box_size;
   if (beyond.y() > 0.0 || beyond.z() > 0.0) {
-    throw SceneValueError("box",
-                          "the middle of the pads is beside the box; allowed: grip.height and box.position such that it is not");
+    throw SceneValueError("box", "the middle of the pads is beside the box; change grip.height or box.position");
   }
   return grasp;
 }
@@ -309,14 +309,17 @@ Gripper::Gripper(const Parameters& grip, double opening, double phase, std::vect
       target_(position_.at(0.0).position),
       force_limit_(weakest_) {
   if (const double start = closed_at_ - (opening - wander(0.0)) / count_; !drift_.empty() && start < open_at_ - 1.0) {
-    throw SceneValueError("grip.drift", fmt::format("{} opens the fingers {} beyond their stop at the start; allowed: less",
-                                                    format_quantity(grip.number("drift"), Quantity::length),
-                                                    format_quantity((open_at_ - start) * count_, Quantity::length)));
+    throw SceneValueError("grip.drift",
+                          fmt::format("{} opens the fingers by {} beyond their stop at the start; use a smaller drift",
+                                      format_quantity(grip.number("drift"), Quantity::length),
+                                      readable_quantity((open_at_ - start) * count_, Quantity::length)));
   }
   if (write_after_ >= period_) {
-    throw SceneValueError("grip.write_after", format_quantity(write_after_, Quantity::time) +
-                                                  " after its read comes the next read; allowed: less than the period of " +
-                                                  format_quantity(period_, Quantity::time));
+    throw SceneValueError(
+        "grip.write_after",
+        format_quantity(write_after_, Quantity::time) +
+            " is too late: the write after a read must come before the next read; allowed: less than the period, " +
+            format_quantity(period_, Quantity::time));
   }
 }
 

@@ -10,7 +10,7 @@ namespace slipbench {
 Push::Push(NumberTable rows) : rows_(std::move(rows)) {
   const std::vector<std::vector<double>>& all = rows_.rows;
   if (!all.empty() && all.front()[0] == all.back()[0])
-    throw SceneValueError("box.push", "has rows at one time alone; needed: two times or more, between which a force acts");
+    throw SceneValueError("box.push", "has rows at a single time; it needs at least two times, between which the force acts");
   check_times(rows_, "box.push");
 }
 

@@ -8,6 +8,7 @@
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 Guided::Guided(const Parameters& parameters)
@@ -20,9 +21,10 @@ Guided::Guided(const Parameters& parameters)
 void Guided::write(double time, const ArmCommand& command) {
   for (const double speed : {command.sideways, command.up}) {
     if (std::abs(speed) <= speed_) continue;
-    throw SceneValueError("motion.top_speed",
-                          fmt::format("the command of the arm has a speed of {} at {:.6g} s; allowed: up to {}",
-                                      format_quantity(speed, Quantity::speed), time, format_quantity(speed_, Quantity::speed)));
+    throw SceneValueError(
+        "motion.top_speed",
+        fmt::format("at {1:.6g} s the controller commanded an arm speed of {0}; allowed: up to {2}",
+                    readable_quantity(speed, Quantity::speed), time, readable_quantity(speed_, Quantity::speed)));
   }
   const double acts = time + latency_;
   // The same velocity again is not a change: a profile would otherwise grow with every write.
@@ -46,13 +48,12 @@ MotionKind guided_motion() {
   return {
       {"guided",
        "The arm of a grasp moves at the speed that the controller commands, sideways and up.",
-       "from `latency` after a write on, each velocity changes at `top_acceleration` to the commanded one and stays there\nbefore the first command the arm is at rest",
+       "`latency` after a write, each velocity begins to change at `top_acceleration` to the commanded velocity and then stays constant\nbefore the first command the arm is at rest",
        "a robot's velocity interface; integrated exactly",
        {number_spec("top_speed", Quantity::speed, "100 mm/s", positive_up_to(10.0),
-                    "Highest speed that a controller may command; a higher one is refused.", "assumed"),
+                    "Highest speed that a controller may command; a higher speed is an error.", "assumed"),
         number_spec("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "Acceleration of either axis.", "assumed"),
-        number_spec("latency", Quantity::time, "8 ms", non_negative,
-                    "Time from a write of the loop until the arm begins to obey.",
+        number_spec("latency", Quantity::time, "8 ms", non_negative, "Time from a write of the loop until the arm responds.",
                     "assumed: one period of the 125 Hz at which a UR5-CB2 takes commands")}},
       created<Guided>};
 }

@@ -17,31 +17,32 @@ constexpr const char* simulation = "Dynamically Reconfigurable Tactile Sensor fo
 
 // The ranges exceed any real bench: a number outside is a typing error.
 Entry press_entry() {
-  return {"press",
-          "A stage presses the pad onto the surface, holds it and slowly retreats, while forces move what it touches.",
-          "height: trapezoids from +gap to -compression and, from `retreat` on, back to +gap; measured at the pad's origin\n"
-          "The pad stands at `offset`, turned by Rz(yaw) Ry(tilt y) Rx(tilt x), and never moves sideways.",
-          std::string(simulation) + ", section V (slow release); constant accelerations, integrated exactly",
-          {
-              number_spec("compression", Quantity::length, "0.8 mm", positive_up_to(0.1),
-                          "How far the stage goes below the touch of the pad's origin.", "assumed: 8 N on springs of 10 N/mm"),
-              vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-1.0, 1.0}, "Where the pad stands over the surface.",
-                          "assumed: aligned; the paper's rotational slip has 31.75 mm"),
-              number_spec("yaw", Quantity::angle, "0 deg", any_value, "How far the pad is turned about the vertical.",
-                          "assumed: aligned"),
-              vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5}, "Tilt of the pad about its X and Y axis.",
-                          "assumed: aligned"),
-              number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the pad's origin above the surface at t = 0.",
-                          "assumed"),
-              number_spec("approach_speed", Quantity::speed, "1 mm/s", positive_up_to(10.0), "Speed of pressing.", "assumed"),
-              number_spec("begin", Quantity::time, "0 s", non_negative, "When the pad begins to come down.", "assumed"),
-              number_spec("retreat", Quantity::time, "inf", positive_or_infinite, "When the pad begins to retreat; inf: never.",
-                          "assumed"),
-              number_spec("retreat_speed", Quantity::speed, "0.03 mm/s", positive_up_to(10.0), "Speed of the retreat.",
-                          std::string(simulation) + ", section V"),
-              number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
-                          "Limit for both moves; inf: speeds change at once.", "assumed: as the motion stage"),
-          }};
+  return {
+      "press",
+      "A stage presses the pad onto the surface, holds it and slowly retreats, while forces move what it touches.",
+      "height: trapezoids from +gap to -compression and, from `retreat` on, back to +gap; measured at the pad's origin\n"
+      "The pad stands at `offset`, turned by Rz(yaw) Ry(tilt y) Rx(tilt x), and never moves sideways.",
+      std::string(simulation) + ", section V (slow release); constant accelerations, integrated exactly",
+      {
+          number_spec("compression", Quantity::length, "0.8 mm", positive_up_to(0.1),
+                      "Compression: how far the stage moves on after the pad's origin touches.",
+                      "assumed: 8 N on springs of 10 N/mm"),
+          vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-1.0, 1.0}, "Position of the pad over the surface.",
+                      "assumed: aligned; the paper's rotational slip has 31.75 mm"),
+          number_spec("yaw", Quantity::angle, "0 deg", any_value, "Rotation of the pad about the vertical.", "assumed: aligned"),
+          vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5}, "Tilt of the pad about its X and Y axis.",
+                      "assumed: aligned"),
+          number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the pad's origin above the surface at t = 0.",
+                      "assumed"),
+          number_spec("approach_speed", Quantity::speed, "1 mm/s", positive_up_to(10.0), "Speed of pressing.", "assumed"),
+          number_spec("begin", Quantity::time, "0 s", non_negative, "Time at which the pad begins to move down.", "assumed"),
+          number_spec("retreat", Quantity::time, "inf", positive_or_infinite,
+                      "Time at which the pad begins to retreat; inf: never.", "assumed"),
+          number_spec("retreat_speed", Quantity::speed, "0.03 mm/s", positive_up_to(10.0), "Speed of the retreat.",
+                      std::string(simulation) + ", section V"),
+          number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
+                      "Limit for both moves; inf: speeds change at once.", "assumed: as the motion stage"),
+      }};
 }
 
 class Press final : public Motion {
@@ -54,7 +55,7 @@ class Press final : public Motion {
     height_.move(p.number("begin"), -stroke, p.number("approach_speed"), p.number("acceleration"));
     if (!std::isfinite(retreat)) return;
     if (retreat < height_.end()) {
-      throw SceneValueError("motion.retreat", fmt::format("{} is too early; pressing ends at {:.6g} s, allowed is that or later",
+      throw SceneValueError("motion.retreat", fmt::format("{} is too early: pressing ends at {:.6g} s, so it must not be earlier",
                                                           format_quantity(retreat, Quantity::time), height_.end()));
     }
     height_.move(retreat, stroke, p.number("retreat_speed"), p.number("acceleration"));

@@ -12,6 +12,7 @@
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
 #include "sim/core/random.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {
@@ -25,19 +26,19 @@ constexpr const char* outline = "COMSOL model of the BioTac SP by bsadr: half-el
 Entry rub_entry() {
   return {
       "rub",
-      "A finger is pressed on a spot of its round skin; there it slides, turns or rests, by fits and starts.",
+      "A finger is pressed on a spot of its round skin; there it slides, turns or rests, in irregular bursts.",
       "skin: the lower half of an ellipsoid in the pad frame\n"
       "The spot (x, arc) has the parametric angle arc/mean(b, c) about X, counted towards +Y. The pad is rolled and pitched,\n"
       "Rz(yaw + turn) Ry Rx, until the spot is the skin's lowest point.\n"
       "p: Gaussian process of mean 0 and variance 1, white noise behind two equal low passes of corner f:\n"
       "E p(0) p(s) = (1 + a s) exp(-a s), a = 2 pi f\n"
-      "The time of p runs exp(warp p_w) times as fast, p_w: such a process with warp_corner. This makes fits and starts.\n"
+      "The time of p runs exp(warp p_w) times as fast, p_w: such a process with warp_corner. This makes the motion irregular.\n"
       "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): the skin stiffens towards the core\n"
       "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from site + offset to the skin's end; a rocking in place\n"
-      "way and turn: integrals of speed q and rotation q, q = max(0, drive + p_4), from start, approach and wait on\n"
-      "p_1 to p_3 are `rest` of that until then.\n"
+      "path and rotation: integrals of speed q and rotation q, q = max(0, drive + p_4), after start, approach and wait\n"
+      "Until then p_1 to p_3 are scaled by `rest`.\n"
       "The processes are drawn at knots of 10 ms. Between knots p is cubic with continuous rate, and q is straight.",
-      "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the process",
+      "chosen to fit the recordings of yayaneath/BioTacSP-DoS; exact transition of the process",
       {
           vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", {1e-3, 0.1},
                       "Half axes a, b, c of the skin's ellipsoid along the pad's X, Y, Z.", outline),
@@ -46,13 +47,13 @@ Entry rub_entry() {
           vector_spec(2, "site", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
                       "Spot of the skin that is pressed: X, and the arc around the finger from its lowest line.", "free"),
           vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-0.1, 0.1},
-                      "Offset added to the site, for what differs from trial to trial.", "free"),
+                      "Offset added to the site, to vary it between trials.", "free"),
           number_spec("compression", Quantity::length, "1.5 mm", positive_up_to(0.1),
                       "How far the skin's lowest point is below the surface.", fitted),
           number_spec("deepest", Quantity::length, "3.5 mm", positive_up_to(0.1), "Depth that no load exceeds.",
                       "assumed: the core is 2 to 3 mm below the skin (bsadr/biotac), and the skin on it yields"),
-          number_spec("effort", Quantity::none, "1", positive_up_to(20.0),
-                      "Factor on the compression: how hard this motion is pressed.", "free"),
+          number_spec("effort", Quantity::none, "1", positive_up_to(20.0), "Factor on the compression during this motion.",
+                      "free"),
           number_spec("skin_share", Quantity::none, "1", positive_up_to(1.0),
                       "Share of the compression by which the skin dents; the object dents by the rest. 1: the object is rigid.",
                       "free"),
@@ -76,13 +77,12 @@ Entry rub_entry() {
                       "Corner frequency of each low pass of the warping process.", fitted),
           number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1}, "Height of the spot above the surface until the start.",
                       "assumed"),
-          number_spec("start", Quantity::time, "50 ms", non_negative, "When the finger begins to come down.", "assumed"),
+          number_spec("start", Quantity::time, "50 ms", non_negative, "Time at which the finger begins to move down.", "assumed"),
           number_spec("approach", Quantity::time, "0.1 s", positive,
-                      "How long the finger takes to come down; after the wait q takes as long to rise to its own value.",
-                      "assumed"),
-          number_spec("wait", Quantity::time, "0 s", non_negative, "How long the finger rests on the surface before q rises.",
+                      "Duration of moving down; after the wait, q rises to its own value in the same time.", "assumed"),
+          number_spec("wait", Quantity::time, "0 s", non_negative, "Time that the finger rests on the surface before q rises.",
                       "free"),
-          number_spec("rest", Quantity::none, "1", fraction, "Share of wander and load_sd until then; it rises to 1 with q.",
+          number_spec("rest", Quantity::none, "1", fraction, "Share of wander and load_sd before q rises; it rises to 1 with q.",
                       "free"),
       }};
 }
@@ -320,9 +320,10 @@ class Rub final : public Motion {
   // Returns the space between a site and the end of the skin. Throws if no space is left.
   static double room(double site, double end, const char* what) {
     if (std::abs(site) < end) return end - std::abs(site);
-    throw SceneValueError("motion.site", fmt::format("with the offset leads {} along {}; allowed: less than {} on this skin",
-                                                     format_quantity(std::abs(site), Quantity::length), what,
-                                                     format_quantity(end, Quantity::length)));
+    throw SceneValueError(
+        "motion.site",
+        fmt::format("the site plus the offset is {} along {}; allowed: less than {} on this skin",
+                    readable_quantity(std::abs(site), Quantity::length), what, readable_quantity(end, Quantity::length)));
   }
 
   // Returns a coordinate of the spot.

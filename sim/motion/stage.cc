@@ -24,7 +24,7 @@ Entry stage_entry() {
       "height: trapezoid from +gap to -compression, measured at the tip of the tallest element; `clearance` raises both ends\n"
       "sideways: p(t) = pivot + s(t) [cos direction, sin direction] - R(theta(t)) pivot, s and theta trapezoids\n"
       "The pad moves along `direction`; the friction on the pad points the other way. The pivot moves along with the pad.\n"
-      "`travel` and `stop` both end the way sideways: `travel` by distance, `stop` by time.\n"
+      "`travel` and `stop` both end the sideways motion: `travel` by distance, `stop` by time.\n"
       "vibration: a force on every unit of the pad, along its normal. An axis that moves at v drives the frame with the mean\n"
       "square (1.6 mN level)^2 v/(10 mm/s). Half of it are lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half is noise of\n"
       "one pole at 200 v/lead. The frame has modes at 75, 130, 215, 330, 520 Hz (damping ratio 0.03 to 0.05); it passes on the\n"
@@ -45,50 +45,50 @@ Entry stage_entry() {
                       "assumed"),
           vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5},
                       "Tilt of the pad about its X and Y axes, constant throughout.",
-                      "assumed; the memory learnt from the published sequences knows no tilt (scenes/papillarray)"),
+                      "assumed; the memories learnt from the published sequences do not use the tilt (scenes/papillarray)"),
           number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
-                      "Limit for all straight moves; inf: speeds change at once.",
+                      "Limit for all linear motions; inf: speeds change at once.",
                       "assumed; about 40 mm/s2 fits the published sequences"),
           number_spec("angular_acceleration", Quantity::angular_acceleration, "500 deg/s2", positive_or_infinite,
-                      "Limit for turning; inf: the turning speed changes at once.", "assumed"),
+                      "Limit for rotation; inf: the angular speed changes at once.", "assumed"),
           number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1},
                       "Height of the pad's origin, the tallest tip, above the surface at t = 0.", "assumed"),
           number_spec("approach_speed", Quantity::speed, "4 mm/s", positive_up_to(10.0), "Speed of pressing and of lifting off.",
                       "assumed"),
-          number_spec("start", Quantity::time, "2 s", non_negative, "When the pad begins to slide and to turn.",
+          number_spec("start", Quantity::time, "2 s", non_negative, "Time at which the pad begins to slide and to rotate.",
                       "published sequences: motion starts at about 2.0 s"),
           number_spec("stop", Quantity::time, "inf", positive_or_infinite,
                       "Time after the start at which the pad brakes; inf: never.",
                       "published stop trials halt 50 to 100 ms after the start"),
           number_spec("travel", Quantity::length, "inf", positive_or_infinite,
-                      "Length of the way sideways, at whose end the pad rests; inf: `stop` decides.", "free"),
+                      "Length of the sideways motion, after which the pad rests; inf: `stop` decides.", "free"),
           integer_spec("strokes", "1", {1.0, 100.0}, "Number of strokes of length `travel`, alternately there and back.", "free"),
           number_spec("reverse", Quantity::time, "inf", positive_or_infinite,
                       "Time after the start at which the pad turns back; inf: never.", "assumed"),
           number_spec("retract", Quantity::time, "inf", positive_or_infinite,
-                      "When the pad lifts off by compression + gap; inf: never.", "assumed"),
+                      "Time at which the pad lifts off by compression + gap; inf: never.", "assumed"),
           number_spec("clearance", Quantity::length, "0 mm", {0.0, 0.1},
-                      "How much higher the whole motion takes place; with more than `compression` nothing is touched.", "free"),
-          number_spec(
-              "vibration", Quantity::none, "0", non_negative, "Level of the motors' vibration; 0: none.",
-              "0: no vibration unless asked for; levels of 1 to 4 resemble the published piezoelectric recordings, assumed"),
+                      "Height added to the whole motion; above `compression` the pad touches nothing.", "free"),
+          number_spec("vibration", Quantity::none, "0", non_negative, "Level of the motors' vibration; 0: none.",
+                      "0: no vibration; levels of 1 to 4 resemble the published piezoelectric recordings, assumed"),
           number_spec("vibration_sd", Quantity::none, "0.1", fraction,
                       "Standard deviation of ln(level) from one recording to the next.",
                       "assumed: all recordings are of one machine and resemble each other"),
           number_spec("vibration_in_contact", Quantity::none, "1.6", non_negative,
                       "Factor on the vibration while the pad touches something.",
-                      "assumed: in contact the bench passes the vibration on through the object, too"),
+                      "assumed: in contact the bench also transmits the vibration through the object"),
           vector_spec(3, "lead", Quantity::length, "[8 mm, 8 mm, 4 mm]", {1e-4, 0.1},
                       "Distance that each axis X, Y, Z of the bench moves in one turn of its spindle.",
                       "assumed: usual leads of ball screws"),
           number_spec("idle_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
-                      "Speed of a further axis that does not carry the pad; only its motor is heard.",
+                      "Speed of another axis that does not carry the pad; only its motor's vibration reaches the pad.",
                       "free: motors run without a slide"),
-          number_spec("idle_start", Quantity::time, "0 s", non_negative, "From when on that axis runs, until the end.", "free"),
+          number_spec("idle_start", Quantity::time, "0 s", non_negative,
+                      "Time at which that axis starts; it then runs until the end.", "free"),
           number_spec(
               "rest_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
-              "Speed at which an axis is as noisy as all motors are while they hold their position, times `vibration`; 0: silent at rest.",
-              "0: silent unless asked for; 1 to 3 mm/s at level 2 fit the mean spectrum of a real piezoelectric skin"),
+              "Speed at which an axis would be as noisy as all motors holding their position, times `vibration`; 0: silent at rest.",
+              "0: silent; 1 to 3 mm/s at level 2 fit the mean spectrum of a real piezoelectric skin"),
       }};
 }
 
@@ -108,29 +108,30 @@ class Stage final : public Motion {
 
     height_.move(0.0, -stroke, p.number("approach_speed"), acceleration);
     if (height_.end() > start) {
-      throw SceneValueError("motion.start", fmt::format("{} is too early; pressing ends at {:.6g} s, allowed is that or later",
+      throw SceneValueError("motion.start", fmt::format("{} is too early: pressing ends at {:.6g} s, so it must not be earlier",
                                                         format_quantity(start, Quantity::time), height_.end()));
     }
     if (reverse >= stop && std::isfinite(reverse)) {
       throw SceneValueError("motion.reverse",
-                            fmt::format("{} comes after motion.stop ({}); allowed is an earlier time",
+                            fmt::format("{} comes after motion.stop ({}); it must be earlier",
                                         format_quantity(reverse, Quantity::time), format_quantity(stop, Quantity::time)));
     }
     const double travel = p.number("travel");
     if (p.integer("strokes") > 1 && !std::isfinite(travel)) {
-      throw SceneValueError("motion.strokes", fmt::format("{} strokes have no length; allowed: 1, or motion.travel beside it",
-                                                          p.integer("strokes")));
+      throw SceneValueError("motion.strokes",
+                            fmt::format("{} strokes need a length: set motion.travel, or use 1 stroke", p.integer("strokes")));
     }
     if (std::isfinite(travel) && rate != 0.0) {
       throw SceneValueError("motion.rotation",
-                            "motion.travel ends the way and not the turn; allowed: 0 deg/s beside motion.travel");
+                            "motion.travel ends the sideways motion but not the rotation; with motion.travel it must be 0 deg/s");
     }
     if (std::isfinite(travel)) {
       if (std::isfinite(stop) || std::isfinite(reverse) || speed == 0.0) {
-        throw SceneValueError("motion.travel",
-                              format_quantity(travel, Quantity::length) +
-                                  (speed == 0.0 ? " is never gone at motion.speed 0" : " and a time both say where it ends") +
-                                  "; allowed: a speed, and neither motion.stop nor motion.reverse beside it");
+        throw SceneValueError(
+            "motion.travel",
+            format_quantity(travel, Quantity::length) +
+                (speed == 0.0 ? " is never reached at motion.speed 0; set a speed"
+                              : " cannot be combined with motion.stop or motion.reverse, since both end the motion"));
       }
       for (std::int64_t stroke = 0; stroke < p.integer("strokes"); ++stroke) {
         way_.move(stroke == 0 ? start : way_.end(), stroke % 2 == 0 ? travel : -travel, speed, acceleration);
@@ -145,7 +146,7 @@ class Stage final : public Motion {
     if (std::isfinite(retract)) {
       if (retract < start) {
         throw SceneValueError("motion.retract",
-                              fmt::format("{} comes before motion.start ({}); allowed is a later time",
+                              fmt::format("{} comes before motion.start ({}); it must be later",
                                           format_quantity(retract, Quantity::time), format_quantity(start, Quantity::time)));
       }
       height_.move(retract, stroke, p.number("approach_speed"), acceleration);

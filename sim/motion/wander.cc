@@ -26,17 +26,17 @@ Entry wander_entry() {
       "assumed: what \"applied randomized forces and moments manually\" (nib pad, IEEE RA-L 2020, section IV-A) may have been",
       {
           number_spec("compression", Quantity::length, "0.5 mm", positive_up_to(0.1), "Largest compression.", by_hand),
-          vector_spec(2, "shear", Quantity::length, "[0.4 mm, 0.4 mm]", {0.0, 0.1}, "Largest way to either side, along X and Y.",
-                      by_hand),
+          vector_spec(2, "shear", Quantity::length, "[0.4 mm, 0.4 mm]", {0.0, 0.1},
+                      "Largest displacement to either side, along X and Y.", by_hand),
           vector_spec(2, "tilt", Quantity::angle, "[2 deg, 2 deg]", {0.0, 0.5}, "Largest tilt, about X and Y.", by_hand),
-          number_spec("twist", Quantity::angle, "4 deg", {0.0, 0.5}, "Largest turn about the pad's normal.", by_hand),
+          number_spec("twist", Quantity::angle, "4 deg", {0.0, 0.5}, "Largest rotation about the pad's normal.", by_hand),
           number_spec("bandwidth", Quantity::frequency, "0.5 Hz", positive_up_to(100.0), "Highest frequency of the sines.",
                       by_hand),
           number_spec("gap", Quantity::length, "0.5 mm", {0.0, 0.1},
                       "Height of the pad's origin above the surface until the start.", "assumed"),
           number_spec("start", Quantity::time, "0.5 s", non_negative,
-                      "When the pad begins to come down; readings can be tared before.", "assumed"),
-          number_spec("approach", Quantity::time, "0.5 s", positive, "How long the pad takes to come down.", "assumed"),
+                      "Time at which the pad begins to move down; readings can be tared before.", "assumed"),
+          number_spec("approach", Quantity::time, "0.5 s", positive, "Duration of moving down.", "assumed"),
       }};
 }
 

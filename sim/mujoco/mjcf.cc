@@ -161,7 +161,7 @@ void check_file(const fs::path& path, const fs::path& root, Looked& looked, doub
       const bool names_file = key.starts_with("file");  // also of a cube's sides
       const std::size_t entity = value.find('&');
       if ((names_file || key.ends_with("dir")) && entity != std::string::npos && value.find(';', entity) != std::string::npos)
-        throw InputError(fmt::format("{}:{}: {} is {}; allowed: a name without entities", path.string(), tag.line, printable(key),
+        throw InputError(fmt::format("{}:{}: {} is {}; use a name without XML entities", path.string(), tag.line, printable(key),
                                      quote(value)));
       if (!names_file) continue;
       for_each_file(value, [&](const fs::path& found) {

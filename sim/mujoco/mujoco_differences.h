@@ -18,7 +18,7 @@ inline bool meet_mujoco() {
   const auto part = [](int size) { return std::to_string(mjVERSION_HEADER / size % base); };
   // Not mju_error: it may jump over the loader that is running a library's constructors, which
   // would then stay locked.
-  mju_warning("slipbench.field is for MuJoCo %s.%s.%s and not for %s, the one that is loaded: it stays unknown",
+  mju_warning("slipbench.field was built for MuJoCo %s.%s.%s, but %s is loaded: the plugin is not registered",
               part(base * base).c_str(), part(base).c_str(), part(1).c_str(), mj_versionString());
   return false;
 }

@@ -78,23 +78,23 @@ PluginLibrary::PluginLibrary(std::string part, std::string where, std::string ke
 
 PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where)
     : PluginLibrary(std::move(part), std::move(where), "library", "'" + path + "'") {
-  if (path == no_library) throw SceneValueError(key_, "no library is named; allowed: the path of a shared library");
+  if (path == no_library) throw SceneValueError(key_, "no library is given; expected the path of a shared library");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     const bool there = std::filesystem::exists(path, error);
-    throw SceneValueError(key_, (there ? name_ + " is no file" : "no file " + name_) + "; allowed: the path of a shared library");
+    throw SceneValueError(key_,
+                          name_ + (there ? " is not a file" : " does not exist") + "; expected the path of a shared library");
   }
   // a bare name would be searched for in the library path
   const std::string file = std::filesystem::absolute(path).string();
   {
     const std::lock_guard<std::mutex> lock(loader);
     const Stamp stamp = stamp_of(file);
-    if (stamps().emplace(file, stamp).first->second != stamp)
-      refuse("has changed since it was loaded; allowed: another start of the program");
+    if (stamps().emplace(file, stamp).first->second != stamp) refuse("has changed since it was loaded; restart the program");
     call("a constructor of the library", [&] { handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
     if (handle_ == nullptr) {
       stamps().erase(file);
-      throw SceneValueError(key_, "cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
+      throw SceneValueError(key_, "cannot load " + name_ + ": " + dlerror());
     }
   }
   check_build(own);
@@ -105,14 +105,13 @@ void PluginLibrary::refuse(const std::string& what) const { throw SceneValueErro
 
 void PluginLibrary::refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const {
   const std::string why(refusal, strnlen(refusal, sizeof refusal));
-  refuse("makes no " + part_ + " for this scene" +
-         (why.empty() ? "; allowed: a scene that it can work with" : ": " + quote(why)));
+  refuse("makes no " + part_ + " for this scene" + (why.empty() ? " and gives no reason" : ": " + quote(why)));
 }
 
 void* PluginLibrary::symbol(const std::string& name) const {
   void* const address = dlsym(handle_, name.c_str());
   if (address == nullptr) {
-    refuse("has no symbol '" + name + "'; allowed: a library that exports what " + part_ + "s/plugin_abi.h declares");
+    refuse("has no symbol '" + name + "'; it must export what " + part_ + "s/plugin_abi.h declares");
   }
   return address;
 }
@@ -144,27 +143,26 @@ std::vector<PluginLibrary::Values::Value> PluginLibrary::declared() {
        ++row) {
     values.push_back({bounded_text(row->name), bounded_text(row->text), bounded_text(row->unit), row->type, row->number});
   }
-  const std::string where = "declares in " + name + " ";
+  const std::string where = "has an invalid " + name + ": ";
   if (values.size() > max_parameters) {
-    refuse(where + "more than " + std::to_string(max_parameters) + " parameters; allowed: SLIPBENCH_NO_MORE as the last row");
+    refuse(where + "more than " + std::to_string(max_parameters) + " parameters; the last row must be SLIPBENCH_NO_MORE");
   }
   for (const Values::Value& value : values) {
     const std::string what = where + quote(value.name) + " ";
-    if (!is_identifier(value.name)) refuse(what + "as a name; allowed: letters, digits and '_', no digit first");
+    if (!is_identifier(value.name)) refuse(what + "is not a name; allowed: letters, digits and '_', no digit first");
     const auto same = [&](const Values::Value& other) { return other.name == value.name; };
-    if (std::ranges::count_if(values, same) != 1) refuse(what + "twice; allowed: each name once");
+    if (std::ranges::count_if(values, same) != 1) refuse(what + "is declared twice");
     if (value.type < SLIPBENCH_NUMBER || value.type > SLIPBENCH_BOOLEAN) {
-      refuse(what + "of type " + std::to_string(value.type) +
+      refuse(what + "has the type " + std::to_string(value.type) +
              "; allowed: SLIPBENCH_NUMBER, SLIPBENCH_TEXT, SLIPBENCH_BOOLEAN, which are 1, 2, 3");
     }
     if (value.type != SLIPBENCH_TEXT && !std::isfinite(value.number)) {
-      refuse(what + "with the default " + format_number(value.number) + "; allowed: a finite number");
+      refuse(what + "has the default " + format_number(value.number) + "; allowed: a finite number");
     }
     try {
       static_cast<void>(quantity_in(value.unit));
     } catch (const std::invalid_argument&) {
-      refuse(what + "in the unit " + quote(value.unit) +
-             "; allowed: an SI unit that scenes know, such as N, m, s, m/s, Hz, or none");
+      refuse(what + "has the unit " + quote(value.unit) + "; allowed: an SI unit of scenes, such as N, m, s, m/s or Hz, or none");
     }
   }
   return values;
@@ -261,9 +259,9 @@ void PluginSamples::forget() {
 }
 
 std::vector<ParameterSpec> plugin_specs() {
-  return {
-      path_spec("library", no_library, "The shared library.", "free"),
-      map_spec("parameters", "What the library declares as its parameters; left out, each is at the library's default.", "free")};
+  return {path_spec("library", no_library, "The shared library.", "free"),
+          map_spec("parameters", "Parameters that the library declares; a parameter that is left out has the library's default.",
+                   "free")};
 }
 
 }  // namespace slipbench

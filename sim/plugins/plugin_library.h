@@ -75,7 +75,7 @@ class PluginLibrary {
     } catch (...) {
       thrown = "an exception";
     }
-    refuse("threw " + thrown + " in " + function + "; allowed: no exceptions");
+    refuse("threw " + thrown + " in " + function + ", but a plugin must not throw");
   }
 
   // Throws SceneValueError at `where`.library, or .type, with the text "'mine.so' " and `what`.

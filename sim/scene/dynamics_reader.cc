@@ -30,8 +30,8 @@ class DynamicsReader : EntryReader {
 
   void read(const YamlNode& root, Scene& scene) {
     if (const YamlNode* node = root.find("model")) {
-      const std::string& file = text_of(*node, "model", "the path of an MJCF file, from the scene's own folder");
-      if (file.empty()) fail(node->origin, "model is empty; allowed: the path of an MJCF file, from the scene's own folder");
+      const std::string& file = text_of(*node, "model", "the path of an MJCF file relative to the scene's folder");
+      if (file.empty()) fail(node->origin, "model is empty; expected the path of an MJCF file relative to the scene's folder");
       scene.model = resolved_path(*node);
       record("model", file);
     }
@@ -41,8 +41,8 @@ class DynamicsReader : EntryReader {
       return;
     }
     if (scene.grasp && scene.fidelity == "articulated") {
-      fail(root.find("fidelity")->origin,
-           "fidelity: " + quote(scene.fidelity) + " stands beside no table; a grasp allows: field, mujoco_contact");
+      fail(root.find("fidelity")->origin, "fidelity: " + quote(scene.fidelity) +
+                                              " cannot simulate the table of a grasp; allowed in a grasp: field, mujoco_contact");
     }
     if (const YamlNode* node = root.find("surface")) check_keys(*node, "surface of a scene with bodies", {"material"});
     if (const YamlNode* node = root.find("gravity")) scene.gravity = number(node, "gravity", gravity_spec);
@@ -52,7 +52,7 @@ class DynamicsReader : EntryReader {
                                                 : FieldSolver::automatic;
     if (solver == "implicit" && scene.fidelity != "field") {
       fail(root.find("field_solver")->origin,
-           "field_solver: 'implicit' is for pads as fields; with 'fidelity: " + scene.fidelity + "' leave it out");
+           "field_solver: 'implicit' needs 'fidelity: field'; with 'fidelity: " + scene.fidelity + "' leave it out");
     }
     scene.integrator = read_integrator(find_kept(root, "integrator"), scene);
     if (const YamlNode* node = root.find("controls")) scene.controls = read_controls(*node);
@@ -70,14 +70,15 @@ class DynamicsReader : EntryReader {
     }
     if (const YamlNode* node = root.find("motion"); node != nullptr && !any_on_stage) {
       fail(node->key_origin,
-           "motion moves the sensors that have no 'site', and every sensor of this scene has one; leave it out");
+           "motion moves the sensors without a 'site', but every sensor of this scene has one; leave motion out");
     }
   }
 
  private:
   HoldScene read_hold(const YamlNode& node, const Scene& scene) {
     if (scene.grasp)
-      fail(node.key_origin, "'hold' has no place in a grasp, a scene with 'grip' or 'box': its outcome says 'dropped'");
+      fail(node.key_origin,
+           "'hold' cannot be used in a grasp (a scene with 'grip' or 'box'), whose outcome already says 'dropped'");
     require_map(node, "hold", "'body', 'against', 'from' and 'within'");
     check_keys(node, "hold", {"against", "body", "from", "within"});
     const auto name = [&](const char* key, const std::string& allowed) {
@@ -88,13 +89,13 @@ class DynamicsReader : EntryReader {
     HoldScene hold{name("body", "the name of a body"), name("against", "the name of a sensor or of a body"), 0.0, 0.0};
     if (hold.against == hold.body) {
       fail(node.find("against")->origin,
-           "hold.against: " + quote(hold.against) + " is the body itself; allowed: what holds it, a sensor or another body");
+           "hold.against: " + quote(hold.against) + " is the body itself; expected what holds it: a sensor or another body");
     }
     hold.from = number(node.find("from"), "hold.from", hold_from_spec);
     hold.within = number(node.find("within"), "hold.within", hold_within_spec);
     if (hold.from >= scene.duration) {
       fail(node.find("from")->origin, "hold.from: " + format_quantity(hold.from, Quantity::time) +
-                                          " is the trial's end or later; allowed: less than " +
+                                          " is not before the end of the trial; allowed: less than " +
                                           format_quantity(scene.duration, Quantity::time));
     }
     return hold;
@@ -106,17 +107,16 @@ class DynamicsReader : EntryReader {
     if (node == nullptr) return {};
     const std::string name = std::get<std::string>(value(node, "integrator", integrator_spec));
     const auto refuse = [&](const std::string& why) { fail(node->origin, "integrator: " + quote(name) + " " + why); };
-    if (scene.contact) refuse("is for pads as fields; allowed with 'fidelity: " + scene.fidelity + "': contact.integrator");
-    if (scene.fidelity != "field") refuse("is for pads as fields; 'fidelity: " + scene.fidelity + "' has its own, discrete");
+    if (scene.contact) refuse("needs 'fidelity: field'; with 'fidelity: " + scene.fidelity + "' use contact.integrator");
+    if (scene.fidelity != "field") refuse("needs 'fidelity: field'; 'fidelity: " + scene.fidelity + "' always uses discrete");
     if (scene.grasp && name == "RK4") {
       refuse(
-          "takes four stages a step, and the springs of a grasp's fingers pull the same through all of them; a grasp allows: Euler, implicit, implicitfast, discrete");
+          "has four stages in a step, but the fingers' springs of a grasp are constant within a step; allowed in a grasp: Euler, implicit, implicitfast, discrete");
     }
     if (scene.grasp && scene.field_solver == FieldSolver::implicit_springs) {
-      refuse(
-          "takes no implicit springs of a grasp, which step by themselves; allowed: one of 'integrator' and 'field_solver: implicit'");
+      refuse("cannot be combined with 'field_solver: implicit' in a grasp, which has its own integrator");
     }
-    if (scene.implicit_fields() && name != "discrete") refuse("does not solve implicit fields; allowed with them: discrete");
+    if (scene.implicit_fields() && name != "discrete") refuse("cannot be combined with 'field_solver: implicit'; use discrete");
     return name;
   }
 
@@ -133,20 +133,21 @@ class DynamicsReader : EntryReader {
       const YamlNode* ahead = node.find("ahead");
       const std::string path = "sensors." + sensor.name;
       if (follows == nullptr && ahead != nullptr)
-        fail(ahead->key_origin, "'ahead' in " + path + " is for a sensor that says 'follows'; leave it out");
+        fail(ahead->key_origin, "'ahead' in " + path + " applies only to a sensor with 'follows'; leave it out");
       if (follows == nullptr) continue;
-      const std::string& name = text_of(*follows, path + ".follows", "the name of a sensor that has a pad of its own");
+      const std::string& name = text_of(*follows, path + ".follows", "the name of a sensor with its own pad");
       if (std::ranges::find(pads, name) == pads.end()) {
-        fail(follows->origin, path + ".follows: no pad " + quote(name) + allowed_names(name, pads));
+        fail(follows->origin, path + ".follows: unknown pad " + quote(name) + allowed_names(name, pads));
       }
       for (const std::string_view key : {"damping", "site", "touches"}) {
         if (const YamlNode* found = node.find(key)) {
-          fail(found->key_origin, quote(key) + " in " + path + " is that of the pad that it follows; leave it out");
+          fail(found->key_origin, quote(key) + " in " + path + " is taken from the pad that it follows; leave it out");
         }
       }
       if (scene.fidelity != "field") {
-        fail(follows->key_origin,
-             "'follows' in " + path + ": an articulated pad has no field to be read beside it; allowed with 'fidelity: field'");
+        fail(
+            follows->key_origin,
+            "'follows' in " + path + " needs 'fidelity: field': an articulated pad has no field that a second sensor could read");
       }
       record(path + ".follows", name);
       sensor.follows = name;
@@ -159,20 +160,19 @@ class DynamicsReader : EntryReader {
     const std::string path = "sensors." + node.key;
     if (!scene.sensors.front().follows.empty()) {
       fail(node.find("follows")->key_origin,
-           "'follows' in " + path +
-               ": the first sensor of a grasp has the pad on the finger that feels; allowed: one that follows none");
+           "'follows' in " + path + ": the first sensor of a grasp has its own pad on the finger, so it cannot follow another");
     }
     for (std::size_t i = 1; i < scene.sensors.size(); ++i) {
       if (!scene.sensors[i].follows.empty()) continue;
       fail(sensors.children[i].key_origin,
            "sensors." + scene.sensors[i].name +
-               " has no place of its own: a finger carries one pad; allowed beside it: sensors that say 'follows: " + node.key +
+               " would be a second pad on the finger, which carries only one; it must follow another pad: 'follows: " + node.key +
                "' or 'follows: " + std::string(second_pad_name) + "'");
     }
     for (const std::string_view key : {"site", "touches"}) {
       if (const YamlNode* found = node.find(key)) {
         fail(found->key_origin,
-             quote(key) + " in " + path + " is given in a grasp: the sensor is on a finger and touches the box");
+             quote(key) + " in " + path + " is fixed in a grasp: the sensor is on a finger and touches the box; leave it out");
       }
     }
     scene.sensors.front().damping = number(node.find("damping"), path + ".damping", damping_spec);
@@ -183,7 +183,7 @@ class DynamicsReader : EntryReader {
       for (const std::string_view key : keys) {
         if (const YamlNode* node = find_kept(map, key)) {
           const bool in_grasps = std::ranges::find(keys_of_models, key) == keys_of_models.end();
-          fail(node->key_origin, quote(key) + where + " needs bodies moved by forces: a scene with " +
+          fail(node->key_origin, quote(key) + where + " needs bodies moved by forces, that is a scene with " +
                                      (in_grasps ? "'box', 'model' or 'bodies'" : "'model' or 'bodies'"));
         }
       }
@@ -196,7 +196,7 @@ class DynamicsReader : EntryReader {
   std::vector<BodyScene> read_bodies(const YamlNode& node) {
     const std::string example = "bodies, such as 'box: {shape: box}'";
     require_map(node, "bodies", example);
-    if (node.children.empty()) fail(node.origin, "bodies is empty; allowed: a map of " + example);
+    if (node.children.empty()) fail(node.origin, "bodies is empty; expected a map of " + example);
     std::vector<BodyScene> bodies;
     for (const YamlNode& child : node.children) {
       const std::string path = named_part(child, "bodies", "body", "'shape' and parameters", "shape", catalogues_.bodies);
@@ -240,7 +240,7 @@ class DynamicsReader : EntryReader {
         for (std::size_t i = 0; i < child.children.size(); ++i) {
           control.points.push_back(read_control_point(child.children[i], path + "." + std::to_string(i)));
           if (i > 0 && !(control.points[i].time > control.points[i - 1].time)) {
-            fail(child.children[i].origin, path + "." + std::to_string(i) + ": the times do not ascend; allowed: later than " +
+            fail(child.children[i].origin, path + "." + std::to_string(i) + ": the times must ascend; allowed: later than " +
                                                format_quantity(control.points[i - 1].time, Quantity::time));
           }
         }
@@ -293,7 +293,8 @@ const YamlNode* find_kept(const YamlNode& root, std::string_view key) {
 std::string named_part(const YamlNode& node, const std::string& list, const std::string& what, const std::string& allowed,
                        const std::string& selector, const std::vector<Entry>& entries) {
   if (!is_identifier(node.key))
-    fail(node.key_origin, quote(node.key) + " cannot name a " + what + "; allowed: letters, digits and '_', no digit first");
+    fail(node.key_origin,
+         quote(node.key) + " is not a valid name of a " + what + "; allowed: letters, digits and '_', no digit first");
   const std::string path = list + "." + node.key;
   require_map(node, path, allowed);
   if (node.find(selector) == nullptr)

@@ -21,7 +21,7 @@ std::string allowed_form(const ParameterSpec& spec) {
     case ParameterType::flag: return "true or false";
     case ParameterType::choice: return "a name such as " + spec.default_text;
     case ParameterType::vector: return "a sequence of " + std::to_string(spec.size) + " such as " + spec.default_text;
-    case ParameterType::path: return "a path from the scene's own folder, or " + spec.default_text;
+    case ParameterType::path: return "a path relative to the scene's folder, or " + spec.default_text;
     case ParameterType::map:
       return spec.choices.empty() ? "a map of numbers, texts and booleans such as {threshold: 0.3}"
                                   : "a map of names such as {a: " + spec.choices.front() + "}";
@@ -154,7 +154,8 @@ Parameters::Value EntryReader::map(const YamlNode& node, const std::string& path
   ParameterMap entries;
   for (const YamlNode& child : node.children) {
     if (!is_identifier(child.key)) {
-      fail(child.key_origin, quote(child.key) + " cannot name a parameter; allowed: letters, digits and '_', no digit first");
+      fail(child.key_origin,
+           quote(child.key) + " is not a valid name of a parameter; allowed: letters, digits and '_', no digit first");
     }
     const std::string entry_path = path + "." + child.key;
     const std::string& text = text_of(child, entry_path, "a number, a text, true or false");
@@ -178,7 +179,7 @@ Parameters::Value EntryReader::table(const YamlNode* node, const std::string& pa
   const YamlNode rows = in_file ? read_csv(resolved_path(*node), spec.columns, node->origin) : *node;
   if (rows.kind != YamlNode::Kind::sequence || rows.children.empty())
     fail(rows.origin, path + " is " + described(rows) + "; allowed: " + allowed_form(spec));
-  std::string needed = spec.columns.empty() ? "as many numbers as the first row" : "";
+  std::string needed = spec.columns.empty() ? "as many numbers as in the first row" : "";
   for (std::size_t i = 0; i < spec.columns.size(); ++i) {
     needed += (i == 0 ? "" : ", ") + spec.columns[i].name + (i < spec.size ? "" : " or none");
   }
@@ -276,7 +277,7 @@ const std::vector<ParameterSpec>& accuracy_specs() {
 std::optional<AccuracyScene> AccuracyReader::read(const YamlNode& root) {
   const YamlNode* node = root.find("accuracy");
   if (node == nullptr || (node->kind == YamlNode::Kind::scalar && node->text == "none")) return std::nullopt;
-  require_map(*node, "accuracy", "what may be wrong by how much, such as 'onset: 1 %', or none");
+  require_map(*node, "accuracy", "largest errors, such as 'onset: 1 %', or none");
   const std::vector<ParameterSpec>& specs = accuracy_specs();
   check_keys(*node, "accuracy", names_of(specs));
   if (node->children.empty())
@@ -284,7 +285,7 @@ std::optional<AccuracyScene> AccuracyReader::read(const YamlNode& root) {
   for (const std::string_view key : settings) {
     const YamlNode* setting = root.find(key);
     if (setting == nullptr || (setting->kind == YamlNode::Kind::scalar && setting->text == "auto")) continue;
-    fail(setting->key_origin, quote(key) + " is found for a scene that says its accuracy; allowed: one of the two");
+    fail(setting->key_origin, quote(key) + " cannot be combined with 'accuracy', which finds it; leave one of them out");
   }
   AccuracyScene accuracy;
   for (const ParameterSpec& spec : specs) {
@@ -296,7 +297,7 @@ std::optional<AccuracyScene> AccuracyReader::read(const YamlNode& root) {
 }
 
 ExpectScene ExpectationReader::read(const YamlNode& node, const Scene& scene, const std::vector<ExpectationEntry>& catalogue) {
-  require_map(node, "expect", "what must come out, such as 'gross_slip_by: 1.0 s'");
+  require_map(node, "expect", "expectations, such as 'gross_slip_by: 1.0 s'");
   std::vector<std::string_view> keys = names_of(catalogue);
   keys.insert(keys.end(), {"confidence", "control"});
   std::ranges::sort(keys);
@@ -323,7 +324,8 @@ Named ExpectationReader::read_expectation(const YamlNode& node, const Scene& sce
     return expectation;
   }
   if (node.find(limit.name) == nullptr) {
-    fail(node.origin, "no key 'limit' in " + path + "; it says what is allowed, such as 'limit: " + limit.default_text + "'");
+    fail(node.origin,
+         "no key 'limit' in " + path + "; it gives the bound of the expectation, such as 'limit: " + limit.default_text + "'");
   }
   return {entry.name, parameters(&node, path, path, entry, {})};
 }
@@ -331,7 +333,8 @@ Named ExpectationReader::read_expectation(const YamlNode& node, const Scene& sce
 std::string ExpectationReader::read_control(const YamlNode* node, const Scene& scene) {
   if (node == nullptr) return scene.controller ? negative_control : "";
   if (std::get<std::string>(value(node, "expect.control", control_spec)) == "none") return "";
-  if (!scene.controller) fail(node->origin, "expect.control stands in for a controller, and the scene has none; allowed: none");
+  if (!scene.controller)
+    fail(node->origin, "expect.control replaces the controller, but the scene has no controller; leave it out");
   return negative_control;
 }
 

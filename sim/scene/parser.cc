@@ -95,8 +95,8 @@ void refuse_idle(const YamlNode& scene, const Sweep& sweep, std::size_t entry, c
   sweep.apply_one(root, entry, 0, 0);
   const std::string replacements = replacements_in(root, name);
   if (replacements.empty()) return;  // the values themselves are equal
-  fail(swept.origin, "sweep." + swept.path + " changes nothing: what " + quote(name.path) + " stands for is replaced by " +
-                         replacements + "; allowed: a sweep of those, or a scene without them");
+  fail(swept.origin, "sweep." + swept.path + " has no effect: the friction of " + quote(name.path) + " is replaced by " +
+                         replacements + "; sweep those instead, or leave them out");
 }
 
 void refuse_idle(const YamlNode& scene, const Sweep& sweep, const Catalogues& catalogues) {
@@ -104,7 +104,7 @@ void refuse_idle(const YamlNode& scene, const Sweep& sweep, const Catalogues& ca
     const std::vector<std::string> leaves = leaves_of(swept);
     const bool of_words = std::ranges::all_of(leaves, [](const std::string& leaf) { return leaf == "description"; });
     if (swept.values.size() > 1 && of_words && !leaves.empty())
-      fail(swept.origin, "a sweep of 'description' changes nothing: it is for readers; allowed: other keys with it");
+      fail(swept.origin, "a sweep of 'description' alone has no effect; sweep other keys too");
   }
   for (const NamedFigures& name : named_figures(catalogues)) {
     for (std::size_t entry = 0; entry < sweep.paths().size(); ++entry) {

@@ -21,7 +21,7 @@ constexpr std::string_view contact_fidelity = "mujoco_contact";
 constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
 
 constexpr std::array<SceneKey, 28> keys{{
-    {"accuracy", "Largest errors that the results may have, from which the step is found; none: the step is given."},
+    {"accuracy", "Largest errors that the results may have; the time step is chosen accordingly. none: time_step applies."},
     {"bodies", "Bodies that forces move, by their names."},
     {"box", "The box that a grasp lifts."},
     {"contact", "MuJoCo's own contact, with fidelity: mujoco_contact."},
@@ -31,24 +31,24 @@ constexpr std::array<SceneKey, 28> keys{{
     {"detector", "The slip detector and the sensor that it reads."},
     {"duration", "Length of a trial."},
     {"effects", "Effects of the contact beyond Coulomb friction: names, or one {name: {parameters}} each."},
-    {"expect", "What must come out of the trials."},
+    {"expect", "Expected results of the trials, for `slipbench check`."},
     {"fidelity", "Model of the pads."},
-    {"field_solver", "How the pads' springs enter a step."},
-    {"friction", "Coefficients of friction in place of the material's, and a factor on both."},
+    {"field_solver", "How the time step treats the pads' springs."},
+    {"friction", "Coefficients of friction that replace the material's, and a factor on both."},
     {"gravity", "Acceleration of gravity, downwards."},
     {"grip", "How a grasp's fingers close and hold."},
-    {"hold", "A body that must not move against what holds it."},
+    {"hold", "A body that must not move relative to what holds it."},
     {"integrator", "How MuJoCo steps the bodies."},
-    {"model", "Path of an MJCF file with bodies and actuators, from the scene's own folder."},
+    {"model", "Path of an MJCF file with bodies and actuators, relative to the scene's folder."},
     {"motion", "How the pad or the arm moves."},
-    {"scatter", "What the trials of a grasp draw at random."},
-    {"seed", "Of all random numbers; 0 where it is left out."},
+    {"scatter", "Random variation between the trials of a grasp."},
+    {"seed", "Seed of all random numbers (default: 0)."},
     {"sensors", "The sensors by their names."},
     {"slipbench", "Version of the schema: 1."},
-    {"split", "How a dataset of the trials is divided for learning."},
+    {"split", "How a dataset of the trials is divided into train, valid and test."},
     {"surface", "Shape and material of what the sensors touch."},
     {"sweep", "Values that differ between trials, by their paths."},
-    {"time_step", "Step of the simulation; auto: found."},
+    {"time_step", "Time step of the simulation; auto: chosen."},
 }};
 
 class SceneReader : EntryReader {
@@ -90,7 +90,7 @@ class SceneReader : EntryReader {
  private:
   static void read_version(const YamlNode& root) {
     const YamlNode* node = root.find("slipbench");
-    if (node == nullptr) fail(root.origin, "no key 'slipbench'; a scene says its schema version: 'slipbench: 1'");
+    if (node == nullptr) fail(root.origin, "no key 'slipbench'; a scene begins with its schema version: 'slipbench: 1'");
     if (node->kind != YamlNode::Kind::scalar || node->text != schema_version) {
       fail(node->origin, "slipbench is " + described(*node) + "; allowed: 1, the schema version");
     }
@@ -108,7 +108,7 @@ class SceneReader : EntryReader {
     }
     if (duration / step > max_steps) {
       fail(node->origin, "time_step " + format_quantity(step, Quantity::time) +
-                             " makes more than 100,000,000 steps; allowed: at least " +
+                             " would need more than 100,000,000 steps; allowed: at least " +
                              format_quantity(duration / max_steps, Quantity::time) + ", or auto");
     }
     return step;
@@ -119,8 +119,8 @@ class SceneReader : EntryReader {
   std::optional<Parameters> read_contact(const YamlNode* node, const std::string& fidelity) {
     if (fidelity != contact_fidelity) {
       if (node != nullptr) {
-        fail(node->key_origin, "'contact' is of MuJoCo's own contact friction, and the fidelity is " + quote(fidelity) +
-                                   "; allowed with 'fidelity: " + std::string(contact_fidelity) + "'");
+        fail(node->key_origin, "'contact' sets MuJoCo's own contact friction, but the fidelity is " + quote(fidelity) +
+                                   "; use 'fidelity: " + std::string(contact_fidelity) + "'");
       }
       return std::nullopt;
     }
@@ -131,7 +131,7 @@ class SceneReader : EntryReader {
     if (const std::vector<double>& own = contact.vector("solreffriction");
         contact.choice("cone") == "pyramidal" && (own[0] != 0.0 || own[1] != 0.0)) {
       fail(node->find("solreffriction")->origin,
-           "contact.solreffriction: MuJoCo leaves it aside under pyramidal cones, its default; allowed with: cone: elliptic");
+           "contact.solreffriction: MuJoCo ignores it with pyramidal cones, the default; use cone: elliptic");
     }
     const std::vector<double>& impedance = contact.vector("solimp");
     for (std::size_t i = 0; i < 2; ++i) {
@@ -141,9 +141,9 @@ class SceneReader : EntryReader {
                                                          format_number(least_impedance) + " to " + format_number(most_impedance));
     }
     if (!(impedance[2] > least_width)) {
-      fail(node->find("solimp")->children[2].origin, "contact.solimp.2: of a depth of " + format_number(impedance[2]) +
-                                                         " MuJoCo makes a constant impedance, the mean of the two; allowed: > " +
-                                                         format_number(least_width) + " m");
+      fail(node->find("solimp")->children[2].origin,
+           "contact.solimp.2: with a depth of " + format_number(impedance[2]) +
+               " MuJoCo would use a constant impedance, the mean of the two; allowed: > " + format_number(least_width) + " m");
     }
     return contact;
   }
@@ -155,9 +155,9 @@ class SceneReader : EntryReader {
     const std::vector<double>& shares = split.vector("shares");
     constexpr double rounding = 1e-9;
     if (std::abs(shares[0] + shares[1] + shares[2] - 1.0) > rounding || shares[0] == 0.0) {
-      fail(node->find("shares")->origin,
-           "split.shares: " + format_number(shares[0]) + ", " + format_number(shares[1]) + ", " + format_number(shares[2]) +
-               "; allowed: shares of train, valid and test that are 1 in all, some of it for train");
+      fail(node->find("shares")->origin, "split.shares: " + format_number(shares[0]) + ", " + format_number(shares[1]) + ", " +
+                                             format_number(shares[2]) +
+                                             "; the shares of train, valid and test must sum to 1, with train above 0");
     }
     return split;
   }
@@ -193,7 +193,7 @@ class SceneReader : EntryReader {
         if (friction.kinetic_coefficient > friction.static_coefficient) {
           fail(kinetic_node->origin, "friction.kinetic " + format_number(friction.kinetic_coefficient) +
                                          " exceeds the static coefficient " + format_number(friction.static_coefficient) +
-                                         (static_node == nullptr ? " of " + material.name : "") + "; allowed: at most that");
+                                         (static_node == nullptr ? " of " + material.name : ""));
         }
       } else if (static_node != nullptr && material.mu_static > 0.0) {
         // Only the static coefficient is given: keep the material's ratio.
@@ -216,9 +216,9 @@ class SceneReader : EntryReader {
   std::vector<SensorScene> read_sensors(const YamlNode& root) {
     const YamlNode* node = root.find("sensors");
     const std::string example = "at least one sensor, such as 'pad: {type: papillarray}'";
-    if (node == nullptr) fail(root.origin, "no key 'sensors'; allowed: a map of " + example);
+    if (node == nullptr) fail(root.origin, "no key 'sensors'; expected a map of " + example);
     require_map(*node, "sensors", example);
-    if (node->children.empty()) fail(node->origin, "sensors is empty; allowed: a map of " + example);
+    if (node->children.empty()) fail(node->origin, "sensors is empty; expected a map of " + example);
     if (node->children.size() > max_sensors) {
       fail(node->origin, std::to_string(node->children.size()) + " sensors; allowed: at most " + std::to_string(max_sensors));
     }
@@ -253,7 +253,7 @@ class SceneReader : EntryReader {
   std::optional<Named> read_controller(const YamlNode* node, const Scene& scene) {
     const Entry* entry = read_loop_part(node, "controller", catalogues_.controllers);
     if (entry == nullptr) return std::nullopt;
-    if (!scene.grasp) fail(node->key_origin, "'controller' needs a gripper: a scene with 'grip' or 'box'");
+    if (!scene.grasp) fail(node->key_origin, "'controller' needs a gripper, that is a scene with 'grip' or 'box'");
     return Named{entry->name, parameters(node, "controller", "controller", *entry, {"type"})};
   }
 
@@ -279,14 +279,15 @@ class SceneReader : EntryReader {
   std::size_t read_detector_sensor(const YamlNode& detector, const std::vector<SensorScene>& sensors) {
     const YamlNode* node = detector.find("sensor");
     if (node == nullptr && sensors.size() > 1) {
-      fail(detector.origin, "no key 'sensor' in detector, and the scene has several" + allowed_names("", names_of(sensors)));
+      fail(detector.origin,
+           "no key 'sensor' in detector, but the scene has several sensors" + allowed_names("", names_of(sensors)));
     }
     const std::string& name =
         node == nullptr ? sensors.front().name : text_of(*node, "detector.sensor", "the scene's name of a sensor");
     record("detector.sensor", name);
     const auto found = std::ranges::find(sensors, name, &SensorScene::name);
     if (found == sensors.end()) {
-      fail(node->origin, "detector.sensor: no sensor " + quote(name) + allowed_names(name, names_of(sensors)));
+      fail(node->origin, "detector.sensor: unknown sensor " + quote(name) + allowed_names(name, names_of(sensors)));
     }
     return static_cast<std::size_t>(found - sensors.begin());
   }
@@ -295,12 +296,13 @@ class SceneReader : EntryReader {
   std::optional<GraspScene> read_grasp(const YamlNode& root) {
     const YamlNode *grip = root.find("grip"), *box = root.find("box"), *scatter = root.find("scatter");
     if (grip == nullptr && box == nullptr) {
-      if (scatter != nullptr) fail(scatter->key_origin, "'scatter' is of the trials of a grasp: a scene with 'grip' or 'box'");
+      if (scatter != nullptr) fail(scatter->key_origin, "'scatter' applies only to a grasp, a scene with 'grip' or 'box'");
       return std::nullopt;
     }
     for (const std::string_view key : {"bodies", "controls", "model"}) {
       if (const YamlNode* node = find_kept(root, key)) {
-        fail(node->key_origin, quote(key) + " has no place in a grasp, a scene with 'grip' or 'box': it brings its own bodies");
+        fail(node->key_origin,
+             quote(key) + " cannot be used in a grasp (a scene with 'grip' or 'box'), which has its own bodies");
       }
     }
     const YamlNode* protocol = grip == nullptr ? nullptr : grip->find("protocol");
@@ -322,8 +324,9 @@ class SceneReader : EntryReader {
     const YamlNode& node = *root.find("motion");
     const YamlNode* kind = node.find("kind");
     fail(kind == nullptr ? node.origin : kind->origin,
-         scene.grasp ? "motion " + quote(scene.motion.name) + " moves no arm; a scene with 'grip' or 'box' allows: lift, guided"
-                     : "motion " + quote(scene.motion.name) + " moves the arm of a grasp: a scene with 'grip' or 'box'");
+         scene.grasp ? "motion " + quote(scene.motion.name) +
+                           " cannot move the arm of a grasp (a scene with 'grip' or 'box'); allowed: lift, guided"
+                     : "motion " + quote(scene.motion.name) + " needs a grasp, that is a scene with 'grip' or 'box'");
   }
 
   // A box that the arm is still raising when the trial ends has neither been held nor dropped.
@@ -343,9 +346,9 @@ class SceneReader : EntryReader {
     const auto seconds = [](double time) { return format_number(time) + " s"; };
     // rounded up, so that the duration in the message suffices
     const std::string needed = seconds(std::ceil(1e3 * end) / 1e3);
-    fail(node == nullptr ? root.origin : node->key_origin,
-         "motion: the lift ends at " + needed + ", after the trial's duration of " + seconds(scene.duration) +
-             "; allowed: a duration of at least " + needed + ", or a lift that ends earlier");
+    fail(node == nullptr ? root.origin : node->key_origin, "motion: the lift ends at " + needed + ", after the trial's end at " +
+                                                               seconds(scene.duration) + "; allowed: a duration of at least " +
+                                                               needed + ", or a lift that ends earlier");
   }
 
   std::vector<Named> read_electronics(const YamlNode* node, const std::string& sensor, const std::string& path) {
@@ -388,7 +391,7 @@ std::uint64_t read_seed(const YamlNode& root) {
   std::uint64_t seed = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
   if (error != std::errc{} || end != text.data() + text.size()) {
-    fail(node->origin, "seed: " + quote(text) + " is no seed; allowed: 0 to 18446744073709551615");
+    fail(node->origin, "seed: " + quote(text) + " is not a seed; allowed: 0 to 18446744073709551615");
   }
   return seed;
 }

@@ -23,16 +23,16 @@ inline const ParameterSpec gravity_spec = number_spec("gravity", Quantity::accel
                                                       "Acceleration of gravity, downwards.", "the Earth's");
 inline const ParameterSpec field_solver_spec =
     choice_spec("field_solver", "auto", {"auto", "explicit", "implicit"},
-                "How the pads' springs enter a step; auto: explicit, or in a grasp what is cheaper.", "free");
+                "How the time step treats the pads' springs; auto: explicit, or in a grasp the cheaper of the two.", "free");
 inline const ParameterSpec integrator_spec =
     choice_spec("integrator", "auto", {"auto", "Euler", "implicit", "implicitfast", "discrete", "RK4"},
-                "How MuJoCo steps the bodies; auto: as the model or the simulation says.", "free");
-inline const ParameterSpec damping_spec =
-    number_spec("damping", Quantity::time, "1 ms", non_negative, "Time constant of a dashpot beside each spring.", "assumed");
+                "Integrator of the bodies; auto: the one of the model or of the simulation.", "free");
+inline const ParameterSpec damping_spec = number_spec("damping", Quantity::time, "1 ms", non_negative,
+                                                      "Time constant of a dashpot in parallel with each spring.", "assumed");
 inline const ParameterSpec ahead_spec = number_spec("ahead", Quantity::length, "0 mm", {0.0, 0.01},
-                                                    "How far a sensor stands before the pad that it follows.", "free");
+                                                    "Offset of a sensor in front of the pad that it follows.", "free");
 inline const ParameterSpec control_time_spec =
-    number_spec("time", Quantity::time, "0 s", non_negative, "Time at which a control has a value.", "free");
+    number_spec("time", Quantity::time, "0 s", non_negative, "Time of a value of a control.", "free");
 
 inline constexpr double mujoco_min_value = 1e-15;  // mjMINVAL
 
@@ -46,7 +46,7 @@ inline const Entry contact_entry{
     .source = "MuJoCo 4.0.1",
     .parameters = {
         choice_spec("integrator", "implicitfast", {"Euler", "implicit", "implicitfast", "discrete", "RK4"},
-                    "How MuJoCo steps bodies and tips.", "what MuJoCo's documentation recommends; its default is Euler"),
+                    "Integrator of bodies and tips.", "what MuJoCo's documentation recommends; its default is Euler"),
         choice_spec("cone", "pyramidal", {"elliptic", "pyramidal"}, "Type of friction cone.", "MuJoCo"),
         choice_spec("solver", "Newton", {"Newton", "CG", "PGS"}, "Solver of the constraints.", "MuJoCo"),
         number_spec("impratio", Quantity::none, "1", {mujoco_min_value}, "Ratio of the frictional to the normal impedance.",
@@ -64,28 +64,29 @@ inline const Entry contact_entry{
                     "The same for a tip's friction under elliptic cones; 0, 0: as solref.", "MuJoCo"),
         vector_spec(3, "solimp", Quantity::none, "[0.9, 0.95, 0.001]", non_negative,
                     "Impedance at the surface and at depth, 1e-4 to 0.9999 each, and that depth [m], above 0.", "MuJoCo"),
-        flag_spec("refsafe", "true", "Whether MuJoCo lengthens time constants below two steps.", "MuJoCo"),
+        flag_spec("refsafe", "true", "True: MuJoCo lengthens time constants below two steps.", "MuJoCo"),
         number_spec("tip_mass", Quantity::mass, "0.1 g", positive, "Mass of one element's tip.", "assumed"),
         number_spec("tip_damping", Quantity::none, "0.3", non_negative, "Damping ratio of a free tip on its springs.",
                     "assumed")}};
 
-inline const Entry split_entry{
-    "split",
-    "How a dataset's trials are divided into /mask/train, valid and test.",
-    "",
-    "free",
-    {choice_spec("by", "material", {"material", "object", "speed", "trial"}, "What no two parts share.", "free"),
-     vector_spec(3, "shares", Quantity::none, "[0.7, 0.15, 0.15]", fraction, "Of train, valid and test; 1 in all.", "free")}};
+inline const Entry split_entry{"split",
+                               "How a dataset's trials are divided into /mask/train, valid and test.",
+                               "",
+                               "free",
+                               {choice_spec("by", "material", {"material", "object", "speed", "trial"},
+                                            "Property whose values are not shared between the parts.", "free"),
+                                vector_spec(3, "shares", Quantity::none, "[0.7, 0.15, 0.15]", fraction,
+                                            "Shares of train, valid and test; they sum to 1.", "free")}};
 
-inline const ParameterSpec hold_from_spec = number_spec("from", Quantity::time, "0 s", non_negative,
-                                                        "From when on the body must not move against what holds it.", "free");
+inline const ParameterSpec hold_from_spec = number_spec(
+    "from", Quantity::time, "0 s", non_negative, "Time from which on the body must not move relative to what holds it.", "free");
 inline const ParameterSpec hold_within_spec =
-    number_spec("within", Quantity::length, "10 mm", positive, "How far it may move and is still held.",
+    number_spec("within", Quantity::length, "10 mm", positive, "Distance that the body may move and still counts as held.",
                 "10 mm: more than a finger's rolling and a skin's give, less than a fall");
 
 inline const ParameterSpec confidence_spec =
     number_spec("confidence", Quantity::none, "0.95", {0.5, 0.999999},
-                "Confidence of the interval of the rate of trials that keep an expectation.", "free");
+                "Confidence level of the interval for the rate of trials that meet an expectation.", "free");
 inline const ParameterSpec control_spec =
     choice_spec("control", "hold_preset", {"hold_preset", "none"}, "Controller that must not meet all expectations.", "free");
 

@@ -91,7 +91,7 @@ class DrawReader {
     }
     for (const std::string_view key : kind.required) {
       if (map_.find(key) == nullptr) {
-        fail(map_.origin, "no key " + quote(key) + " in " + where_ + "; a draw '" + std::string(kind.name) + "' needs it");
+        fail(map_.origin, "no key " + quote(key) + " in " + where_ + "; a draw '" + std::string(kind.name) + "' needs this key");
       }
     }
   }
@@ -109,7 +109,8 @@ class DrawReader {
       try {
         const Quantity found = quantity_of(text_of(child, where));
         if (quantity != Quantity::none && found != Quantity::none && found != quantity) {
-          fail(child.origin, where + ": " + quote(child.text) + " does not fit the other numbers; allowed: a number in " +
+          fail(child.origin, where + ": " + quote(child.text) +
+                                 " has another unit than the other numbers; allowed: a number in " +
                                  std::string(si_symbol(quantity)));
         }
         if (found != Quantity::none) quantity = found;
@@ -157,7 +158,7 @@ double sample_once(const Draw& draw, RandomStream& random) {
     case Draw::Kind::lognormal: return draw.centre * math::exp(draw.sd * random.normal());
     case Draw::Kind::choice: break;
   }
-  throw std::logic_error("a choice is no number");
+  throw std::logic_error("a choice is not a number");
 }
 
 // Returns the value as a scene would write it, with the SI unit, so that a draw of the wrong
@@ -176,19 +177,19 @@ YamlNode sample(const Draw& draw, RandomStream& random) {
   }
   fail(draw.origin, "no draw within [" + format_quantity(draw.min, draw.quantity) + ", " +
                         format_quantity(draw.max, draw.quantity) + "] in " + std::to_string(max_redraws) +
-                        " tries; allowed: bounds nearer to the mean");
+                        " tries; choose bounds nearer to the mean");
 }
 
 std::string named(const SweptPath& swept) { return "sweep." + (swept.parts.empty() ? "scene" : swept.path); }
 
 [[noreturn]] void refuse_inside(const SweptPath& swept) {
-  fail(swept.origin, named(swept) + " sets what a --set below it fixes; allowed: --set " +
-                         (swept.parts.empty() ? "of the whole value" : swept.path + "=... as a whole"));
+  fail(swept.origin, named(swept) + " conflicts with a --set of a part of it; use --set " +
+                         (swept.parts.empty() ? "for the whole value" : swept.path + "=... for the whole value"));
 }
 
 // Both come from the command line, and neither takes precedence.
 [[noreturn]] void refuse_both(const SweptPath& swept) {
-  fail(swept.origin, named(swept) + " sweeps what the command line fixes, too; allowed: one of the two");
+  fail(swept.origin, named(swept) + " sweeps a key that --set fixes; remove one of the two");
 }
 
 // Removes the key at `path` from a map of an axis; returns true if it existed.
@@ -210,9 +211,7 @@ void collect(const YamlNode& value, const std::string& path, std::vector<std::st
   for (const YamlNode& child : value.children) collect(child, path.empty() ? child.key : path + "." + child.key, leaves);
 }
 
-[[noreturn]] void refuse_fixed(const YamlNode& node) {
-  fail(node.key_origin, quote(node.key) + " cannot be swept; allowed: any other key of the scene");
-}
+[[noreturn]] void refuse_fixed(const YamlNode& node) { fail(node.key_origin, quote(node.key) + " cannot be swept"); }
 
 }  // namespace
 
@@ -262,7 +261,7 @@ Sweep::Sweep(const YamlNode* node, const std::vector<std::vector<std::string>>& 
   for (const SweptPath& swept : paths_) {
     if (swept.draw) continue;
     if (swept.values.size() > max_cells / cells_) {
-      fail(swept.origin, "the sweep has more than 1,000,000 grid cells; allowed: at most that");
+      fail(swept.origin, "the sweep has more than 1,000,000 grid cells, the most that is allowed");
     }
     cells_ *= swept.values.size();
   }
@@ -288,14 +287,14 @@ void Sweep::read_scenes(const YamlNode& node) {
   }
   for (const YamlNode& value : swept.values) {
     if (value.kind != YamlNode::Kind::map)
-      fail(value.origin, "sweep.scene has " + described(value) + "; allowed: maps of the scene's keys");
+      fail(value.origin, "sweep.scene has " + described(value) + "; expected maps of the scene's keys");
     for (const YamlNode& child : value.children) {
       if (is_fixed(child.key)) refuse_fixed(child);
     }
   }
   if (swept.values.empty())
     fail(node.origin, "sweep.scene is " + described(node) +
-                          "; allowed: a sequence of maps of the scene's keys, or {draw: choice, values: ...} of such");
+                          "; expected a sequence of maps of the scene's keys, or {draw: choice, values: ...} with such maps");
   paths_.push_back(std::move(swept));
 }
 
@@ -361,7 +360,7 @@ void Sweep::collect_leaves() {
       above = &leaf;
     } else if (above->owner != leaf.owner) {
       const auto [first, second] = std::minmax(above->owner, leaf.owner);
-      fail(second->origin, named(*second) + " sets what " + named(*first) + " sets, too; allowed: each value once");
+      fail(second->origin, named(*second) + " sets a value that " + named(*first) + " sets too; set each value once");
     }
   }
 }

@@ -25,7 +25,7 @@ class TreeBuilder : public YAML::EventHandler {
   TreeBuilder(std::shared_ptr<const std::string> source, bool has_lines) : source_(std::move(source)), has_lines_(has_lines) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
-    if (documents_++ > 0) fail(origin_of(mark), "a second document; allowed: one document a file");
+    if (documents_++ > 0) fail(origin_of(mark), "a second YAML document; allowed: one document in a file");
   }
   void OnDocumentEnd() override {}
 
@@ -34,7 +34,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { fail(origin_of(mark), "aliases ('*name') are not allowed"); }
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
-    if (value.find('\0') != std::string::npos) fail(origin_of(mark), quote(value) + " holds a zero byte");
+    if (value.find('\0') != std::string::npos) fail(origin_of(mark), quote(value) + " contains a zero byte");
     add(YamlNode::Kind::scalar, mark, tag, anchor, value);
   }
 
@@ -251,8 +251,7 @@ std::vector<Place> places_of(const std::vector<std::string>& header, const std::
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) fail(at, "unknown column " + quote(name) + allowed_names(name, names));
     const auto column = static_cast<std::size_t>(found - names.begin());
-    if (std::ranges::find(places, column, &Place::column) != places.end())
-      fail(at, "column " + quote(name) + " stands there twice");
+    if (std::ranges::find(places, column, &Place::column) != places.end()) fail(at, "column " + quote(name) + " appears twice");
     const bool has_unit = bracket < cell.size() && cell.back() == ']';
     if (!has_unit && bracket < cell.size()) fail(at, quote(cell) + " does not end with ']'; allowed: a name, or a name [unit]");
     places.push_back({column, has_unit ? " " + cell.substr(bracket + 1, cell.size() - bracket - 2) : ""});
@@ -299,7 +298,7 @@ YamlNode parse_yaml(const std::string& text, const std::string& source, bool has
   const auto shared_source = std::make_shared<const std::string>(source);
   const auto at_line = [&](std::size_t line) { return Origin{shared_source, has_lines ? static_cast<int>(line) : 0, false}; };
   if (text.size() > max_yaml_bytes) {
-    fail({shared_source, 0, false}, "longer than " + std::to_string(max_yaml_bytes) + " bytes; allowed: at most that");
+    fail({shared_source, 0, false}, "longer than " + std::to_string(max_yaml_bytes) + " bytes, the most that is allowed");
   }
   if (const std::size_t bad = first_bad_byte(text); bad != std::string_view::npos) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n');
@@ -307,7 +306,7 @@ YamlNode parse_yaml(const std::string& text, const std::string& source, bool has
   }
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) fail(at_line(1), "empty");
   if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos) {
-    fail(at_line(1), "lines end with a carriage return alone; allowed: a line feed, with or without a carriage return");
+    fail(at_line(1), "lines end with a carriage return only; expected line feeds, with or without carriage returns");
   }
   TreeBuilder builder(shared_source, has_lines);
   try {
@@ -318,8 +317,7 @@ YamlNode parse_yaml(const std::string& text, const std::string& source, bool has
     }
   } catch (const YAML::Exception& error) {
     if (const int line = first_tabbed_line(text, error.mark.line + 1); line > 0) {
-      fail(at_line(static_cast<std::size_t>(line)),
-           "a tab before the first word; allowed: spaces, since tabs cannot indent YAML");
+      fail(at_line(static_cast<std::size_t>(line)), "a tab before the first word; indent YAML with spaces");
     }
     fail(builder.origin_of(error.mark), "not valid YAML: " + error.msg);
   }
@@ -366,7 +364,7 @@ YamlNode& place_at(YamlNode& root, std::span<const std::string> path, const Orig
       node->text.clear();
     }
     if (node->kind == YamlNode::Kind::null) {
-      if (is_index(part)) fail(origin, "no item " + quote(part) + " in " + here() + ", which the scene does not give");
+      if (is_index(part)) fail(origin, "no item " + quote(part) + " in " + here() + ", which the scene does not set");
       node->kind = YamlNode::Kind::map;
       node->origin = origin;
     }
@@ -462,9 +460,8 @@ YamlNode read_csv(const std::string& path, const std::vector<TableColumn>& colum
   }
   std::ifstream file(path);
   if (!file)
-    fail(named,
-         "no file " + quote(path) +
-             " can be read; allowed: the path of a CSV file from the scene's own folder, with --set from the current folder");
+    fail(named, "cannot read the file " + quote(path) +
+                    "; expected the path of a CSV file relative to the scene's folder, in --set to the current folder");
   Origin at{std::make_shared<const std::string>(path), 0};
   YamlNode rows = node_of(YamlNode::Kind::sequence, at);
   std::vector<Place> places;
@@ -477,7 +474,7 @@ YamlNode read_csv(const std::string& path, const std::vector<TableColumn>& colum
       continue;
     }
     if (!columns.empty() && cells.size() != places.size()) {
-      fail(at, "a row of " + std::to_string(cells.size()) + " cells; allowed: as the header, " + std::to_string(places.size()));
+      fail(at, "a row of " + std::to_string(cells.size()) + " cells, but the header has " + std::to_string(places.size()));
     }
     YamlNode row = node_of(YamlNode::Kind::sequence, at);
     row.children.assign(columns.empty() ? cells.size() : columns.size(), node_of(YamlNode::Kind::null, at));

@@ -10,6 +10,7 @@
 #include "sim/core/error.h"
 #include "sim/core/math/rotation.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/grasp/grasp.h"
 #include "sim/motion/motion_catalogue.h"
@@ -93,7 +94,7 @@ SurfaceKind upright_cylinder() {
 
 SurfaceKind capsule() {
   return {{"capsule",
-           "A lying cylinder with half a ball at either end, whose highest line is z = 0.",
+           "A lying cylinder with hemispherical ends, whose highest line is z = 0.",
            "gap = distance to the straight part of its axis - radius",
            "",
            {number_spec("radius", Quantity::length, "30 mm", positive, "Radius.", "assumed"),
@@ -123,7 +124,7 @@ std::vector<ParameterSpec> place() {
                   "Rotation at the start: about the world's X axis, then Y, then Z.", "free"),
       number_spec(
           "friction", Quantity::none, "0.5", {0.0, 100.0},
-          "Friction coefficient of MuJoCo's own contact with other bodies; of two bodies that meet the larger counts. Pads do not use it.",
+          "Friction coefficient of MuJoCo's own contact with other bodies; the larger of the two bodies' values applies. Pads do not use it.",
           "assumed")};
 }
 
@@ -131,7 +132,7 @@ std::vector<ParameterSpec> place() {
 Entry shape(std::string name, std::string summary, std::vector<ParameterSpec> sizes) {
   const std::vector<ParameterSpec> motion{
       number_spec("mass", Quantity::mass, "100 g", positive, "Mass, spread evenly.", "assumed"),
-      flag_spec("free", "true", "Whether forces move the body; otherwise it stands still.", "free"),
+      flag_spec("free", "true", "True: forces move the body; false: it stands still.", "free"),
       vector_spec(3, "velocity", Quantity::speed, "[0 m/s, 0 m/s, 0 m/s]", any_value,
                   "Velocity of the body's middle at the start; 0 for a body that is not free.", "free")};
   return {std::move(name), std::move(summary), "", "", joined(joined(std::move(sizes), place()), motion)};
@@ -155,7 +156,7 @@ std::unique_ptr<Motion> make_motion(const Scene& scene, std::uint64_t trial) {
 
 void refuse_motors(const Motion& motion) {
   if (!motion.motors()) return;
-  throw SceneValueError("motion.vibration", "shakes pads of fidelity field on the stage alone; allowed here: 0");
+  throw SceneValueError("motion.vibration", "needs fidelity field and the stage; in this scene it must be 0");
 }
 
 StageSetup set_up_stage(const Scene& scene, std::uint64_t trial) {
@@ -176,8 +177,9 @@ void refuse_inside(const PadLayout& pad, const PlacedSurface& surface, const Fie
     depth = std::max(depth, -gap);
   }
   if (depth > 0.0) {
-    throw SceneValueError("motion.gap", fmt::format("the pad begins {} inside the surface; allowed: a gap that is larger by that",
-                                                    format_quantity(depth, Quantity::length)));
+    throw SceneValueError("motion.gap",
+                          fmt::format("the pad starts {} inside the surface; increase the gap by more than this length",
+                                      readable_quantity(depth, Quantity::length)));
   }
 }
 
@@ -202,17 +204,18 @@ const std::vector<Entry>& body_catalogue() {
                          "Centre of mass, from the body's middle. The inertia about it is that of an even box about its middle.",
                          "assumed"),
              number_spec("weight", Quantity::mass, "0 g", non_negative,
-                         "Mass of a weight put into the box, beside the box's own.", "free"),
+                         "Mass of a weight in the box, in addition to the box's own mass.", "free"),
              vector_spec(3, "weight_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
-                         "Place of the weight, a point, from the box's middle.", "free")}),
-      shape("capsule", "A cylinder along Z with half a ball at either end.",
+                         "Position of the weight, a point mass, from the box's middle.", "free")}),
+      shape("capsule", "A cylinder along Z with hemispherical ends.",
             {number_spec("radius", Quantity::length, "20 mm", positive, "Radius.", "assumed"),
              number_spec("length", Quantity::length, "60 mm", positive, "Length of the straight part.", "assumed")}),
       shape("cylinder", "A cylinder along Z.",
             {number_spec("radius", Quantity::length, "20 mm", positive, "Radius.", "assumed"),
              number_spec("length", Quantity::length, "60 mm", positive, "Length.", "assumed"),
              number_spec("bore", Quantity::length, "0 mm", non_negative,
-                         "Radius of a hole along the axis, below `radius`. It changes the inertia alone: a glass.", "free"),
+                         "Radius of a hole along the axis, below `radius`. It changes only the inertia, as of a drinking glass.",
+                         "free"),
              vector_spec(
                  3, "centre_of_mass", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
                  "Centre of mass, from the body's middle. The inertia about it is that of an even cylinder about its middle.",

@@ -14,6 +14,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/core/random.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/install.h"
 #include "sim/motion/motor_vibration.h"
@@ -36,8 +37,8 @@ void refuse_lost(const Field& field, double thickness, double time) {
   const std::optional<Field::Lost>& lost = field.lost();
   if (!lost) return;
   throw InputError(fmt::format(
-      "surface: at {} element {} of the pad was {:.3g} mm deep in a shape that is {:.3g} mm thick and now looks out of another side of it, where its force would vanish; choose a larger shape or less motion.compression",
-      format_quantity(time, Quantity::time), lost->element, 1e3 * lost->depth, 1e3 * thickness));
+      "surface: at {} element {} of the pad, which was {:.3g} mm deep, passed through the shape, which is {:.3g} mm thick; choose a larger shape or less motion.compression",
+      readable_quantity(time, Quantity::time), lost->element, 1e3 * lost->depth, 1e3 * thickness));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace {
@@ -43,25 +44,26 @@ StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, do
   plan.dt = scene.time_step ? *scene.time_step : automatic_step(output_rates, longest);
   if (plan.dt > longest) {
     throw SceneValueError("time_step",
-                          fmt::format("{} is too long for {}; allowed are up to {}", format_quantity(plan.dt, Quantity::time),
+                          fmt::format("{} is too long for {}; allowed: up to {}", readable_quantity(plan.dt, Quantity::time),
                                       limited_by, format_quantity(longest, Quantity::time)));
   }
   plan.ticks = whole_ratio(scene.duration, plan.dt);
   if (plan.ticks == 0) {
     throw SceneValueError(
         "duration",
-        fmt::format("{} is not a whole number of steps of {}{}", format_quantity(scene.duration, Quantity::time),
-                    format_quantity(plan.dt, Quantity::time),
-                    output_rates.size() < scene.sensors.size() ? ", those of sensor '" + scene.sensors[first].name + "'" : ""));
+        fmt::format(
+            "{} is not a whole number of steps of {}{}", format_quantity(scene.duration, Quantity::time),
+            readable_quantity(plan.dt, Quantity::time),
+            output_rates.size() < scene.sensors.size() ? ", the steps of sensor '" + scene.sensors[first].name + "'" : ""));
   }
   for (std::size_t i = 0; i < output_rates.size(); ++i) {
-    const std::string sampling_time = format_quantity(1.0 / output_rates[i], Quantity::time);
+    const std::string sampling_time = readable_quantity(1.0 / output_rates[i], Quantity::time);
     plan.strides.push_back(whole_ratio(1.0 / output_rates[i], plan.dt));
     if (plan.strides.back() == 0) {
       throw SceneValueError(
           "time_step",
-          fmt::format("{} does not divide the sampling time {} of sensor '{}'; allowed: {} over a whole number",
-                      format_quantity(plan.dt, Quantity::time), sampling_time, scene.sensors[first + i].name, sampling_time));
+          fmt::format("{} does not divide the sampling time {} of sensor '{}'; allowed: {} divided by a whole number",
+                      readable_quantity(plan.dt, Quantity::time), sampling_time, scene.sensors[first + i].name, sampling_time));
     }
   }
   return plan;

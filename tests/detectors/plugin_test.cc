@@ -192,7 +192,7 @@ TEST(PluginDetector, ThatIsBuiltAnewNeedsAnotherStart) {
   std::filesystem::remove(path);
   std::filesystem::copy_file(file("ears"), path);
   EXPECT_THAT(first, Not(mentions({"changed"})));
-  EXPECT_THAT(outcome(path), mentions({"changed", "another start"}));
+  EXPECT_THAT(outcome(path), mentions({"changed", "restart the program"}));
   std::filesystem::remove(path);
 }
 

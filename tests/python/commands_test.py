@@ -59,7 +59,7 @@ class Commands(unittest.TestCase):
 
     def test_counts_are_in_the_singular_and_the_plural(self):
         log = self.place / "log.csv"
-        for rows, text in ((2, "1 recording of 1 file, 2 samples"), (1, "1 sample; expected two or more")):
+        for rows, text in ((2, "1 recording of 1 file, 2 samples"), (1, "1 sample; at least two are needed")):
             log.write_text("t,f\n" + "".join(f"{k / 100:.2f},{k}\n" for k in range(rows)))
             (self.place / "map.yaml").write_text("{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}}\n")
             done = subprocess.run([PROGRAM, "import", log, "--map", self.place / "map.yaml"], check=False, capture_output=True, text=True)
@@ -114,8 +114,8 @@ class Commands(unittest.TestCase):
         self.assertEqual(slipbench.verify([merged]), told("verify", str(merged)))
 
     def test_wrong_input_is_the_programs_message(self):
-        for call, words in ((lambda: slipbench.merge([self.path], self.place / "m.h5"), "is no shard of a sweep"), (lambda: slipbench.verify("/nope.h5"), "^/nope.h5: no such file"),
-                            (lambda: slipbench.merge(str(self.path), self.place / "m.h5"), f"^{self.path}: .*is no shard of a sweep"),
+        for call, words in ((lambda: slipbench.merge([self.path], self.place / "m.h5"), "is not a shard of a sweep"), (lambda: slipbench.verify("/nope.h5"), "^/nope.h5: no such file"),
+                            (lambda: slipbench.merge(str(self.path), self.place / "m.h5"), f"^{self.path}: .*is not a shard of a sweep"),
                             (lambda: slipbench.merge(None, self.place / "m.h5"), "^shards: expected a path or a list of paths, found NoneType None"),
                             (lambda: slipbench.verify([3]), "^datasets: expected a path or a list of paths, found int 3"),
                             (lambda: slipbench.export(self.path, self.place / "x", format="cvs"), "unknown format 'cvs'; allowed: csv"),

@@ -65,7 +65,7 @@ class DetectTest(unittest.TestCase):
         for name, text in ways.items():
             (self.place / f"{name}.yaml").write_text(text)
             slipbench.import_recordings(self.place / "dead.csv", self.place / f"{name}.h5", map=self.place / f"{name}.yaml")
-        message = r"value 4 of channel force \(f3\) is missing in all samples; allowed: a map that leaves out the column of a dead element, or names a neighbour's"
+        message = r"value 4 of channel force \(f3\) is missing in all samples; in the map, leave out the column of a defective element, or name the column of a neighbour"
         for judge in (slipbench.detect, slipbench.evaluate):
             with self.assertRaisesRegex(slipbench.InputError, message):
                 judge("force_ratio", self.place / "dead.h5")
@@ -77,7 +77,7 @@ class DetectTest(unittest.TestCase):
         for judge in (slipbench.detect, slipbench.evaluate):
             with self.assertRaisesRegex(slipbench.InputError, "^no detector 'nope'; allowed: force_ratio, "):
                 judge("nope", self.place / "plain.h5")
-            with self.assertRaisesRegex(slipbench.InputError, "^no network is named; allowed: FILE.onnx"):
+            with self.assertRaisesRegex(slipbench.InputError, "^no network is given; use FILE.onnx"):
                 judge("network", self.place / "plain.h5")
 
     def test_alarms_are_those_of_eval_with_or_without_labels(self):
@@ -111,7 +111,7 @@ class DetectTest(unittest.TestCase):
     def test_the_page_shows_signals_and_alarms(self):
         self.detect("plain", "a.html")
         page = (self.place / "a.html").read_text()
-        for part in ("There are no labels", "force, component 3 of 3: the 8 of 9 values that change the most", "force [N]", "time [s]", "bar alarm", ">detector</text>", "trial 0"):
+        for part in ("have no labels", "force, component 3 of 3: the 8 of 9 values that change the most", "force [N]", "time [s]", "bar alarm", ">detector</text>", "trial 0"):
             self.assertIn(part, page)
 
     def test_only_its_own_files_are_replaced(self):
@@ -137,7 +137,7 @@ class DetectTest(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in self.place.glob("e*.parquet*")), ["e_samples.parquet.partial"])
 
     def test_a_recording_counts_once(self):
-        with self.assertRaisesRegex(slipbench.InputError, r"\./plain\.h5: was given before; allowed: each recording once"):
+        with self.assertRaisesRegex(slipbench.InputError, r"\./plain\.h5: was given twice; give each recording once"):
             slipbench.detect("force_ratio", [self.place / "plain.h5", f"{self.place}/./plain.h5"], parameters={"ratio": 0.35})
 
 

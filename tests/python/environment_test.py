@@ -137,7 +137,7 @@ class Grasps(unittest.TestCase):
             over = terminated or truncated
         self.assertTrue(truncated)
         self.assertGreater(reward, -1.0)
-        with self.assertRaisesRegex(slipbench.InputError, r"lift.yaml:\d+: motion: the lift ends at 3.934 s, after the trial's duration of 2.2 s"):
+        with self.assertRaisesRegex(slipbench.InputError, r"lift.yaml:\d+: motion: the lift ends at 3.934 s, after the trial's end at 2.2 s"):
             slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2.2 s"})
 
     def test_a_force_is_followed(self):
@@ -328,12 +328,12 @@ class Seeds(unittest.TestCase):
                  (slipbench.gym.StageSlipEnv("papillarray/stage.yaml", {"duration": "2.1 s"}), 1)]
         for environment, action in cases:
             with self.subTest(environment=type(environment).__name__):
-                with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "no episode has begun: reset\\(\\) comes first"):
+                with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "no episode has begun; call reset\\(\\) first"):
                     environment.step(action)
                 environment.reset(seed=1)
                 if environment is vector:  # the next episode begins automatically
                     continue
-                with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "the episode is over: reset\\(\\) comes first"):
+                with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "the episode is over; call reset\\(\\) first"):
                     for _ in range(3000):
                         environment.step(action)
                 environment.reset()
@@ -358,7 +358,7 @@ class Failing(unittest.TestCase):
         with self.assertRaisesRegex(slipbench.InputError, r"(?s)detector fails_to_begin: .*ValueError: not today \\udce9$"):
             environment.reset(seed=1)
         for use in (lambda: environment.step(np.zeros(1)), lambda: environment._grasp.bodies()):
-            with self.assertRaisesRegex(RuntimeError, "reset\\(\\) comes first"):
+            with self.assertRaisesRegex(RuntimeError, "call reset\\(\\) first"):
                 use()
 
 

@@ -141,7 +141,7 @@ class Tables(ImportTest):
     def test_keys_say_what_is_not_found(self):
         units = table().replace("f2\n", "f2\ns,N,N\n")
         self.assertIn(
-            "a.csv:2: column 1, t: expected a number, found 's'; a row of units is left out by skip: [2]",
+            "a.csv:2: column 1, t: expected a number, found 's'; skip a row of units by skip: [2]",
             self.refused(MAP % "", self.write("a.csv", units)),
         )
         first = "a logger\n2026\n" + table()
@@ -172,7 +172,7 @@ class Tables(ImportTest):
             "unit": (changed("0.600", "0.6 N"), "a.csv:3: column 2, f1: expected a number, found '0.6 N'"),
             "thousands": (
                 changed("0.600", '"1,234.5"'),
-                "found '1,234.5'; name the mark between thousands in the map: thousands: ','",
+                "found '1,234.5'; set the mark between thousands in the map: thousands: ','",
             ),
             "Fortran": (changed("0.600", "0.6D1"), "found '0.6D1'; write the exponent with E"),
             "infinite": (changed("0.600", "inf"), "a.csv:3: column 2, f1: expected a number, found 'inf'"),
@@ -182,14 +182,14 @@ class Tables(ImportTest):
             ),
             "none": (
                 table().partition("\n")[2],
-                "the first line holds numbers: a table without titles needs header: false",
+                "the first line contains numbers: a table without titles needs header: false",
             ),
             "empty": ("", "a.csv:1: the file has no row"),
-            "titles alone": ("t,f1,f2\n", "a.csv:1: the table has titles and no row"),
-            "one row": ("t,f1,f2\n0,1,2\n", "a.csv: has 1 sample; expected two or more, which give the rate"),
+            "titles alone": ("t,f1,f2\n", "a.csv:1: the table has titles but no rows"),
+            "one row": ("t,f1,f2\n0,1,2\n", "a.csv: has 1 sample; at least two are needed to determine the rate"),
             "back": (
                 changed("0.02", "0.01"),
-                "a.csv:4: column 1, time: 0.01 s comes after 0.01 s; expected rising times",
+                "a.csv:4: column 1, time: 0.01 s comes after 0.01 s; expected ascending times",
             ),
             "twice": (table(titles=("t", "f1", "f1")).replace("f1,f1", "f1,f1,f2"), "a.csv:1: has 2 columns 'f1'"),
             "bytes": (b"t,f1\0\xff" * 9, "a.csv: the file is not text"),
@@ -206,8 +206,8 @@ class Tables(ImportTest):
 
     def test_logs_of_an_arduino_are_named(self):
         rows = range(3)
-        monitor = "; lines begin with '12:00:01.000 ->', as Arduino's serial monitor writes times: replace ' -> '"
-        plotter = "are a name and a number, as for Arduino's serial plotter: write the numbers alone"
+        monitor = "; lines begin with '12:00:01.000 ->', like times of Arduino's serial monitor: replace ' -> '"
+        plotter = "are a name and a number, like output for Arduino's serial plotter: write only the numbers"
         bare = "{sensor: pad, type: own, header: false, time: {column: 1}, channels: {force: {unit: N, columns: [2, 3]}}}"
         stamped = "".join(f"12:00:01.{k:03d} -> {k},2,3\n" for k in rows)
         cases = {
@@ -296,7 +296,7 @@ class Tables(ImportTest):
             self.assertEqual(stamps(time, first, second).tolist(), [1683814953.5, 1683814953.75])
         path = self.write("a.csv", table(rows=[["11.5.2023 14:22", "1", "2"]] * 2))
         self.assertIn(
-            "a.csv:2: column t: expected a time as time.format says, '%d.%m.%y', found '11.5.2023 14:22'",
+            "a.csv:2: column t: expected a time in the format of time.format, '%d.%m.%y', found '11.5.2023 14:22'",
             self.refused((MAP % "").replace("{column: t}", "{column: t, format: '%d.%m.%y'}"), path),
         )
         self.assertIn("such as '%d.%m.%Y %H:%M:%S.%f'", self.refused(MAP % "", path))
@@ -359,7 +359,7 @@ class Tables(ImportTest):
                 self.assertIn(f"{name}:3: column f1 has no value", self.refused(map.replace(", missing: gap", ""), path))
         for missing in ("", ", missing: gap", ", missing: nan"):
             self.assertIn(
-                "a.txt:3: has 2 cells; expected 3: blanks do not show which cell is missing",
+                "a.txt:3: has 2 cells; expected 3: with blanks as separators the missing cell is unknown",
                 self.refused(MAP % missing, self.write("a.txt", "t f1 f2\n0 1 2\n1 2\n2 3 4\n")),
             )
 
@@ -443,7 +443,7 @@ class Layouts(ImportTest):
         self.assertIn("a.csv:1: has 2 columns 'b'", self.refused(map, path))
         path = self.write("a.csv", "t,p0x,p2x,p0y,p1y\n0,1,2,3,4\n1,1,2,3,4\n")
         self.assertIn(
-            "a.csv:1: the column 'p1y' would stand beside 'p2x'",
+            "a.csv:1: the column 'p1y' would be paired with 'p2x'",
             self.refused(map.replace("a .. c", "'p*x', 'p*y'"), path),
         )
 
@@ -558,7 +558,7 @@ class Layouts(ImportTest):
         path = self.write("set/a.csv", table())
         (self.folder / "link.csv").symlink_to(path)
         for again in (path, self.folder / "set", self.folder / "set" / ".." / "set" / "a.csv", self.folder / "link.csv"):
-            self.assertIn("is named twice; allowed: each source once", self.refused(MAP % "", path, again))
+            self.assertIn("is given twice", self.refused(MAP % "", path, again))
 
     def test_a_map_is_checked_with_its_line(self):
         path = self.write("a.csv", table())
@@ -588,7 +588,7 @@ class Layouts(ImportTest):
                 self.assertIn(message, self.refused(map, path))
         with self.assertRaisesRegex(
             slipbench.InputError,
-            "no such file, and no map of the program; found: biotac_ros, papillarray_ros, papillarray_ros2, xela_ros",
+            "no such file, and not an included map; found: biotac_ros, papillarray_ros, papillarray_ros2, xela_ros",
         ):
             slipbench.import_recordings(path, map="nothing")
 
@@ -667,8 +667,8 @@ class Arrays(ImportTest):
         times = np.arange(10) / 100
         np.savez(self.folder / "a.npz", t=times, f1=times, f2=times[:7], f3=np.float64(1.5))
         for columns, message in {
-            "f1, f2": "a.npz: 'f2' holds 7 rows; expected 10, as most arrays hold",
-            "f3": "a.npz: 'f3' holds one value without rows; expected 10, as most arrays hold",
+            "f1, f2": "a.npz: 'f2' has 7 rows; expected 10, as most arrays have",
+            "f3": "a.npz: 'f3' has one value without rows; expected 10, as most arrays have",
             "f*": "a.npz: 'f2', which 'f*' means, holds 7 rows; expected 10",
         }.items():
             self.assertIn(message, self.refused((MAP % "").replace("f1, f2", columns), self.folder / "a.npz"))
@@ -677,7 +677,7 @@ class Arrays(ImportTest):
         times = pa.array(np.arange(10) / 100)
         pa.parquet.write_table(pa.table([times] * 3, names=["t", "f1", "f1"]), self.folder / "a.parquet")
         self.assertIn(
-            "a.parquet: has 2 columns 'f1'; expected titles that differ", self.refused(MAP % "", self.folder / "a.parquet")
+            "a.parquet: has 2 columns 'f1'; titles must differ", self.refused(MAP % "", self.folder / "a.parquet")
         )
 
     def test_damaged_arrays_are_refused(self):
@@ -697,7 +697,7 @@ class Arrays(ImportTest):
         self.write("b.npz", bytes(data))
         self.assertIn("b.npz: cannot be read as arrays: ", self.refused(map, self.folder / "b.npz"))
         with mock.patch.object(arrays, "LARGEST", 1000):
-            self.assertIn("expected at most 0 GB; cut them in parts", self.refused(map, self.folder / "a.npz"))
+            self.assertIn("expected at most 0 GB; split the file", self.refused(map, self.folder / "a.npz"))
         with zipfile.ZipFile(self.folder / "a.npz", "a") as archive:
             archive.writestr("README.txt", "not an array")
         self.assertEqual(self.force(map, self.folder / "a.npz")[0].shape, (2, 1000))
@@ -707,7 +707,7 @@ class Arrays(ImportTest):
         self.assertEqual(self.force(labelled, self.folder / "c.npy")[0].ravel().tolist(), [1, 2])
         # The last text is the code point 0xff000031.
         self.write("c.npy", (self.folder / "c.npy").read_bytes()[:-1] + b"\xff")
-        self.assertIn("c.npy: s holds a text that cannot be read", self.refused(labelled, self.folder / "c.npy"))
+        self.assertIn("c.npy: s contains a text that cannot be read", self.refused(labelled, self.folder / "c.npy"))
 
     def test_damaged_parquet_is_refused(self):
         map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}, missing: gap}"
@@ -732,7 +732,7 @@ class Arrays(ImportTest):
         write(4)
         table = pa.parquet.read_table(path)
         with mock.patch.object(pa.parquet, "read_table", return_value=table.slice(0, 0)):  # its list of row groups is lost
-            self.assertIn("a.parquet: is damaged: holds 0 rows; expected 4, as its end says", self.refused(map, path))
+            self.assertIn("a.parquet: is damaged: has 0 rows; expected 4, as its footer states", self.refused(map, path))
 
 
 PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"
@@ -816,7 +816,7 @@ class Bags(ImportTest):
             store.register(get_types_from_msg("float64[] data\n", "pad_msgs/msg/List"))
             writer.write(writer.add_connection("/e", "pad_msgs/msg/List", typestore=store), 0, bytes(4))
         self.assertIn(
-            "the messages have no value, or lists of more than 100000 alone",
+            "the messages have no values, or only lists of more than 100000",
             self.refused(map % "/e", self.folder / "empty.bag"),
         )
 
@@ -840,7 +840,7 @@ class Bags(ImportTest):
         np.testing.assert_allclose(times, [0, 0.001, 0.002, 0.003])  # when the messages were received
         _, times = self.force(map % "topic: /hub_0/sensor_0, time: {column: header.stamp},", bag)
         np.testing.assert_allclose(times, [5, 5.001, 5.002, 5.003])
-        self.assertIn("has 2 topics, so that the map needs the key 'topic'", self.refused(map % "", bag))
+        self.assertIn("has 2 topics, so the map needs the key 'topic'", self.refused(map % "", bag))
         self.assertIn("has no topic '/hub_0/sensor_2'", self.refused(map % "topic: /hub_0/sensor_2,", bag))
         self.assertIn("has no topic of the type 'Other'", self.refused(map % "message: Other,", bag))
         self.assertIn(

@@ -137,7 +137,7 @@ class Windows(unittest.TestCase):
         # 6 trials of 4000 samples have 6 * 2001 windows of 2000 samples, of 54 float32 each: 5.19
         # GB.
         with unittest.mock.patch("slipbench._data._MOST_BYTES", 5e9), self.assertRaisesRegex(
-                slipbench.InputError, "12006 windows of 2000 samples of 54 values take 5.19 GB; allowed: 5 GB, so a greater stride"):
+                slipbench.InputError, "12006 windows of 2000 samples of 54 values need 5.19 GB; allowed: 5 GB; use a greater stride"):
             self.data.windows(length=2000).arrays()
 
 

@@ -195,14 +195,14 @@ class Training(TrainingTest):
     def test_a_trial_counts_once(self):
         copy = self.folder / "copy.h5"
         shutil.copy(self.data, copy)
-        with self.assertRaisesRegex(InputError, f"{copy}: trial 0 is in {self.data}, too; allowed: each trial once"):
+        with self.assertRaisesRegex(InputError, f"{copy}: trial 0 is also in {self.data}; give each trial once"):
             self.train(dataset=[self.data, copy])
 
     def test_what_does_not_fit_is_refused(self):
         for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),
                               ({"split": "material"}, "no material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
                               ({"turned": 2}, "^turned=2: is for images of a myrmex"),
-                              ({"by_score": True, "alarms": "1/min"}, "^by_score=True and alarms='1/min' are two choices"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
+                              ({"by_score": True, "alarms": "1/min"}, "^by_score=True and alarms='1/min' cannot be combined"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
                               ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)

@@ -120,7 +120,7 @@ class Attach(unittest.TestCase):
         box = parent.worldbody.add_body(name="box", pos=[0, 0, 0.1])
         box.add_freejoint()
         box.add_geom(name="box", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.02, 0.02, 0.03], mass=0.1)
-        with self.assertRaisesRegex((ValueError, mujoco.FatalError), "MuJoCo's own contact is possible"):
+        with self.assertRaisesRegex((ValueError, mujoco.FatalError), "MuJoCo's own contact between"):
             mujoco.MjData(parent.compile())
         slipbench.mujoco.complete(parent)
         data = grasp(parent.compile())
@@ -188,7 +188,7 @@ class Attach(unittest.TestCase):
         slipbench.mujoco.attach_pad(spec, "left_pad", "box")
         with self.assertRaisesRegex(InputError, "has a plugin 'left_pad' already"):
             slipbench.mujoco.attach_pad(spec, "left_pad", "box")
-        with self.assertRaisesRegex(ValueError, "two|on the site 'left_pad'"):
+        with self.assertRaisesRegex(ValueError, "two|on the same site 'left_pad'"):
             slipbench.mujoco.attach_pad(spec, "left_pad", "box", name="second")
             spec.compile()
         spec = stock()
@@ -296,7 +296,7 @@ class Step(unittest.TestCase):
             if borne:
                 grasp(model, 0.5, 20.0)
             else:
-                with self.assertRaisesRegex(mujoco.FatalError, "with all elements touching at once"):
+                with self.assertRaisesRegex(mujoco.FatalError, "with all elements in contact"):
                     grasp(model, 0.5, 20.0)
 
 

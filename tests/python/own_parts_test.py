@@ -172,7 +172,7 @@ class OwnSensors(unittest.TestCase):
                 self.assertEqual(len(data), 2)
 
     def test_names_of_the_program_are_taken(self):
-        with self.assertRaisesRegex(slipbench.InputError, "sensor 'papillarray' is one of slipbench's own"):
+        with self.assertRaisesRegex(slipbench.InputError, "sensor 'papillarray' is a name of slipbench itself"):
             slipbench.sensor("papillarray")(NinePillars)
 
 
@@ -245,11 +245,11 @@ class OwnDetectors(unittest.TestCase):
                 slipbench.Scene.load("papillarray/stage.yaml").set({"detector.type": "wrong"}).run()
 
     def test_names_of_the_program_are_taken(self):
-        for name, told in (("gst_hd", "one of slipbench's own"), ("truth", "one of slipbench's own"), ("none", "one of slipbench's own"),
-                           ("no name", "is no name")):
+        for name, told in (("gst_hd", "a name of slipbench itself"), ("truth", "a name of slipbench itself"), ("none", "a name of slipbench itself"),
+                           ("no name", "is not a valid name")):
             with self.subTest(name=name), self.assertRaisesRegex(slipbench.InputError, told):
                 slipbench.detector(name)(ForceRatio)
-        with self.assertRaisesRegex(slipbench.InputError, "one of slipbench's own"):
+        with self.assertRaisesRegex(slipbench.InputError, "a name of slipbench itself"):
             slipbench.controller("hold_preset")(HoldPreset)
 
     def test_parameters_are_checked_as_those_of_any_detector(self):

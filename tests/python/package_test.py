@@ -176,7 +176,7 @@ class Warnings(unittest.TestCase):
         expected = self.command_lines("run", self.LIFT, sets)
         for make in (slipbench.gym.GraspEnv, slipbench.gym.GraspVectorEnv):
             self.assertEqual(self.told(lambda make=make: make(scene=self.LIFT, values=sets))[0], expected)
-        with self.assertWarnsRegex(UserWarning, "5 has no unit and is in m/s"):
+        with self.assertWarnsRegex(UserWarning, "5 has no unit, so it is in m/s"):
             gymnasium.make("slipbench/Grasp-v0", values=sets)
         self.assertEqual(self.told(lambda: slipbench.gym.StageSlipEnv(self.STAGE, {"duration": "2.5 s", "motion.speed": 8}))[0],
                          self.command_lines("run", self.STAGE, {"duration": "2.5 s", "motion.speed": 8}))
@@ -305,9 +305,9 @@ class Datasets(unittest.TestCase):
             group = file["data/demo_0/sensors/pad"]
             del group["force"]
             group["force"] = h5py.ExternalLink(self.path, "/data/demo_0/sensors/pad/force")
-        with self.assertRaisesRegex(slipbench.InputError, "linked.h5: .*is a link to elsewhere"):
+        with self.assertRaisesRegex(slipbench.InputError, "linked.h5: .*is a link to another file"):
             slipbench.open(linked)
-        with slipbench.open(linked, check=False) as data, self.assertRaisesRegex(slipbench.InputError, "is a link to another place"):
+        with slipbench.open(linked, check=False) as data, self.assertRaisesRegex(slipbench.InputError, "is a link to another file"):
             data[0].sensors["pad"]["force"]
 
 
@@ -364,7 +364,7 @@ class DamagedDatasets(unittest.TestCase):
         kinds = {
             b"": "is empty",
             self.whole[:1]: "is cut short",
-            self.whole[: len(self.whole) // 2]: f"is cut short: it has {len(self.whole) // 2} of {len(self.whole)} bytes",
+            self.whole[: len(self.whole) // 2]: f"is truncated: it has {len(self.whole) // 2} of {len(self.whole)} bytes",
             self.whole[:-1]: "is cut short",
             bytes(4096): "is not an HDF5 file",
             b"version https://git-lfs.github.com/spec/v1\n": "is a Git LFS pointer, not the data; run 'git lfs pull'",
@@ -400,12 +400,12 @@ class DamagedDatasets(unittest.TestCase):
         first, second = self.write_pair(self.whole, self.other, 1)
         self.assertRegex(self.refusal(first), f"^{second}: .*another dataset.*{first}")
         first, second = self.write_pair(self.whole, self.whole, 0)
-        self.assertIn(f"{second}: /: is file 0 of its dataset, expected file 1", self.refusal(first))
+        self.assertIn(f"{second}: /: is file 0 of its dataset, but file 1 was expected", self.refusal(first))
         self.assertEqual(self.refusal(first, check=False), self.refusal(first))
         second.unlink()
         self.assertRegex(self.refusal(first), f"^{second}: no such file.*file 1 .*{first}")
         second.write_bytes(self.whole[:1000])
-        self.assertIn(f"{second}: is cut short: it has 1000 of {len(self.whole)} bytes", self.refusal(first))
+        self.assertIn(f"{second}: is truncated: it has 1000 of {len(self.whole)} bytes", self.refusal(first))
         first, second = self.write_pair(self.whole, self.whole, 1)
         with slipbench.open(first, check=False) as data:  # together they are one; their digests belong to two
             self.assertEqual(data.trials, [0, 1, 2, 3])

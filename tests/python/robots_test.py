@@ -128,9 +128,9 @@ class WithoutModels(Checks):
 
     def test_mistakes(self):
         self.write("franka_emika_panda/panda.xml", HAND)
-        self.refuses(robots.panda, self.folder, 'contact is possible .*<exclude body1="left_finger" body2="object"/>', excludes=False)
+        self.refuses(robots.panda, self.folder, 'own contact between .*<exclude body1="left_finger" body2="object"/>', excludes=False)
         with mock.patch.object(robots, "JAW_SIDE", [1, 1, 0, 0]):
-            self.refuses(robots.panda, self.folder, "the site looks the wrong way")
+            self.refuses(robots.panda, self.folder, "the site points the wrong way")
 
 
 class Models(Checks):
@@ -145,11 +145,11 @@ class Models(Checks):
         self.slips_by_the_law(figures, 0.1, 0.05)
 
     def test_panda_mistakes(self):
-        self.refuses(robots.panda, MENAGERIE, 'contact is possible .*<exclude body1="left_finger" body2="object"/>', excludes=False)
+        self.refuses(robots.panda, MENAGERIE, 'own contact between .*<exclude body1="left_finger" body2="object"/>', excludes=False)
         if HAS_IMPLICIT:  # otherwise the example takes shorter steps
             self.refuses(robots.panda, MENAGERIE, "the time step 2 ms is too long .* or solver='implicit'", solver="explicit")
         with mock.patch.object(robots, "JAW_SIDE", [1, 1, 0, 0]):
-            self.refuses(robots.panda, MENAGERIE, "the site looks the wrong way")
+            self.refuses(robots.panda, MENAGERIE, "the site points the wrong way")
 
     def test_2f85(self):
         figures, _ = robots.robotiq_2f85(MENAGERIE)
@@ -163,7 +163,7 @@ class Models(Checks):
 
     def test_2f85_mistakes(self):
         # The jaw is welded to the follower and carries a silicone pad: three bodies per side.
-        self.refuses(robots.robotiq_2f85, MENAGERIE, 'contact is possible .*<exclude body1="left_follower" body2="object"/>', excludes=False)
+        self.refuses(robots.robotiq_2f85, MENAGERIE, 'own contact between .*<exclude body1="left_follower" body2="object"/>', excludes=False)
 
     def test_leap_hand(self):
         figures, _ = robots.leap_hand(MENAGERIE)
@@ -179,11 +179,11 @@ class Models(Checks):
         self.assertAlmostEqual(figures["normal force of thumb [N]"], sum(fingers), delta=0.02)  # faces lean by up to 1 degree: the weight's share
 
     def test_leap_hand_mistakes(self):
-        self.refuses(robots.leap_hand, MENAGERIE, "contact is possible .*, which moves with the pad", excludes=False)
+        self.refuses(robots.leap_hand, MENAGERIE, "own contact between .*, which moves with the pad", excludes=False)
         if HAS_IMPLICIT:
             self.refuses(robots.leap_hand, MENAGERIE, "the time step 2 ms is too long .* or solver='implicit'", solver="explicit")
         with mock.patch.object(robots, "PALM_SIDE", [1, 0, -1, 0]):
-            self.refuses(robots.leap_hand, MENAGERIE, "the site looks the wrong way")
+            self.refuses(robots.leap_hand, MENAGERIE, "the site points the wrong way")
 
 
 if __name__ == "__main__":

@@ -91,6 +91,9 @@ VIOLATIONS = (
     ("wording", "sim/core/d.h", "int area;  // What a pad covers.\n", ":1:", "'What'"),
     ("wording", "tools/files/d.py", 'def f():\n    """Whether the pad is idle."""\n', ":2:", "True if"),
     ("wording", "cmake/d.cmake", "# What a build reads.\n", ":1:", "'What'"),
+    ("wording", "sim/core/d.cc", 'throw Error("the mesh is no box");\n', ":1:", "is not a"),
+    ("wording", "sim/core/d.cc", 'throw Error("2 rows; allowed: as many");\n', ":1:", "name what is allowed"),
+    ("wording", "tools/base/d.py", "fail('the run has gone wrong')\n", ":1:", "diverges"),
 )
 
 
@@ -163,6 +166,39 @@ class ChecksTest(PlantedViolation):
         self.plant("CHANGELOG.md", "- The gain is worked out once.\n")
         found = self.run_check("wording")
         self.assertEqual(found.returncode, 0, found.stdout + found.stderr)
+
+    def test_subjects_of_commits(self):
+        def git(*arguments):
+            identity = ["-c", "user.name=a", "-c", "user.email=a@b", "-c", "init.defaultBranch=main"]
+            subprocess.run(["git", "-C", self.tree, *identity, *arguments], capture_output=True, check=True)
+
+        def commit(subject):
+            git("commit", "--allow-empty", "--no-verify", "--message", subject)
+
+        outside = self.run_check("commits")
+        self.assertEqual((outside.returncode, outside.stdout), (0, ""), outside.stderr)
+        self.assertIn("not checked", outside.stderr)
+        git("init")
+        commit("Repaired a thing before the first tag.")
+        git("tag", "v1")
+        self.assertEqual(self.run_check("commits").returncode, 0)
+        commit("cli: report unknown options")
+        commit("Merge branch 'a'")
+        self.assertEqual(self.run_check("commits").returncode, 0)
+        for subject, words in (("report unknown options", "expected 'area:"), ("Cli: report options", "expected 'area:"),
+                               ("cli: report unknown options.", "expected 'area:"), ("cli: added an option", "imperative"),
+                               ("cli: report options that " + 8 * "longer ", "72"), ("cli: say what the loop is told", "is told")):
+            with self.subTest(subject):
+                commit(subject)
+                found = self.run_check("commits")
+                self.assertEqual(found.returncode, 1)
+                self.assertIn(words, found.stdout)
+                self.plant("message", f"# A comment.\n{subject}\n\nThe body.\n")
+                message = subprocess.run([sys.executable, ROOT / "tools/lint/commits.py", self.tree / "message"],
+                                         capture_output=True, text=True, check=False)
+                self.assertEqual(message.returncode, 1)
+                self.assertIn(words, message.stdout)
+                git("reset", "--hard", "HEAD^")
 
     def test_commands_of_a_text(self):
         text = ("```yaml a.yaml\nslipbench: 1\n```\n```sh\n./slipbench run a.yaml \\\n  -o a.h5   # writes\nls\n```\n"

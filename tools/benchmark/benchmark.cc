@@ -227,7 +227,7 @@ void clear_seats(Board& board) {
     std::size_t known = 0;
     for (const std::string& digest : board.digests) known += seat.entrant->sha256_seen.count(digest);
     why = without_folder(why, file_of(seat.entrant->detector));
-    if (known > 0) why = fmt::format("has learnt from {} of the {} trials", known, board.digests.size());
+    if (known > 0) why = fmt::format("was trained on {} of the {} trials", known, board.digests.size());
     if (!why.empty()) board.left_out.push_back({seat.entrant->name, why});
     return !why.empty();
   };
@@ -571,9 +571,9 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
     const TrialRecord record = reader.read_trial(number);
     const SensorRecord& sensor = record.sensors.front();
     if (sensor.labels.truth)
-      throw InputError(file + ": is a simulation; allowed: recordings of a real sensor, as slipbench import writes them");
+      throw InputError(file + ": is a simulation; expected recordings of a real sensor, written by slipbench import");
     if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
-      reject("{}: has a {}; allowed with --sensor: a {}", file, sensor.type, options.asked.sensor);
+      reject("{}: has a {}, but --sensor is {}", file, sensor.type, options.asked.sensor);
     // Throws for a recording without labels.
     eval::label_states(sensor, rule_of(Track::transfer), false);
     board.sensor = sensor.type;
@@ -598,14 +598,14 @@ void check_sensor(const std::string& sensor, const Protocol& protocol) {
   for (const Held& held : protocol.held_out) known.insert(held.sensor);
   const std::vector<std::string> names(known.begin(), known.end());
   if (!sensor.empty() && !known.contains(sensor))
-    throw InputError("benchmark: no sensor " + quote(sensor) + allowed_names(sensor, names));
+    throw InputError("benchmark: unknown sensor " + quote(sensor) + allowed_names(sensor, names));
 }
 
 // Throws if two entrants have the same name.
 void check_names(const std::vector<Entrant>& entrants) {
   std::set<std::string> names;
   for (const Entrant& entrant : entrants) {
-    if (!names.insert(entrant.name).second) throw InputError("benchmark: " + quote(entrant.name) + " is named twice");
+    if (!names.insert(entrant.name).second) throw InputError("benchmark: " + quote(entrant.name) + " is given twice");
   }
 }
 
@@ -680,7 +680,7 @@ Json benchmark(const Options& options) {
   Json result = {{result_key, 1},      {"asked", asked_json(asked)}, {"protocol", protocol_json(protocol, asked)},
                  {"machine", machine}, {"learnt_from", taught.data}, {"sets", sets}};
   if (asked.real.empty())
-    result["transfer"] = "no real recordings were given: benchmark --real FILE.h5, which slipbench import writes";
+    result["transfer"] = "no real recordings were given; give them with --real FILE.h5, written by slipbench import";
   return result;
 }
 

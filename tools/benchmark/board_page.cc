@@ -82,7 +82,7 @@ std::string groups_html(const Json& set) {
 std::string set_html(const Json& set) {
   const BoardTable table = board_table(set);
   std::string html = drawing(set) + page::table_html(table.cells);
-  if (!table.left_out.empty()) html += "<h3>Not on this board</h3>\n" + page::list_html(table.left_out);
+  if (!table.left_out.empty()) html += "<h3>Detectors without a score</h3>\n" + page::list_html(table.left_out);
   if (const std::string groups = groups_html(set); !groups.empty())
     html += "<details><summary>Score by condition (trials)</summary>\n" + groups + "</details>\n";
   const std::string from = set.contains("scene") ? set.at("scene").get<std::string>() : set.at("file").get<std::string>();
@@ -190,7 +190,7 @@ std::string overview_html(const Json& sets) {
          page::section_html(
              "Specificity",
              "share of the recordings without an alarm; nothing slips, but the hand moves, the grip or the load changes, "
-             "another motor runs, or the box is knocked",
+             "another motor runs, or the box is pushed",
              disturbances_drawing(sets));
 }
 
@@ -199,18 +199,18 @@ constexpr const char* opening =
 
 // One paragraph for each kind of set.
 constexpr std::array rules{
-    "Open recordings: score = credit × min(1, limit / false alarms a minute) − share of the time without slip in which slip is reported. Early alarms count "
+    "Open recordings: score = credit × min(1, limit / false alarms per minute) − share of the time without slip in which slip is reported. Early alarms count "
     "as false alarms.",
     "The credit of a recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at "
-    "the alarm; before slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. By slip-3 a recording is judged from its "
-    "motion on, and one that slips by less than least_slip_distance has no credit to earn and is not in the columns beside the score.",
+    "the alarm; before slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. In slip-3 a recording is judged from the start of "
+    "its motion; a recording that slips by less than least_slip_distance has no credit and is not counted in the columns after the score.",
     "Disturbed recordings: the score is the share of the recordings without an alarm. They have no ranks.",
     "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 with the least force "
     "that holds the box, and 0 from force_ratio times that force on or if the box is dropped or not lifted.",
     "Boxes that the preset force holds have no credit; from slip-2 on the mean needless force on them is subtracted: 0 for the force without tightening, 1 "
     "from force_ratio times that force on.",
-    "Oracle: reports a slip at its first instant. Signal known: reports a slip when the difference that it makes to every value stands out from the sensor's "
-    "noise by three standard deviations."};
+    "Oracle: reports a slip at its first instant. Signal known: reports a slip when its effect on all values exceeds three standard deviations of the "
+    "sensor's noise."};
 
 }  // namespace
 
@@ -225,12 +225,12 @@ BoardTable board_table(const Json& set) {
     table.title += fmt::format(", {} of them without slip", set.at("rows")[0].at("judged").get<std::size_t>());
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
   const bool needless = grasps && set.at("rows")[0].contains("needless");
-  table.cells.head = {"", "rank", "kind", "score", "95 %", "false alarms/min", "wrongly slip"};
+  table.cells.head = {"", "rank", "kind", "score", "95 %", "false alarms/min", "false slip"};
   std::vector<std::string> more;
   if (grasps)
     more = {"credit", "recall", "dropped", "not lifted", "force/least", "slip"};
   else if (disturbance.empty())
-    more = {"credit", "recall", "median delay", "slipped, median", "before gross slip", "early", "missed"};
+    more = {"credit", "recall", "median delay", "median slip", "before gross slip", "early", "missed"};
   if (needless) more.emplace_back("needless force");
   const bool windows = !set.at("rows").empty() && set.at("rows")[0].contains("windows");
   if (windows) {
@@ -294,16 +294,18 @@ std::string board_page(const Json& result) {
       {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
       {"half_slip_distance", fmt::format("{:g} mm", ms * protocol.at("half_slip_distance_m").get<double>())},
       {"least_slip_distance", fmt::format("{:g} mm", ms * protocol.at("least_slip_distance_m").get<double>())},
-      {"limit", fmt::format("{:g} false alarms a minute", protocol.at("alarms_per_minute").get<double>())},
+      {"limit", fmt::format("{:g} false alarms per minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};
   const std::vector<std::string> rules_list(rules.begin(), rules.end());
-  body += page::section_html("How the score is made", "", page::list_html(rules_list) + page::table_html({{"", ""}, constants}));
+  body +=
+      page::section_html("How the score is computed", "", page::list_html(rules_list) + page::table_html({{"", ""}, constants}));
   std::vector<std::vector<std::string>> machine;
   for (const auto& [key, value] : result.at("machine").items())
     machine.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
   body += page::section_html(
-      "Machine", "A network's answers may differ in their last bits on another processor; all else is the same everywhere.",
+      "Machine",
+      "The output of a network may differ in the last bits on another processor; everything else is the same everywhere.",
       page::table_html({{"", ""}, machine}));
   return page::compose_page({page_kind.generator, "slip detectors on " + name}, body);
 }

@@ -50,10 +50,9 @@ constexpr std::array<ShippedNetwork, 12> shipped_networks{
      {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"},
      {"magnetic_skin_slip", "scenes/learn/magnetic_skin_slip.onnx", "magnetic_skin"},
      {"magnetic_skin_grasp", "scenes/learn/magnetic_skin_grasp.onnx", "magnetic_skin"}}};
-constexpr const char* no_engine = "OpenVINO, which runs a network, is missing: see slipbench doctor";
+constexpr const char* no_engine = "OpenVINO, which runs networks, is missing; see slipbench doctor";
 constexpr const char* no_training =
-    "a network is trained by the Python package slipbench and PyTorch, one of which is missing: `slipbench describe slip_gru` "
-    "says how to install them";
+    "training needs the Python package slipbench and PyTorch, one of which is missing; `slipbench describe slip_gru` says how to install them";
 
 std::string file_digest(const std::string& path) {
   std::error_code error;
@@ -74,7 +73,7 @@ std::string file_digest(const std::string& path) {
 std::string dataset_of(const Lesson& lesson, const Teaching& teaching, const std::string& folder) {
   const std::string path = (fs::path(folder) / (lesson.sensor + ".h5")).string();
   if (fs::exists(path)) return path;
-  if (teaching.say) teaching.say(fmt::format("simulating {} to learn from", lesson.scene));
+  if (teaching.say) teaching.say(fmt::format("simulating {} for training", lesson.scene));
   SweepOptions sweep;
   sweep.scene_path = project_file(lesson.scene);
   sweep.trials = lesson.trials;
@@ -137,13 +136,13 @@ class Control final : public Detector {
 
 Entry control_entry() {
   constexpr Range time{0.0, never, false, true};
-  const std::string source = "free: what a clock knows";
+  const std::string source = "free: a clock";
   return {control_type,
-          "Says slip between two instants, whatever is felt.",
+          "Reports slip between two fixed times, whatever the sensor measures.",
           "",
           "none: a negative control",
-          {number_spec("from", Quantity::time, "0 s", time, "When slip is said first.", source),
-           number_spec("until", Quantity::time, "inf", time, "When it is said no longer.", source)}};
+          {number_spec("from", Quantity::time, "0 s", time, "Time at which slip is first reported.", source),
+           number_spec("until", Quantity::time, "inf", time, "Time at which slip is no longer reported.", source)}};
 }
 
 // Returns how long a stage moves sideways or turns [s].

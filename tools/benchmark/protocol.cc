@@ -191,7 +191,7 @@ const Protocol& find_protocol(const std::string& name, const std::string& subjec
     if (protocol.name == name) return protocol;
     names.push_back(protocol.name);
   }
-  throw InputError(subject + ": no protocol " + quote(name) + allowed_names(name, names));
+  throw InputError(subject + ": unknown protocol " + quote(name) + allowed_names(name, names));
 }
 
 std::string protocol_sha256(const Protocol& protocol) {

@@ -48,7 +48,7 @@ Asked parse_asked(const Json& json, const std::string& file) {
     asked.untaught = json.at("untaught").get<bool>();
     return asked;
   } catch (const Json::exception& error) {
-    reject("{}: /asked: {}; allowed: as benchmark --submit writes it", file, error.what());
+    reject("{}: /asked: {}; expected a file that benchmark --submit wrote", file, error.what());
   }
 }
 
@@ -57,20 +57,21 @@ std::string submission_text(const Json& result) { return result.dump(1, ' ', fal
 Json parse_submission(const std::string& text, const std::string& name) {
   constexpr int deepest = 100;  // comparison recurses so deep
   const auto bounded = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > deepest) reject("{}: is nested more than {} deep; allowed: what benchmark --submit writes", name, deepest);
+    if (depth > deepest)
+      reject("{}: is nested more than {} levels deep; expected a file that benchmark --submit wrote", name, deepest);
     return true;
   };
   const Json json = Json::parse(text, bounded, false);
   if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
-    throw InputError(name + " is not a submission; allowed: a file that benchmark --submit wrote");
+    throw InputError(name + " is not a submission; expected a file that benchmark --submit wrote");
   const Json& protocol = json.at("protocol");
   if (!protocol.is_object() || !protocol.contains("name") || !protocol.at("name").is_string())
-    throw InputError(name + ": /protocol/name is missing or not a text; allowed: a file that benchmark --submit wrote");
+    throw InputError(name + ": /protocol/name is missing or not a text; expected a file that benchmark --submit wrote");
   const Protocol& known = find_protocol(protocol.at("name").get<std::string>(), name);
   const std::string here = protocol_sha256(known);
   const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
   if (there != found(here))
-    reject("{}: /protocol/sha256: {} in the file; allowed: {}, that of {} here", name, there, found(here), known.name);
+    reject("{}: /protocol/sha256: {} in the file, but {} for {} in this program", name, there, found(here), known.name);
   return json;
 }
 
@@ -83,11 +84,11 @@ std::string difference(const std::string& text, const Json& submitted, Json reco
     const Json::json_pointer place(path);
     const std::string before = submitted.contains(place) ? found(submitted.at(place)) : "nothing";
     const std::string now = recomputed.contains(place) ? found(recomputed.at(place)) : "nothing";
-    return fmt::format("{}: {} in the file, {} here", path, before, now);
+    return fmt::format("{}: {} in the file, but {} recomputed", path, before, now);
   }
   const std::string here = submission_text(recomputed);
   const auto [a, b] = std::ranges::mismatch(text, here);
-  return fmt::format("byte {}: the same values, written in another way", a - text.begin());
+  return fmt::format("byte {}: the same values, but written differently", a - text.begin());
 }
 
 }  // namespace slipbench::benchmark

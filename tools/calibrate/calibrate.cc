@@ -47,7 +47,7 @@ Compared compared(const std::vector<RawRecording>& recordings,
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const RawRecording& recording = recordings[r];
     const std::vector<SensorRecord> scene = scene_of(r);
-    if (recording.sensors.empty()) reject("{}: holds no sensor; allowed: at least one", recording.name);
+    if (recording.sensors.empty()) reject("{}: contains no sensor", recording.name);
     Columns columns = shared_columns(recording, scene);
     if (result.real.empty()) result.columns = columns;
     check_same_columns(recording.name, columns, recordings.front().name, result.columns);
@@ -306,10 +306,9 @@ Json starts_json(const Model& model, const Solution& solution) {
 }
 
 void check_noise_keys(const std::vector<FitKey>& of_curves, const std::vector<FitKey>& of_noise) {
-  if (of_curves.empty())
-    throw InputError("calibrate: no key but of electronics, which are what other keys leave; allowed: at least one other");
+  if (of_curves.empty()) throw InputError("calibrate: only keys of the electronics are fitted; fit at least one other key too");
   for (const FitKey& key : of_noise) {
-    if (key.each) reject("calibrate: {} is one device's; allowed: without each: true", key.path);
+    if (key.each) reject("calibrate: {} belongs to the device; fit it without each: true", key.path);
   }
 }
 
@@ -445,8 +444,7 @@ Result calibrate_groups(const Options& options, const SceneFile& file, std::uint
   const GroupProblem problem(&model, *options.groups, recordings, own, options.jobs, options.interrupt);
   const Solution solution = search(problem, {options.starts, options.progress});
   if (!solution.distance.possible)
-    throw InputError(
-        "calibrate: the scene refuses all draws of a cell wherever it was looked; allowed: bounds within which it runs");
+    throw InputError("calibrate: all draws of a cell fail within the bounds; choose bounds within which the scene runs");
 
   Json parameters = Json::array();
   for (Index k = 0; k < own.size(); ++k) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tools/calibrate/calibrate.h"
+#include "tools/files/counted.h"
 #include "tools/files/output_file.h"
 #include "tools/files/reject.h"
 #include "tools/page/svg.h"
@@ -57,8 +58,8 @@ Axis axis_for_both(const std::vector<double>& real, const std::vector<double>& s
 std::string correlations_html(const Json& result) {
   std::vector<std::string> together;
   for (const Json& pair : result.at("correlations"))
-    together.push_back(fmt::format("{} and {} are known together better than apart: correlation {:.2f}", text(pair.at("first")),
-                                   text(pair.at("second")), pair.at("correlation").get<double>()));
+    together.push_back(fmt::format("{} and {} are correlated ({:.2f}): their combination is known better than each",
+                                   text(pair.at("first")), text(pair.at("second")), pair.at("correlation").get<double>()));
   return together.empty() ? "" : page::list_html(together);
 }
 
@@ -81,14 +82,14 @@ std::string profiles_html(const Json& result) {
     svg.line("limit", left, up.at(3.84), right, up.at(3.84));
     svg.polyline("s0", way);
     svg.dot("s0", across.at(parameter.at("value").get<double>()), foot, 3.5);
-    html += svg.element("What the fit loses when " + key.path + " is held elsewhere");
+    html += svg.element("Rise of the squared residuals when " + key.path + " is fixed");
   }
   return "<div>" + html + "</div>\n";
 }
 
 std::string residuals_html(const Json& result) {
-  page::TextTable table{{"", "residual / repeatability", "step of samples, real / synthetic", "gains, sd found / expected",
-                         "offsets, found / expected"}};
+  page::TextTable table{{"", "residual / repeatability", "step between samples, real / synthetic",
+                         "sd of gains, found / expected", "sd of offsets, found / expected"}};
   for (const Json& one : result.at("residuals")) {
     const auto pair = [&](const char* found, const char* expected, const std::string& unit) {
       return fmt::format("{} / {}{}", number(one.at(found)), number(one.at(expected)), unit);
@@ -188,7 +189,7 @@ page::TextTable parameter_table(const Json& result) {
           name, known ? key.text(one.at("value").get<double>()) : "not determined",
           known ? "+- " + key.text(0.5 * (one.at("high").get<double>() - one.at("low").get<double>()), 2) : "",
           key.text(key.min) + " to " + key.text(key.max),
-          one.at("at_bound").get<bool>() ? "at its bound: give it more room" : remark};
+          one.at("at_bound").get<bool>() ? "at its bound: widen the bounds" : remark};
       if (truth)
         row.insert(row.end(), {key.text(one.at("truth").get<double>()), known ? key.text(one.at("error").get<double>(), 2) : ""});
       table.rows.push_back(std::move(row));
@@ -217,24 +218,25 @@ std::string residual_text(const Json& result) {
 std::string calibration_page(const Json& result) {
   const std::string scene = text(result.at("scene"));
   const bool groups = result.contains("groups");
-  const std::string found = fmt::format("{} recordings, seed {}; {}", result.at("recordings").size(),
+  const std::string found = fmt::format("{}, seed {}; {}", counted(result.at("recordings").size(), "recording"),
                                         result.at("seed").get<std::uint64_t>(), residual_text(result));
   std::string body = page::head_html(generator, scene, {found}, text(result.at("command")));
   body += page::section_html(
       "Parameters",
-      "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them." +
-          std::string(groups ? "" : " Stiffness is as read: the gains of a component have the mean 1 over its units."),
+      "Not determined: the 95 % interval covers half of the bounds or more, or the fit is as good at one of the bounds." +
+          std::string(
+              groups ? "" : " Stiffness is as measured by the sensor: the gains of a component have the mean 1 over its units."),
       page::table_html(parameter_table(result)) + correlations_html(result));
   body += page::section_html(
       "Profiles",
-      "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
+      "Rise of the squared residuals when one parameter is fixed and the others are fitted again. Dashed: 3.84, the end of a 95 % interval. "
       "Dot: the fit.",
       profiles_html(result));
   if (groups) {
     body += page::section_html(
         "Residuals",
-        "How far the means of a group are apart, in their scatter; RMS over the units. Head: recordings / trials, and how many draws the scene refused. Level: mean. Trend: second half "
-        "less first. Times: how far means over so long step from one to the next, by logarithm. Much above 1 is an error of the model.",
+        "Difference between the real and synthetic means of a group, divided by their scatter; RMS over the units. Heading: recordings / trials, and the number of draws that failed. Level: mean. Trend: second half "
+        "minus first half. Times: logarithm of the step between consecutive means over that time. A value much above 1 shows an error of the model.",
         group_residuals_html(result));
     body += page::section_html("Real and synthetic", "Means over a group, by unit. Blue: recorded; orange: the fitted scene.",
                                groups_html(result.at("groups")));
@@ -242,13 +244,13 @@ std::string calibration_page(const Json& result) {
     const Json& recordings = result.at("recordings");
     body += page::section_html(
         "Residuals",
-        "Repeatability: what the scene's own electronics leave where the model is exact. A residual well above it is an error of the model.",
+        "Repeatability: the residual that the scene's electronics cause with an exact model. A residual well above it shows an error of the model.",
         residuals_html(result));
     body += page::section_html(
         "Real and synthetic",
-        "Blue: recorded; orange: the fitted scene, with the gains and offsets that fit. Mean of all units, and the unit that fits worst." +
+        "Blue: recorded; orange: the fitted scene with fitted gains and offsets. Mean of all units, and the unit that fits worst." +
             (recordings.size() > most_drawn
-                 ? fmt::format(" The first {} recordings; the JSON beside this page has all.", most_drawn)
+                 ? fmt::format(" The first {} recordings; the JSON file next to this page has all.", most_drawn)
                  : ""),
         drawings(recordings, "curves", curve_drawing));
   }
@@ -256,8 +258,7 @@ std::string calibration_page(const Json& result) {
 }
 
 void check_calibration_target(const std::string& path, const std::vector<std::string>& inputs) {
-  if (!path.ends_with(".yaml"))
-    reject("calibrate: -o {}: the fitted scene is a YAML file; allowed: a name that ends with .yaml", path);
+  if (!path.ends_with(".yaml")) reject("calibrate: -o {}: the fitted scene is a YAML file, whose name must end with .yaml", path);
   check_text_target(path, inputs, {"scene of slipbench calibrate", [](std::string_view text) {
                                      return text.starts_with("# slipbench calibrate ");
                                    }});

@@ -30,7 +30,7 @@ constexpr const char* band_unit = "ln";  // bands are natural logarithms
 std::string label_of(const RawRecording& recording, const std::string& label) {
   const nlohmann::json params = nlohmann::json::parse(recording.params, nullptr, false);
   if (!params.is_object() || !params.contains(label))
-    reject("{}: does not say its {}; allowed: recordings that are labelled with it", recording.name, label);
+    reject("{}: has no label {}; expected recordings with that label", recording.name, label);
   const nlohmann::json& value = params.at(label);
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -38,7 +38,7 @@ std::string label_of(const RawRecording& recording, const std::string& label) {
 void check_cells(const Model& model, const Groups& groups) {
   const std::size_t cells = model.trials() / model.draws();
   if (cells != groups.values.size())
-    reject("--groups: {} values, and the grid of the scene's sweep has {} cells; allowed: a value for each cell",
+    reject("--groups: {} values, but the grid of the scene's sweep has {} cells; give one value for each cell",
            groups.values.size(), cells);
 }
 
@@ -78,7 +78,7 @@ Groups parse_groups(const std::string& text) {
   std::ranges::sort(sorted);
   const bool twice = std::ranges::adjacent_find(sorted) != sorted.end();
   if (groups.label.empty() || sorted.front().empty() || twice)
-    reject("--groups is '{}'; allowed: LABEL=VALUE,VALUE,... with different values, as in class=n,e,s", text);
+    reject("--groups is '{}'; expected LABEL=VALUE,VALUE,... with different values, such as class=n,e,s", text);
   return groups;
 }
 
@@ -116,8 +116,7 @@ GroupProblem::GroupProblem(const Model* fitted, const Groups& groups, const std:
                            const VectorXd& own, std::size_t threads, const std::atomic<bool>* stop)
     : Problem(fitted, threads, stop), groups_(groups) {
   check_cells(*model, groups_);
-  if (recordings.empty())
-    throw InputError("calibrate: the scene refuses all draws of the truth; allowed: bounds within which it runs");
+  if (recordings.empty()) throw InputError("calibrate: all draws of the truth fail; choose bounds within which the scene runs");
   lay_out(recordings, some_trial(*model, own, interrupt));
   read_real(recordings);
   learn_scatter(own);
@@ -146,7 +145,7 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
       rows = std::min(rows, real.values.rows());
     }
     if (rows < least_blocks)
-      reject("{}/{}: the shortest recording has {} samples; allowed: {} at least", place.sensor, place.channel, rows,
+      reject("{}/{}: the shortest recording has {} samples; at least {} are needed", place.sensor, place.channel, rows,
              least_blocks);
     rows_.push_back(static_cast<std::size_t>(rows));
     const auto add = [&](const std::string& name, const std::string& unit) {
@@ -171,8 +170,8 @@ RowVectorXd GroupProblem::figures(const std::vector<SensorRecord>& sensors, Side
     const Samples samples = samples_of(sensors, side, place);
     const auto rows = static_cast<Index>(rows_[c]), width = samples.values.cols();
     if (samples.values.rows() < rows)
-      reject("{}: {}/{} has {} samples and other trials {}; allowed: trials that last as long", name, place.sensor, place.channel,
-             samples.values.rows(), rows);
+      reject("{}: {}/{} has {} samples, but other trials have {}; all trials must last equally long", name, place.sensor,
+             place.channel, samples.values.rows(), rows);
     const MatrixXd found =
         figures_of(samples.values.bottomRows(rows), floor_.segment(static_cast<Index>(place.first), width).transpose());
     for (Index k = 0; k < found.rows(); ++k)
@@ -201,7 +200,7 @@ void GroupProblem::read_real(const std::vector<RawRecording>& recordings) {
         real_.row(static_cast<Index>(r)) / static_cast<double>(sizes_[group_of_[r]]);
   for (std::size_t g = 0; g < sizes_.size(); ++g) {
     if (sizes_[g] < 2)
-      reject("calibrate: {} recordings whose {} is {}; allowed: two at least, which tell how far they scatter", sizes_[g],
+      reject("calibrate: {} recordings whose {} is {}; at least two are needed to estimate their scatter", sizes_[g],
              groups_.label, groups_.values[g]);
   }
 }
@@ -231,8 +230,7 @@ std::vector<MatrixXd> GroupProblem::means_of_sets(const VectorXd& own) const {
   for (const Waves& set : simulated) {
     means.push_back(simulated_means(set));
     if (!means.back().array().isFinite().all())
-      throw InputError(
-          "calibrate: with its own values the scene refuses all draws of a cell; allowed: one at least, see slipbench check");
+      throw InputError("calibrate: with its own values all draws of a cell of the scene fail; run the scene with slipbench run");
   }
   return means;
 }

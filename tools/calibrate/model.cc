@@ -26,23 +26,22 @@ void check_keys(const SceneFile& file, const std::vector<FitKey>& keys, Trials k
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (std::ranges::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k].path, &FitKey::path) !=
         keys.begin() + static_cast<std::ptrdiff_t>(k))
-      reject("calibrate: {} is fitted twice; allowed: once", keys[k].path);
+      reject("calibrate: {} is fitted twice", keys[k].path);
     fitted.push_back(split_path(keys[k].path, {}));
     if (kind == Trials::groups && (keys[k].each || keys[k].path == lag_key))
-      reject("calibrate: {} is a value of single recordings; allowed with --groups: a value of all",
+      reject("calibrate: {} cannot have each: true with --groups, which fits values of all trials",
              keys[k].each ? keys[k].path + " with each: true" : keys[k].path);
   }
   if (kind == Trials::groups) return;
   for (const FitKey& key : keys) {
-    if (key.path.starts_with("sweep.")) reject("calibrate: {} is a value of all trials; allowed with --groups", key.path);
+    if (key.path.starts_with("sweep.")) reject("calibrate: {} is a value of all trials, which needs --groups", key.path);
   }
   const Sweep sweep(file.root().find("sweep"), fitted);
   for (const SweptPath& swept : sweep.paths()) {
     if (swept.draw)
-      fail(swept.origin,
-           fmt::format("sweep.{} is drawn at random, and a recording has a value of its own; allowed: --set {}=.., or "
-                       "--fit '{}: {{min: .., max: .., each: true}}'",
-                       swept.path, swept.path, swept.path));
+      fail(swept.origin, fmt::format("sweep.{} is drawn at random, but each recording has a fixed value; use --set {}=.., or "
+                                     "--fit '{}: {{min: .., max: .., each: true}}'",
+                                     swept.path, swept.path, swept.path));
   }
 }
 
@@ -50,12 +49,11 @@ double own_place(const SceneFile& file, const Trace& values, const FitKey& key) 
   if (key.path.starts_with("sweep.")) {
     const YamlNode* node = node_at(file.root(), swept_parts(file.root(), key.path));
     try {
-      if (node == nullptr || node->kind != YamlNode::Kind::scalar) throw std::invalid_argument("no number");
+      if (node == nullptr || node->kind != YamlNode::Kind::scalar) throw std::invalid_argument("not a number");
       const double place = key.place(parse_quantity(node->text, quantity_of(node->text)));
       return place >= 0.0 && place <= 1.0 ? place : 0.5;
     } catch (const std::invalid_argument&) {
-      reject("--fit {}: the scene's sweep has no such number; allowed: one that it has, such as sweep.motion.tilt.0.mean",
-             key.path);
+      reject("--fit {}: the scene's sweep has no such number; expected a path such as sweep.motion.tilt.0.mean", key.path);
     }
   }
   const auto found = values.find(key.path);
@@ -81,7 +79,7 @@ FitKey read_fit_key(const YamlNode& node) {
   check_keys(node, key.path, {"draw", "each", "max", "min"});
   const auto bound = [&](const char* name) {
     const YamlNode* found = node.find(name);
-    if (found == nullptr) fail(node.origin, fmt::format("no key '{}' in {}; allowed: {{min: .., max: ..}}", name, key.path));
+    if (found == nullptr) fail(node.origin, fmt::format("no key '{}' in {}; expected {{min: .., max: ..}}", name, key.path));
     const std::string where = key.path + "." + name;
     const std::string text = text_of(*found, where, "a number");
     try {
@@ -99,11 +97,11 @@ FitKey read_fit_key(const YamlNode& node) {
   key.logarithmic = chosen(node, "draw", key.path, "uniform", "log_uniform");
   key.each = chosen(node, "each", key.path, "false", "true");
   if (!(key.min < key.max) || !std::isfinite(key.max - key.min))
-    fail(node.origin, fmt::format("{}: min is {} and max is {}; allowed: finite bounds, min below max", key.path,
+    fail(node.origin, fmt::format("{}: min is {} and max is {}; they must be finite, and min below max", key.path,
                                   format_quantity(key.min, key.quantity), format_quantity(key.max, key.quantity)));
   if (key.logarithmic && !(key.min > 0.0))
-    fail(node.origin,
-         fmt::format("{}: min is {}; allowed with draw: log_uniform: above 0", key.path, format_quantity(key.min, key.quantity)));
+    fail(node.origin, fmt::format("{}: min is {}; with draw: log_uniform it must be above 0", key.path,
+                                  format_quantity(key.min, key.quantity)));
   return key;
 }
 
@@ -196,7 +194,7 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
   };
   for (const FitKey& key : keys_) {
     if (key.path == lag_key && key.quantity != Quantity::time) {
-      reject("--fit lag: bounds of {} are no times; allowed: times with a unit, such as -5 ms", key.text(key.min));
+      reject("--fit lag: the bound {} is not a time; expected a time with a unit, such as -5 ms", key.text(key.min));
     }
   }
   for (const double bound : {0.0, 1.0}) static_cast<void>(planned(bound).trial(0));
@@ -222,7 +220,7 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
 void Model::use_recordings(std::size_t count) {
   if (trials() != 1 && trials() != count)
     reject(
-        "calibrate: {} recordings, and the scene's sweep has {} trials; allowed: a trial for each recording, in their order, or one for all",
+        "calibrate: {} recordings, but the scene's sweep has {} trials; it needs one trial for each recording, in the same order, or a single trial",
         count, trials());
   recordings_ = count;
 }

@@ -45,7 +45,7 @@ void check_values(const RawRecording& recording) {
   for (const SensorRecord& sensor : recording.sensors) {
     for (const SensorColumn& column : sensor.channels) {
       if (std::ranges::all_of(column.values, [](float value) { return std::isfinite(value); })) continue;
-      reject("{}: {}/{} holds a value that is no number; allowed: finite ones", recording.name, sensor.name, column.name);
+      reject("{}: {}/{} contains a value that is not finite", recording.name, sensor.name, column.name);
     }
   }
 }
@@ -113,11 +113,11 @@ std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths,
     for (const std::string& path : paths) {
       std::error_code error;
       if (std::filesystem::path(path).extension() == ".csv" || std::filesystem::is_directory(path, error))
-        reject("{}: is no dataset; allowed: FILE.h5, or --format NAME with {}", path, fmt::join(import_format_names(), ", "));
+        reject("{}: is not a dataset; expected FILE.h5, or --format NAME with {}", path, fmt::join(import_format_names(), ", "));
       for (RawRecording& recording : dataset_recordings(path)) recordings.push_back(std::move(recording));
     }
   }
-  if (recordings.empty()) reject("{}: no recording; allowed: one at least", fmt::join(paths, ", "));
+  if (recordings.empty()) reject("{}: contains no recording", fmt::join(paths, ", "));
   for (const RawRecording& recording : recordings) check_values(recording);
   return recordings;
 }
@@ -132,8 +132,8 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
       const SensorColumn* found = find_channel(real.sensors[recorded], column.name);
       if (found == nullptr) continue;
       if (found->shape != column.shape)
-        reject("{}: {}/{} has [{}] values a sample and the scene's sensor [{}]; allowed: the same", real.name, sensor.name,
-               column.name, fmt::join(found->shape, ", "), fmt::join(column.shape, ", "));
+        reject("{}: {}/{} has [{}] values per sample, but the scene's sensor has [{}]", real.name, sensor.name, column.name,
+               fmt::join(found->shape, ", "), fmt::join(column.shape, ", "));
       ChannelPlace place = place_of(sensor, column);
       place.first = columns.count;
       place.recorded_sensor = recorded;
@@ -146,7 +146,7 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
     std::vector<std::string> found, scene;
     for (const SensorRecord& sensor : real.sensors) found.push_back(fmt::format("{} ({})", sensor.name, sensor.type));
     for (const SensorRecord& sensor : simulated) scene.push_back(fmt::format("{} ({})", sensor.name, sensor.type));
-    reject("{}: holds {} and the scene {}; allowed: a sensor that both have", real.name, fmt::join(found, ", "),
+    reject("{}: contains {}, but the scene has {}; they need a sensor in common", real.name, fmt::join(found, ", "),
            fmt::join(scene, ", "));
   }
   return columns;
@@ -160,8 +160,8 @@ void check_same_columns(const std::string& name, const Columns& columns, const s
     return found;
   };
   if (names(columns) == names(first)) return;
-  reject("{}: holds {} and {} holds {}; allowed: recordings of one kind", name, fmt::join(names(columns), ", "), first_name,
-         fmt::join(names(first), ", "));
+  reject("{}: contains {}, but {} contains {}; all recordings must have the same sensors", name, fmt::join(names(columns), ", "),
+         first_name, fmt::join(names(first), ", "));
 }
 
 void check_same_sampling(const RawRecording& real, const std::vector<SensorRecord>& simulated, const Columns& columns,
@@ -177,17 +177,16 @@ void check_same_sampling(const RawRecording& real, const std::vector<SensorRecor
     const double recorded_step = mean_step(recorded.times_of(*find_channel(recorded, place.channel))),
                  scene_step = mean_step(scene.times_of(*find_channel(scene, place.channel)));
     if (recorded_step > 0.0 && scene_step > 0.0 && !same_rate(1.0 / recorded_step, 1.0 / scene_step)) {
-      reject(
-          "{}: {}/{} has a sample every {} and the scene's sensor every {}; allowed: the same rate within 1 %, found {} against {}",
-          real.name, place.sensor, place.channel, readable(recorded_step, Quantity::time), readable(scene_step, Quantity::time),
-          readable(1.0 / recorded_step, Quantity::frequency), readable(1.0 / scene_step, Quantity::frequency));
+      reject("{}: {}/{} has a sample every {}, but the scene's sensor every {}; the rates must agree within 1 % ({} and {})",
+             real.name, place.sensor, place.channel, readable(recorded_step, Quantity::time),
+             readable(scene_step, Quantity::time), readable(1.0 / recorded_step, Quantity::frequency),
+             readable(1.0 / scene_step, Quantity::frequency));
     }
     const double recorded_duration = duration(recorded), scene_duration = duration(scene);
     const double longer = std::max(recorded_duration, scene_duration), shorter = std::min(recorded_duration, scene_duration);
     if (shorter > 0.0 && longer - lag > most_longer * shorter) {
-      reject("{}: sensor {} lasts {} and the scene's trial {}; allowed: up to {:.0f} % longer than the other", real.name,
-             place.sensor, readable(recorded_duration, Quantity::time), readable(scene_duration, Quantity::time),
-             100.0 * (most_longer - 1.0));
+      reject("{}: sensor {} lasts {}, but the scene's trial {}; they may differ by up to {:.0f} %", real.name, place.sensor,
+             readable(recorded_duration, Quantity::time), readable(scene_duration, Quantity::time), 100.0 * (most_longer - 1.0));
     }
   }
 }
@@ -207,7 +206,7 @@ std::vector<double> bin_edges(const RawRecording& real, const std::vector<Sensor
   const std::vector<double>& scene = simulated.front().time;
   const double span = std::min(recorded.back() - recorded.front(), scene.back() - scene.front());
   const std::size_t bins = std::min({most_bins, recorded.size() - 1, scene.size() - 1});
-  if (bins == 0 || !(span > 0.0)) reject("{}: has a single sample; allowed: two at least", real.name);
+  if (bins == 0 || !(span > 0.0)) reject("{}: has a single sample; at least two are needed", real.name);
   std::vector<double> edges(bins + 1);
   for (std::size_t k = 0; k <= bins; ++k) edges[k] = scene.front() + span * static_cast<double>(k) / static_cast<double>(bins);
   return edges;

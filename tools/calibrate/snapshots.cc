@@ -79,10 +79,11 @@ Snapshots snapshots_of(const std::vector<RawRecording>& recordings, const std::s
     if (has_law(sensor)) names.push_back(sensor.name);
   }
   if (names.empty())
-    reject("{}: no sensor has the channels force (N) and displacement (m) of the shape [units, 3], which --snapshots compares",
+    reject("{}: no sensor has the channels force (N) and displacement (m) with the shape [units, 3], which --snapshots needs",
            recordings.front().name);
   if (asked.empty() && names.size() > 1)
-    reject("{}: force and displacement are read by {}; name one with --sensor", recordings.front().name, fmt::join(names, ", "));
+    reject("{}: several sensors have force and displacement: {}; choose one with --sensor", recordings.front().name,
+           fmt::join(names, ", "));
   const std::string name = asked.empty() ? names.front() : asked;
 
   Snapshots result;
@@ -97,7 +98,7 @@ Snapshots snapshots_of(const std::vector<RawRecording>& recordings, const std::s
              fmt::join(names, ", "));
     const std::size_t count = channel_of(*found, "force", "N")->shape[0];
     if (units != 0 && count != units)
-      reject("{}: sensor '{}' has {} units, in {} {}; expected recordings of one sensor", recording.name, name, count,
+      reject("{}: sensor '{}' has {} units, but in {} {}; expected recordings of the same sensor", recording.name, name, count,
              recordings.front().name, units);
     units = count;
     rows += static_cast<Index>(found->time.size());
@@ -386,7 +387,7 @@ std::string snapshot_text(const Json& result) {
   std::string text;
   const Json& noise = result.at("noise");
   if (noise.at("force").is_null()) {
-    text += fmt::format("Noise: not determined; no unit is idle (moved by less than {:g} um) in {} snapshots.\n",
+    text += fmt::format("Noise: not determined, because no unit is idle (moved by less than {:g} um) in {} snapshots.\n",
                         1e6 * result.at("idle_below").get<double>(), least_snapshots);
   } else {
     const auto sds = [&](const char* channel, double factor) {
@@ -397,9 +398,9 @@ std::string snapshot_text(const Json& result) {
     text += fmt::format("Noise of idle units, sd along x, y, z: force {} mN, displacement {} um.\n", sds("force", 1e3),
                         sds("displacement", 1e6));
   }
-  text +=
-      fmt::format("Normal force of lateral displacement: {:.2g} N/mm rms{}.\n", 1e-3 * result.at("shear_to_normal").get<double>(),
-                  result.at("type") == "papillarray" ? "" : "; no key of a scene sets this");
+  text += fmt::format("Normal force per lateral displacement: {:.2g} N/mm rms{}.\n",
+                      1e-3 * result.at("shear_to_normal").get<double>(),
+                      result.at("type") == "papillarray" ? "" : "; scenes have no key for it");
   text += fmt::format("For a scene:\n\nsensors:\n  {}:\n    type: {}\n", result.at("sensor").get<std::string>(),
                       result.at("type").get<std::string>());
   std::map<std::string, std::string> fitted;  // parameters of each part of the electronics

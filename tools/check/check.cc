@@ -101,7 +101,7 @@ std::size_t needed_of(const Named& expectation, std::size_t trials, double confi
     throw SceneValueError(
         "expect." + expectation.name + ".reliability",
         fmt::format(
-            "{} cannot be shown by {} trials: with all of them kept the {} % interval begins at {:.4f}; allowed: at most that, or more trials",
+            "{} cannot be demonstrated with {} trials: if all meet the expectation, the {} % interval begins at {:.4f}; lower the reliability, or run more trials",
             reliability, trials, 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
   }
   return std::max(share_of(expectation, trials), shown);
@@ -182,7 +182,7 @@ SweepSummary run_whole(const SweepOptions& sweep, const Catalogues& catalogues, 
 std::vector<std::string> leave_trial(const SweepOptions& replay, const std::string& folder, const Catalogues& catalogues) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder + ": cannot be made: " + error.message());
+  if (error) throw InputError(folder + ": cannot be created: " + error.message());
   SweepOptions run = replay;
   const std::string name = (std::filesystem::path(folder) / fmt::format("trial_{}", *replay.only)).string();
   run.output = name + ".h5";
@@ -267,7 +267,7 @@ Suite suite_of(const SceneCheck& check) {
   const std::string& name = check.scene_path;
   if (check.verdict == Verdict::not_checked) {
     suite.cases = fmt::format(
-        "    <testcase classname=\"{}\" name=\"expect\">\n      <skipped message=\"the scene expects nothing\"/>\n"
+        "    <testcase classname=\"{}\" name=\"expect\">\n      <skipped message=\"the scene has no expectations\"/>\n"
         "    </testcase>\n",
         attribute(name));
     suite.tests = suite.skipped = 1;
@@ -282,7 +282,7 @@ Suite suite_of(const SceneCheck& check) {
       message = failure_text(result);
       text = message + "\nreplay: " + result.replay;
       for (const std::string& failure : check.failures) text += "\n" + failure;
-      for (const std::string& file : check.files) text += "\nleft: " + file;
+      for (const std::string& file : check.files) text += "\nfile: " + file;
     }
     suite.cases += test_case(name, result.name, message, text);
   }
@@ -375,13 +375,13 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
 }
 
 std::string failure_text(const ExpectationResult& result) {
-  return fmt::format("{}: {} in {} of {} trials, needed in {}; worst: {} in trial {}", result.name, result.limit, result.kept,
-                     result.trials, result.needed, result.worst_text, result.worst.trial);
+  return fmt::format("{}: {} in {} of {} trials, but {} are needed; worst: {} in trial {}", result.name, result.limit,
+                     result.kept, result.trials, result.needed, result.worst_text, result.worst.trial);
 }
 
 std::string tests_nothing_text(const SceneCheck& check) {
   return fmt::format(
-      "tests nothing: the negative control, controller {}, keeps all of it too; a heavier box, a smoother surface or a lower preset make a test of it",
+      "tests nothing: the negative control, controller {}, also meets all expectations; use a heavier box, a smoother surface or a lower preset",
       check.control);
 }
 

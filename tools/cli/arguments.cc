@@ -24,7 +24,7 @@ namespace slipbench {
 namespace {
 
 constexpr std::string_view program_footer = R"(
-Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
+Exit status: 0 success, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
 `slipbench help COMMAND` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
 
 // Footers begin with a line end, which serves only the layout of the source.
@@ -48,7 +48,7 @@ CLI::Option* add_option(CLI::App& app, const std::string& usage, Target& target,
 Override parse_override(const std::string& command, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    reject("{}: --set {}; expected key=value, as in --set motion.speed=\"8 mm/s\"", command, quote(text));
+    reject("{}: --set {}; expected key=value, such as --set motion.speed=\"8 mm/s\"", command, quote(text));
   }
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
@@ -88,7 +88,7 @@ std::vector<std::string> names_below(const CLI::App& app) {
 
 // `above`: "hd: " for a command of hd, empty for a command of the program.
 [[noreturn]] void refuse_command(const std::string& above, const std::string& word, const std::vector<std::string>& names) {
-  if (names.empty()) reject("{}unknown command {}; it has none", above, quote(word));
+  if (names.empty()) reject("{}unknown command {}; there are no subcommands", above, quote(word));
   reject("{}unknown command {}{} commands: {}", above, quote(word), suggestion(word, names), fmt::join(names, ", "));
 }
 
@@ -123,7 +123,7 @@ void Command::send_stream() {
 
 Arguments::Arguments(CLI::App& app, Command* command, const Arguments* parent, bool& json)
     : app_(&app), command_(command), parent_(parent), name_(parent == nullptr ? "" : parent->name_), json_(&json) {
-  flag("--json", json, "Print one JSON object on stdout and nothing else there");
+  flag("--json", json, "Print a single JSON object on stdout");
 }
 
 void Arguments::about(const std::string& name, const std::string& summary, std::string_view footer) {
@@ -233,7 +233,7 @@ std::string Arguments::with_names(std::string help, const std::vector<std::strin
 
 Arguments& Arguments::sets(std::vector<Override>& values, const std::string& help) {
   const auto sets = std::make_shared<std::vector<std::string>>();
-  last_ = add_option(*app_, "--set KEY=VALUE ...", *sets, help + "; several may follow")->allow_extra_args(false);
+  last_ = add_option(*app_, "--set KEY=VALUE ...", *sets, help + "; repeatable")->allow_extra_args(false);
   readers_.emplace_back([this, sets, &values] {
     for (const std::string& set : *sets) values.push_back(parse_override(name_, set));
   });
@@ -241,7 +241,7 @@ Arguments& Arguments::sets(std::vector<Override>& values, const std::string& hel
 }
 
 Arguments& Arguments::overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed) {
-  sets(values, "Replace or add a value of the scene, e.g. motion.speed=\"8 mm/s\"; KEY=null removes it");
+  sets(values, "Set a value of the scene, e.g. motion.speed=\"8 mm/s\"; KEY=null removes it");
   return number("--seed N", seed, "Seed of all random draws (default: the scene's own)", 0);
 }
 
@@ -326,8 +326,7 @@ InputError Arguments::unexpected(const std::string& word) const {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   if (names.empty())
-    return InputError(
-        fmt::format("unknown option {} before '{}'; the options of a command stand behind its name", quote(word), name_));
+    return InputError(fmt::format("unknown option {} before '{}'; the options of a command follow its name", quote(word), name_));
   const std::string name = word.substr(0, word.find('='));
   return InputError(
       fmt::format("{}unknown option {}{} options: {}", prefix, quote(name), suggestion(name, names), fmt::join(names, ", ")));
@@ -391,7 +390,7 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
     throw program.chosen().unexpected(app.remaining(true).front());
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string message = error.what();  // "--output: 1 required TEXT missing"
-    reject("{}{} needs one value", prefix(), message.substr(0, message.find(':')));
+    reject("{}{} needs a value", prefix(), message.substr(0, message.find(':')));
   } catch (const CLI::ParseError& error) {
     throw InputError(prefix() + error.what());
   }

@@ -98,7 +98,7 @@ class Arguments {
   Arguments& sets(std::vector<Override>& values, const std::string& help);
   Arguments& overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed);
   template <class Value>
-  Arguments& jobs(Value& value, const std::string& help = "Worker threads, 1 to 1024 (default: one a hardware thread)") {
+  Arguments& jobs(Value& value, const std::string& help = "Worker threads, 1 to 1024 (default: one per hardware thread)") {
     // No machine can use more threads: each reserves megabytes of address space, so that thousands
     // fail to start.
     return number("--jobs N", value, help, 1, 1024);

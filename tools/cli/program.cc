@@ -58,7 +58,7 @@ void occupy_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
     if (open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) {
-      reject("standard stream {} is closed, and /dev/null cannot stand in: {}", stream, std::strerror(errno));
+      reject("standard stream {} is closed, and /dev/null cannot replace it: {}", stream, std::strerror(errno));
     }
   }
 }

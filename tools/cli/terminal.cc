@@ -48,9 +48,9 @@ std::string time_text(const ProgressState& state) {
   return state.done == state.total ? clock_text(state.elapsed) : "ETA " + remaining_text(state);
 }
 
-// "3.1k x real time", followed by `after`.
+// "3.1k times real time", followed by `after`.
 std::string speed_text(const ProgressState& state, std::string_view after) {
-  return state.sim_seconds ? fmt::format("{} x real time{}", short_count(per_second(*state.sim_seconds, state)), after) : "";
+  return state.sim_seconds ? fmt::format("{} times real time{}", short_count(per_second(*state.sim_seconds, state)), after) : "";
 }
 
 void say_preparing(int) {

@@ -17,25 +17,25 @@ namespace {
 
 constexpr std::array<MeasureInfo, num_measures> measures{{
     {Measure::onset, "onset", "slip onset", "%", 100.0,
-     "by unit, how far apart the two runs let it begin to slip as a whole, as a share of the time that the reference's friction took to be used up, at least 10 ms; where it slips in one run alone, how long before the trial's end, as a share of that run's; units whose first slips are two different events, the one over before the other begins, have no share"},
+     "by unit, difference of the times at which the unit begins to slip as a whole, divided by the time from first load to slip in the reference (at least 10 ms); if it slips in only one run, the time until the end of the trial, divided likewise; units whose first slips are different events (one ends before the other begins) are not counted"},
     {Measure::micro_onset, "micro_onset", "first micro-slip", "%", 100.0,
-     "the same of when a first part of the unit begins to slip"},
+     "as onset, for the time at which a first part of the unit begins to slip"},
     {Measure::slip_distance, "slip_distance", "slipped distance", "%", 100.0,
-     "by unit that slips, how far apart the distances slipped are at the last time that both runs have, as a share of the largest of any unit in the reference, at least 1 um"},
+     "by slipping unit, difference of the slip distances at the last common time, divided by the largest slip distance of any unit in the reference (at least 1 um)"},
     {Measure::force, "force", "force", "%", 100.0,
-     "by sensor, root mean square of the difference of the units' contact forces at all times that both runs have, as a share of the root mean square of the reference's; of the pad's force where the runs have other units"},
+     "by sensor, root mean square of the difference of the units' contact forces at all common times, divided by the root mean square of the forces in the reference; if the runs have different units, of the pad's force"},
     {Measure::creep, "creep", "creep", "um/s", 1e6,
-     "by held body, how far apart the two runs let it drift over its pad, per time, while in the reference the pad touches and no unit of any sensor slips: the longest such stretch, of 100 ms or more"},
+     "by held body, difference of its drift speeds over its pad during the longest interval (at least 100 ms) in which the pad touches and no unit slips in the reference"},
     {Measure::label, "label", "labels", "%", 100.0,
-     "by sensor, share of the units' states that differ at the times that both runs have, of those of units that touch in either"},
+     "by sensor, share of the units' states that differ at common times, among units that touch in either run"},
     {Measure::label_micro, "label_micro", "pad state", "%", 100.0,
-     "by sensor, share of the pad's states by the rule micro that differ at the times that both runs have, of those with contact in either"},
+     "by sensor, share of the pad's states by the rule micro that differ at common times, among those with contact in either run"},
     {Measure::outcome, "outcome", "outcome", "%", 100.0,
-     "share of the trial's decisions that differ: whether it touches, slips in part, by a unit and as a whole, and where there is one whether the detector sees slip, misses it, alarms early or falsely or stays quiet, the box is dropped, the grip reacts and the box stands"},
+     "share of the trial's results that differ: whether the pad touches, slips partially, by a unit and as a whole; the result of the detector; whether the box is dropped, the grip reacts and the box stands"},
     {Measure::detector, "detector", "detector", "%", 100.0,
-     "share of the loop's samples at the times that both runs have at which the detector's class differs"},
+     "share of the loop's samples at common times at which the detector's class differs"},
     {Measure::signal, "signal", "signal", "%", 100.0,
-     "by channel of a sensor, root mean square of the difference of what is emitted at the times that both runs have, as a share of the root mean square of the reference about its mean; noise is drawn once a sample, so it is the same in both at the same output rate and otherwise counts as a difference"},
+     "by channel of a sensor, root mean square of the difference of the readings at common times, divided by the standard deviation of the reference; noise is drawn once per sample, so it is equal in both runs only at the same output rate"},
 }};
 
 constexpr double time_rounding = 1e-9;  // s, for times that are sums of decimal steps
@@ -330,7 +330,7 @@ std::optional<MeasureError> creep_error(const Scene& scene, const TrialRecord& r
 }
 
 std::vector<Both> paired(const TrialRecord& run, const TrialRecord& reference) {
-  if (run.sensors.size() != reference.sensors.size()) throw std::invalid_argument("the two runs have not the same sensors");
+  if (run.sensors.size() != reference.sensors.size()) throw std::invalid_argument("the two runs have different sensors");
   std::vector<Both> sensors;
   for (std::size_t i = 0; i < run.sensors.size(); ++i) {
     if (run.sensors[i].name != reference.sensors[i].name) {

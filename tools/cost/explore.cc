@@ -124,7 +124,7 @@ class Explorer {
     for (const Override& change : changes_of(setting)) file.apply(change);
     const TrialPlan plan(file, catalogues_, 0, seed_);
     if (options_.trial >= plan.size()) {
-      reject("cost: --trial is {}; the scene's sweep has the trials 0 to {}", options_.trial, plan.size() - 1);
+      reject("cost: --trial is {}; allowed: 0 to {}, the trials of the scene's sweep", options_.trial, plan.size() - 1);
     }
     Scene scene = plan.trial(options_.trial).scene;
     scene.seed = seed_;
@@ -159,7 +159,7 @@ class Explorer {
     say("the scene as it is");
     own_ = timed_run(job, Recording::full);
     if (budget_in_runs * job.expected > options_.budget) {
-      reject("cost: --budget is {:.3g} s, and a trial of {} takes {:.2g} s; allowed: at least {:.3g} s", options_.budget,
+      reject("cost: --budget is {:.3g} s, but a trial of {} takes {:.2g} s; allowed: at least {:.3g} s", options_.budget,
              options_.scene_path, job.expected, std::ceil(budget_in_runs * job.expected));
     }
     own_ = timed_run(job, Recording::full);  // repeated: the first run filled the caches
@@ -226,7 +226,8 @@ class Explorer {
     job.expected = job.scene.time_step && pace_ ? *pace_ / *job.scene.time_step : 0.0;
     if (static_cast<double>(least_repeats) * job.expected > setting_share * options_.budget) {
       row.status = Status::over_budget;
-      row.why = fmt::format("{:.2g} s a run, by the quickest of the series: more than a thirtieth of the budget", job.expected);
+      row.why = fmt::format("{:.2g} s per run, estimated from the fastest run of the series: more than 1/30 of the budget",
+                            job.expected);
       return std::nullopt;
     }
     try {
@@ -257,7 +258,7 @@ class Explorer {
       std::optional<TrialResult> run;
       if (since(start_) - begin > trying_share * options_.budget) {
         row.status = Status::over_budget;
-        row.why = "the budget for trying settings was used up";
+        row.why = "the budget for trying settings is used up";
       } else {
         run = try_setting(row, job);
       }
@@ -322,7 +323,7 @@ class Explorer {
       if (result_.prices[i].why.empty()) jobs.push_back(&price_jobs_[i]);
     }
     std::ranges::stable_sort(jobs, {}, &Job::expected);
-    say(fmt::format("timing {} settings in turn for {:.0f} s", jobs.size(), std::max(0.0, left())));
+    say(fmt::format("timing {} settings alternately for {:.0f} s", jobs.size(), std::max(0.0, left())));
     bool any = true;
     for (std::size_t round = 0; any; ++round) {
       any = false;

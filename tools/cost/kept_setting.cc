@@ -97,7 +97,7 @@ Json entry_of(const Json& subject, const Scene& scene, const FoundSetting& found
 [[noreturn]] void refuse_to_keep(const std::string& why) {
   throw InputError(
       why +
-      "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be written, or no wish: --set accuracy=none runs without");
+      "; the time step that meets the scene's accuracy is stored there; make the file writable, or run without it: --set accuracy=none");
 }
 
 // Throws InputError if write_text_file() would fail. Only creating a file proves that it can be
@@ -121,12 +121,12 @@ Json read_entries(const std::string& path) {
   const std::filesystem::file_type type = std::filesystem::status(path, error).type();
   // If the path cannot even be examined, writing reports the reason.
   if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::none) return Json::array();
-  if (type != std::filesystem::file_type::regular) refuse_to_keep(path + ": is no file");
+  if (type != std::filesystem::file_type::regular) refuse_to_keep(path + ": is not a file");
   std::ifstream stream(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   const auto damaged = [&](const std::string& why) {
     return InputError(
-        fmt::format("{}: is no {}: {}; allowed: to remove it, and the setting is looked for anew", path, kept_kind.name, why));
+        fmt::format("{}: is not a {}: {}; remove it, and the setting is searched again", path, kept_kind.name, why));
   };
   if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read");
   try {
@@ -135,7 +135,7 @@ Json read_entries(const std::string& path) {
     for (Json entry : json.at("settings")) {
       const std::string digest = entry.at("sha256").get<std::string>();
       entry.erase("sha256");
-      if (digest != text_sha256(entry.dump())) throw damaged("an entry is not as it was written");
+      if (digest != text_sha256(entry.dump())) throw damaged("an entry was changed");
     }
     return json.at("settings");
   } catch (const nlohmann::json::exception& error) {
@@ -151,11 +151,11 @@ std::string line_of(const Json& entry) {
     const auto info = std::ranges::find(measure_table(), name, &MeasureInfo::name);
     const Json& last = entry.at("looks").back().at("errors").at(name);
     errors +=
-        fmt::format("{}{} off by {}, allowed {}", errors.empty() ? "" : "; ", info->title,
+        fmt::format("{}{} error {}, allowed {}", errors.empty() ? "" : "; ", info->title,
                     error_text(info->measure, last.at("worst").get<double>()), error_text(info->measure, limit.get<double>()));
   }
   const std::size_t trials = entry.at("trials").size();
-  return fmt::format("{}: {}, against {}, in {}", setting_text(overrides_of(entry.at("setting"))), errors,
+  return fmt::format("{}: {}, compared with {} in {}", setting_text(overrides_of(entry.at("setting"))), errors,
                      entry.at("reference").at("is").get<std::string>(),
                      trials == 1 ? "one trial" : fmt::format("{} trials", trials));
 }
@@ -172,7 +172,7 @@ const Override no_wish{"accuracy", "none"};
 
 Measure measure_named(const std::string& name) {
   const auto found = std::ranges::find(measure_table(), name, &MeasureInfo::name);
-  if (found == measure_table().end()) throw std::logic_error("no measure is called " + name);
+  if (found == measure_table().end()) throw std::logic_error("unknown measure " + name);
   return found->measure;
 }
 
@@ -299,7 +299,7 @@ class Search {
       sampling_time_ = 1.0 / common;
       return;
     }
-    refuse("accuracy", "the sensors' sampling times have no common step; allowed: rates that have one, or no wish");
+    refuse("accuracy", "the sampling times of the sensors have no common time step; change the rates, or leave accuracy out");
   }
 
   // Reason why a trial cannot start with the setting; empty if it can.
@@ -375,9 +375,9 @@ class Search {
     for (const Wish& wish : wishes_) {
       if (at(errors, wish.measure)) continue;
       const MeasureInfo& info = info_of(wish.measure);
-      refuse(fmt::format("accuracy.{}", info.name),
-             fmt::format("nothing of the kind is in the trials looked at ({}); allowed: a wish for what happens, or none",
-                         fmt::join(trials_, ", ")));
+      refuse(
+          fmt::format("accuracy.{}", info.name),
+          fmt::format("the quantity does not occur in the examined trials ({}); leave this key out", fmt::join(trials_, ", ")));
     }
   }
 
@@ -448,8 +448,8 @@ class Search {
 
   // Text of the allowed requirement if an error must be at most `share` of it.
   static std::string allowed(const Wish& wish, const MeasureError& error, double share) {
-    if (error.different && error.worst <= share * wish.limit) return "no wish";
-    return fmt::format("from {} on, or no wish", error_text(wish.measure, error.worst / share));
+    if (error.different && error.worst <= share * wish.limit) return "leave this key out";
+    return fmt::format("{} or more, or leave this key out", error_text(wish.measure, error.worst / share));
   }
 
   // Reports that even the finest runs disagree.
@@ -460,9 +460,9 @@ class Search {
       refuse(
           fmt::format("accuracy.{}", info_of(wish.measure).name),
           fmt::format(
-              "{} cannot be shown: the run with {} is still {} from that with twice the step{}, and has to be no farther than a tenth of the wish; allowed: {}",
+              "{} cannot be demonstrated: the run with {} still differs by {} from the run with twice the step{}, but a tenth of the accuracy is needed; allowed: {}",
               error_text(wish.measure, wish.limit), reference, error_text(wish.measure, error.worst),
-              error.different ? ", and something happens in one of them alone" : "", allowed(wish, error, reference_share)));
+              error.different ? ", and an event occurs in only one of them" : "", allowed(wish, error, reference_share)));
     }
     throw std::logic_error("a reference that is good enough was refused");
   }
@@ -478,11 +478,11 @@ class Search {
       if (!error || (!error->different && error->worst <= margin * wish.limit)) continue;
       refuse(
           fmt::format("accuracy.{}", info_of(wish.measure).name),
-          fmt::format("{} cannot be met: with {} it is {}{}, and has to be half of the wish; allowed: {}",
+          fmt::format("{} cannot be met: with {} the error is {}{}, but half of the accuracy is needed; allowed: {}",
                       error_text(wish.measure, wish.limit), setting_text(last.overrides), error_text(wish.measure, error->worst),
-                      error->different ? ", and a slip of one run is not in the other" : "", allowed(wish, *error, margin)));
+                      error->different ? ", and a slip occurs in only one of the runs" : "", allowed(wish, *error, margin)));
     }
-    throw std::logic_error("a setting that meets the wish was refused");
+    throw std::logic_error("a setting that meets the accuracy was rejected");
   }
 
   const TrialPlan& wished_;  // the scene unchanged

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/math/decade.h"
+#include "tools/cost/explore.h"
+#include "tools/files/counted.h"
 
 namespace slipbench::cost {
 namespace {
@@ -35,10 +37,8 @@ std::string limit_text(const MeasureInfo& info, double limit) {
   return fmt::format("{} {}", ratio_text(info.factor * limit), info.unit);
 }
 
-// "1/380 of real time", or "2.3 times real time" if slower.
-std::string cost_text(double cost) {
-  return cost <= 1.0 ? fmt::format("1/{} of real time", ratio_text(1.0 / cost)) : fmt::format("{:.2g} times real time", cost);
-}
+// "380 times real time". `cost`: CPU seconds per simulated second.
+std::string speed_text(double cost) { return fmt::format("{} times real time", ratio_text(1.0 / cost)); }
 
 // The row of the series with the least worst error; null if none is comparable.
 const Row* best_of(const Exploration& exploration, Measure measure, std::string_view series) {
@@ -85,18 +85,17 @@ std::string contact_text(const Exploration& exploration, Measure measure, double
   const MeasureInfo& info = info_of(measure);
   const Tried tried = tried_contact(exploration);
   if (const Row* const contact = cheapest(exploration, measure, limit, contact_series)) {
-    return fmt::format("MuJoCo's own contact needs {} for it ({}): {} times as much", cost_text(exploration.cost(*contact)),
+    return fmt::format("MuJoCo's own contact: {} ({}), {} times slower", speed_text(exploration.cost(*contact)),
                        contact->setting.label, ratio_text(exploration.cost(*contact) / exploration.cost(cheapest_row)));
   }
-  if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact could not be tried ({})", tried.why);
-  if (tried.not_run + tried.refused == tried.all) return "the budget left no time to try MuJoCo's own contact";
-  if (tried.compared == 0) return "of MuJoCo's own contact no run can be compared";
-  const std::string none =
-      fmt::format("MuJoCo's own contact reaches it with none of {} setting{}", tried.compared, tried.compared == 1 ? "" : "s");
+  if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact: not possible ({})", tried.why);
+  if (tried.not_run + tried.refused == tried.all) return "MuJoCo's own contact: not tried, because the budget was used up";
+  if (tried.compared == 0) return "MuJoCo's own contact: no run can be compared";
+  const std::string none = fmt::format("MuJoCo's own contact: not reached by its {}", counted(tried.compared, "setting"));
   const Row* const best = best_of(exploration, measure, contact_series);
-  if (best == nullptr) return none + ": in every run other things happen";
-  return fmt::format("{}: {} at best ({}, {})", none, limit_text(info, at(best->errors, measure)->worst), best->setting.label,
-                     cost_text(exploration.cost(*best)));
+  if (best == nullptr) return none + ", in which other events occur";
+  return fmt::format("{}, {} at best ({}, {})", none, limit_text(info, at(best->errors, measure)->worst), best->setting.label,
+                     speed_text(exploration.cost(*best)));
 }
 
 // Counts of settings without a result; empty if there are none.
@@ -105,29 +104,28 @@ std::string left_out_text(const Tried& tried) {
   const auto add = [&parts](std::size_t count, std::string_view what) {
     if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
   };
-  add(tried.failed, "went wrong");
-  add(tried.slower, "put out less often than the scene");
+  add(tried.failed, "diverged");
+  add(tried.slower, "had a lower output rate than the scene");
   add(tried.refused, "refused");
-  add(tried.not_run, "not run for want of time");
+  add(tried.not_run, "not run, because the budget was used up");
   if (parts.empty()) return "";
-  return fmt::format("Of {} settings of MuJoCo's own contact {} could not count: {}.", tried.all, tried.all - tried.compared,
+  return fmt::format("{1} of {0} settings of MuJoCo's own contact are not counted: {2}.", tried.all, tried.all - tried.compared,
                      fmt::join(parts, ", "));
 }
 
 void tell(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {
   const MeasureInfo& info = info_of(measure);
+  const std::string subject = fmt::format("{}, error up to {}", info.title, limit_text(info, limit));
   if (const auto& own = at(exploration.reference.own_error, measure); own && (own->different || own->worst > limit)) {
-    lines.push_back(fmt::format("{} {} error: cannot be shown, for the reference itself is not known to that.",
-                                limit_text(info, limit), info.title));
+    lines.push_back(fmt::format("{}: the reference itself is less accurate, so no statement is possible.", subject));
     return;
   }
   const Row* const row = cheapest(exploration, measure, limit);
   if (row == nullptr) {
-    lines.push_back(fmt::format("{} {} error: no setting tried reaches it.", limit_text(info, limit), info.title));
+    lines.push_back(fmt::format("{}: not reached by any setting.", subject));
     return;
   }
-  std::string line = fmt::format("{} {} error costs {}: {}", limit_text(info, limit), info.title,
-                                 cost_text(exploration.cost(*row)), setting_text(*row));
+  std::string line = fmt::format("{}: {} ({})", subject, speed_text(exploration.cost(*row)), setting_text(*row));
   if (row->setting.series != contact_series && has_series(exploration, contact_series)) {
     line += "; " + contact_text(exploration, measure, limit, *row);
   }
@@ -139,11 +137,10 @@ std::string reference_text(const Exploration& exploration) {
   for (const MeasureInfo& info : measure_table()) {
     const std::optional<MeasureError>& error = at(exploration.reference.own_error, info.measure);
     if (!error || (!error->different && error->worst <= converged_error(info.measure))) continue;
-    open.push_back(error->different
-                       ? fmt::format("{} (something happens in one of two fine runs and not in the other)", info.title)
-                       : fmt::format("{} ({})", info.title, limit_text(info, error->worst)));
+    open.push_back(error->different ? fmt::format("{} (an event occurs in only one of two fine runs)", info.title)
+                                    : fmt::format("{} ({})", info.title, limit_text(info, error->worst)));
   }
-  return fmt::format("The reference has not converged by: {}. Errors below these mean nothing.", fmt::join(open, ", "));
+  return fmt::format("The reference has not converged: {}. Smaller errors than these are meaningless.", fmt::join(open, ", "));
 }
 
 Json json_of(const MeasureError& error) { return {{"worst", error.worst}, {"median", error.median}}; }
@@ -221,10 +218,10 @@ Json price_json(const Price& price) {
 
 std::string reference_text(const Reference& reference) {
   const std::string fine =
-      fmt::format("a run of the same scene with steps of {}, whose own error is estimated by one of twice the step",
+      fmt::format("a run of the same scene with time steps of {}, whose error is estimated by a run with twice the step",
                   short_text(reference.time_step));
-  return reference.closed_onsets ? fmt::format("Onsets are compared with their closed form, all else with {}.", fine)
-                                 : fmt::format("All is compared with {}.", fine);
+  return reference.closed_onsets ? fmt::format("Onsets are compared with their closed form, everything else with {}.", fine)
+                                 : fmt::format("Everything is compared with {}.", fine);
 }
 
 }  // namespace
@@ -267,7 +264,8 @@ std::string setting_text(const Row& row) { return fmt::format("{}, {}", series_o
 
 std::string verdict(const Price& price) {
   if (!price.why.empty()) return "does not run: " + price.why;
-  const std::string costs = price.low > 0.0 ? fmt::format("costs {:.2g} %", 100.0 * price.share) : "costs less than the scatter";
+  const std::string costs =
+      price.low > 0.0 ? fmt::format("costs {:.2g} %", 100.0 * price.share) : "costs less than the scatter of the CPU time";
   const MeasureInfo* most = nullptr;
   double change = 0.0;
   // Measures in different units are compared by their multiple of converged_error().
@@ -276,7 +274,7 @@ std::string verdict(const Price& price) {
     const std::optional<MeasureError>& error = at(price.changes, info.measure);
     if (!error) continue;
     if (error->different) {
-      return fmt::format("{}; {}: something happens with it and not without, or the other way round", costs, info.title);
+      return fmt::format("{}; {}: an event occurs only with it or only without it", costs, info.title);
     }
     if (error->worst <= 0.0 || (most != nullptr && weight(info.measure, error->worst) <= weight(most->measure, change))) continue;
     most = &info;
@@ -297,15 +295,15 @@ std::vector<std::string> sentences(const Exploration& exploration) {
   if (const std::string left_out = left_out_text(tried); tried.refused < tried.all && !left_out.empty())
     lines.push_back(left_out);
   if (exploration.one_friction && has_series(exploration, contact_series)) {
-    lines.push_back("MuJoCo's own contact knows one coefficient of friction: its rows have the scene's static one for both.");
+    lines.push_back("MuJoCo's own contact has one coefficient of friction: its rows use the scene's static one.");
   }
   if (exploration.wish_left_aside)
-    lines.push_back("The scene's wish `accuracy` is left aside: the scene as it is takes the automatic step.");
-  if (exploration.interrupted) lines.push_back("Interrupted: what stands here is a part.");
+    lines.push_back("The scene's key `accuracy` is ignored: the scene as it is uses the automatic time step.");
+  if (exploration.interrupted) lines.push_back("Interrupted: the results are incomplete.");
   for (const Price& price : exploration.prices) {
     if (price.idle())
-      lines.push_back(fmt::format("{} costs {:.2g} % of the time and changes nothing that is measured here.", price.name,
-                                  100.0 * price.share));
+      lines.push_back(
+          fmt::format("{} costs {:.2g} % of the time and changes no measured quantity.", price.name, 100.0 * price.share));
   }
   return lines;
 }

@@ -250,13 +250,13 @@ const std::vector<Series>& all_series() {
       {"own", "the scene as it is"},
       {"field", "element field"},
       {"implicit", "element field, implicit"},
-      {"integrator", "integrators, at the scene's step"},
+      {"integrator", "integrators, at the scene's time step"},
       {"articulated", "articulated pillars"},
       {"contact", "MuJoCo's own contact"},
-      {"rate", "output rate, at the scene's step"},
-      {"elements", "elements a pad, against the most that ran", true},
-      {"tolerance", "the soft skin's solver, against the tightest that ran", true},
-      {"grid", "cells of the soft skin, against the finest that ran", true},
+      {"rate", "output rate, at the scene's time step"},
+      {"elements", "elements per pad, compared with the largest number that ran", true},
+      {"tolerance", "tolerance of the soft skin's solver, compared with the smallest that ran", true},
+      {"grid", "cells of the soft skin, compared with the finest that ran", true},
   };
   return series;
 }

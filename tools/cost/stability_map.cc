@@ -163,12 +163,12 @@ StabilityCombination measure(const SetUp& set_up, const Parameters& parameters, 
 std::vector<std::string> sentences() {
   const StepProbeOptions probe;
   return {
-      "The largest stable time step of explicit pads whose elements all stick, measured beside predicted, over mass, stiffness, damping, set-up and integrator. Of pads that slip, let go or strike it says nothing.",
+      "The largest stable time step of explicit pads whose elements all stick, measured and predicted, for several masses, stiffnesses, dampings, set-ups and integrators. It does not apply to pads that slip, detach or hit.",
       fmt::format(
-          "Measured: MuJoCo steps the model with the plugin, and nothing refuses a step that is too long. It stands in equilibrium, every element stuck (what slips is less stiff), gets a kick that excites every mode, and takes {} steps, which at the limit are {} periods where the velocity is stepped first. It diverges where the root of its kinetic energy grows to {:g} times the kick's. Bisection to {:g} of the step; a quarter, a half, three quarters and nine tenths of the result were run as well and stayed bounded.",
+          "Measured: MuJoCo steps the model with the plugin, without checks of the time step. The model starts in equilibrium with all elements stuck (a slipping element is less stiff), gets a kick that excites all modes, and runs {} steps, which are {} periods at the limit if the velocity is stepped first. It diverges if the root of its kinetic energy grows to {:g} times that of the kick. The limit is found by bisection to {:g} of the step; steps of 1/4, 1/2, 3/4 and 9/10 of the result were run too and stayed bounded.",
           probe.steps, probe.steps / 2, probe.growth, probe.resolution),
-      "Predicted: from mass matrix and tangents in the same pose. Where MuJoCo steps velocity first, the least h at which h^2 K + 2 h C has the eigenvalue 4 in the metric M + h D/2 (K, C springs and dashpots of the pads, D dampers of joints, which MuJoCo takes implicitly); with RK4, where h times an eigenvalue of the linear system leaves Runge and Kutta's region of stability. 1 % is taken off for what tangents leave out.",
-      "Allowed: what a scene may take: 0.75/omega, and 1/(tau omega^2). Between allowed and predicted a step is stable, but slides and impacts come out wrong, the more the longer it is; a model of a user's own is borne up to 4/3 of allowed. Beyond predicted the pads throw off what they hold.",
+      "Predicted: from mass matrix and tangents in the same pose. If MuJoCo steps the velocity first, the smallest h at which h^2 K + 2 h C has the eigenvalue 4 in the metric M + h D/2 (K, C: springs and dashpots of the pads, D: joint dampers, which MuJoCo treats implicitly). With RK4, the h at which h times an eigenvalue of the linear system leaves the region of stability. 1 % is subtracted for effects that the tangents do not contain.",
+      "Allowed: the limit for scenes, 0.75/omega and 1/(tau omega^2). Between allowed and predicted a step is stable, but slides and impacts become inaccurate with longer steps; models of users may use up to 4/3 of allowed. Beyond predicted the pads throw off what they hold.",
       "Implicit pads (field_solver: implicit) have no such limit and are not in the map."};
 }
 
@@ -179,10 +179,10 @@ std::vector<std::string> remarks(const StabilityMap& map) {
   if (map.combinations.empty()) return lines;
   const auto [least_of, most_of] = std::ranges::minmax_element(map.combinations, {}, allowed_share);
   const double least = allowed_share(*least_of), most = allowed_share(*most_of);
-  lines.push_back(fmt::format("What scenes may take is {:.2f} to {:.2f} of the predicted limit.", least, most));
+  lines.push_back(fmt::format("The limit for scenes is {:.2f} to {:.2f} of the predicted limit.", least, most));
   const auto off = [](const StabilityCombination& c) { return std::abs(c.ratio() - 1.0); };
   const StabilityCombination& worst = *std::ranges::max_element(map.combinations, {}, off);
-  lines.push_back(fmt::format("Farthest from 1: {}, {}, {:g} kg, stiffness x{:g}, damping {:g} s: {:.4f}.", worst.set_up,
+  lines.push_back(fmt::format("Ratio farthest from 1: {}, {}, {:g} kg, stiffness x{:g}, damping {:g} s: {:.4f}.", worst.set_up,
                               worst.integrator, worst.mass, worst.stiffness_scale, worst.damping, worst.ratio()));
   return lines;
 }
@@ -241,7 +241,7 @@ Json stability_json(const StabilityMap& map) {
 
 std::string stability_text(const StabilityMap& map) {
   std::string text = fmt::format("{:<42} {:<12} {:>4}  {:>17}  {:>21}  {:>13}\n", "case", "integrator", "n", "measured step",
-                                 "predicted / measured", "allowed / pr.");
+                                 "predicted / measured", "allowed/pred.");
   for (auto first = map.combinations.begin(); first != map.combinations.end();) {
     const auto last = std::find_if(first, map.combinations.end(), [&](const StabilityCombination& c) {
       return c.set_up != first->set_up || c.integrator != first->integrator;
@@ -260,7 +260,7 @@ std::string stability_text(const StabilityMap& map) {
   }
   return text +
          fmt::format(
-             "{} combinations: the predicted largest stable step is {:.4f} of the measured one or more, and above it in {}.\n",
+             "{} combinations: the predicted longest stable step is at least {:.4f} of the measured one, and longer than it in {} cases.\n",
              map.combinations.size(), map.worst_ratio(), map.above());
 }
 

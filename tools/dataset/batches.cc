@@ -23,7 +23,7 @@ namespace {
 
 [[noreturn]] void refuse_other_run(const std::string& path, const std::string& name, const std::string& difference) {
   reject(
-      "cannot resume {}: {} was written by another run: {}; allowed: the same scene, seed, version, overrides, command and files",
+      "cannot resume {}: {} was written by another run: {}; resume with the same scene, seed, version, overrides, command and files",
       path, name, difference);
 }
 
@@ -33,7 +33,7 @@ std::string difference_of(const std::string& name, const DatasetHeader& header) 
   try {
     check_readable(FileKind::dataset_file, name);
     const std::optional<FileAbout> about = file_about(name);
-    return about ? header_difference(about->header, header) : "it is no dataset";
+    return about ? header_difference(about->header, header) : "it is not a dataset";
   } catch (const NotChecked&) {
     throw;
   } catch (const InputError&) {
@@ -92,8 +92,8 @@ std::map<std::size_t, std::string> SweepWriter::resume(const Summarise& summaris
         summaries[trial.number] = summarise(reader.read_trial(trial.number));
         trials_.push_back(std::move(trial));
       } else if (twin->second.digest != trial.digest) {
-        reject("cannot resume {}: trial {} is in {} and, with other content, in {}; allowed: one of them moved away",
-               folder_.target(), trial.number, twin->second.file, name);
+        reject("cannot resume {}: trial {} is in {} and, with other content, in {}; move one of them away", folder_.target(),
+               trial.number, twin->second.file, name);
       }
     }
   }

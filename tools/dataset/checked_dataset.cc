@@ -17,8 +17,8 @@ DatasetReader checked_dataset(const std::string& path) {
 
 DatasetReader whole_dataset(const std::string& path) {
   DatasetReader reader = checked_dataset(path);
-  if (!reader.complete()) throw InputError(path + ": its run did not come to its end; allowed: a whole dataset");
-  if (reader.trials().empty()) throw InputError(path + ": holds no trial");
+  if (!reader.complete()) throw InputError(path + ": its run did not finish; expected a complete dataset");
+  if (reader.trials().empty()) throw InputError(path + ": contains no trials");
   return reader;
 }
 

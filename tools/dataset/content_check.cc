@@ -11,8 +11,8 @@ void ContentCheck::add(std::size_t trial) {
   const Digest found = reader_->stored_digest(trial);
   const std::string written = reader_->trial_sha256(trial);
   if (reader_->schema(file) > 1 && hexadecimal(found) != written) {
-    reject("{}: /data/demo_{}: is damaged: its content has the SHA-256 {}, its attribute sha256 says {}", reader_->files()[file],
-           trial, hexadecimal(found), written);
+    reject("{}: /data/demo_{}: is damaged: its content has the SHA-256 {}, but its attribute sha256 is {}",
+           reader_->files()[file], trial, hexadecimal(found), written);
   }
   digests_[file].emplace_back(trial, found);
 }
@@ -20,14 +20,15 @@ void ContentCheck::add(std::size_t trial) {
 void ContentCheck::finish(std::size_t file) const {
   const std::string& written = reader_->content_sha256()[file];
   if (reader_->schema(file) == 1) {
-    std::fprintf(stderr,
-                 "slipbench: %s: schema 1: its digest covers arrays alone, so attributes such as onset_time_s go unchecked\n",
-                 printable(reader_->files()[file]).c_str());
+    std::fprintf(
+        stderr,
+        "slipbench: %s: schema 1: its digest covers only the arrays, so attributes such as onset_time_s are not checked\n",
+        printable(reader_->files()[file]).c_str());
   }
   if (written.empty()) return;
   const std::string found = reader_->stored_sha256(file, digests_[file]);
   if (found == written) return;
-  reject("{}: is damaged: its content has the SHA-256 {}, content_sha256 says {}", reader_->files()[file], found, written);
+  reject("{}: is damaged: its content has the SHA-256 {}, but content_sha256 is {}", reader_->files()[file], found, written);
 }
 
 void ContentCheck::finish() const {

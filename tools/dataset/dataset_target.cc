@@ -83,13 +83,13 @@ void check_dataset_target(const std::string& path, std::size_t k) {
   check_target(name);
   const Found found = found_at(name);
   if (found.kind == Found::Kind::nothing || found.kind == Found::Kind::empty) return;
-  const std::string subject = k == 0 ? "it" : fmt::format("{}, the dataset's file {},", name, k);
+  const std::string subject = k == 0 ? "it" : fmt::format("{}, file {} of the dataset,", name, k);
   const auto refuse = [&](const std::string& what) {
-    reject("cannot write {}: {} exists and is {}; allowed: a new name, or a dataset to replace", path, subject, what);
+    reject("cannot write {}: {} exists and is {}; choose a new name, or a dataset to replace", path, subject, what);
   };
   // The user named the first file, so it may be replaced even if it cannot be read.
   const bool damaged = found.kind == Found::Kind::damaged;
-  if (found.kind == Found::Kind::other || (damaged && k > 0)) refuse("no dataset");
+  if (found.kind == Found::Kind::other || (damaged && k > 0)) refuse("not a dataset");
   if (!damaged && found.shard != k) refuse(fmt::format("file {} of another dataset", found.shard));
 }
 

@@ -50,7 +50,7 @@ std::string line_difference(const std::string& left, const std::string& now, con
     if (!left_has) left_line = "(its end)";
     if (!now_has) now_line = "(its end)";
     if (left_line != now_line || !left_has || !now_has) {
-      return fmt::format("scene with line {} '{}', {}'s has '{}'", number, left_line, other, now_line);
+      return fmt::format("scene with '{1}' in line {0}, where the scene of {2} has '{3}'", number, left_line, other, now_line);
     }
   }
 }
@@ -59,11 +59,11 @@ std::string line_difference(const std::string& left, const std::string& now, con
 std::string file_difference(const std::map<std::string, std::string>& left, const std::map<std::string, std::string>& now,
                             const std::string& other) {
   for (const auto& [path, digest] : left) {
-    if (!now.contains(path)) return fmt::format("file {}, which {}'s scene does not name", path, other);
-    if (now.at(path) != digest) return fmt::format("file {} has changed since", path);
+    if (!now.contains(path)) return fmt::format("file {}, which the scene of {} does not use", path, other);
+    if (now.at(path) != digest) return fmt::format("file {} has changed since then", path);
   }
   for (const auto& [path, digest] : now) {
-    if (!left.contains(path)) return fmt::format("no file {}, which {}'s scene names", path, other);
+    if (!left.contains(path)) return fmt::format("no file {}, which the scene of {} uses", path, other);
   }
   return "";
 }
@@ -82,7 +82,7 @@ std::vector<FailedTrial> parse_failures(const std::string& file_name, const std:
   try {
     for (const auto& one : nlohmann::json::parse(text)) failed.push_back({one.at("trial"), one.at("message"), one.at("command")});
   } catch (const nlohmann::json::exception&) {
-    throw InputError(file_name + ": /: attribute 'failed' is no list of failed trials");
+    throw InputError(file_name + ": /: attribute 'failed' is not a list of failed trials");
   }
   return failed;
 }
@@ -95,7 +95,7 @@ std::map<std::string, std::string> parse_files(const std::string& file_name, con
   try {
     return nlohmann::json::parse(text).get<std::map<std::string, std::string>>();
   } catch (const nlohmann::json::exception&) {
-    throw InputError(file_name + ": /: attribute 'files' is no list of files and their SHA-256");
+    throw InputError(file_name + ": /: attribute 'files' is not a list of files and their SHA-256");
   }
 }
 
@@ -110,7 +110,7 @@ SweepShard parse_shard(const std::string& file_name, const std::string& text, st
   const bool has_count = number_error == std::errc() && slash != end && *slash == '/';
   if (has_count) std::from_chars(slash + 1, end, shard.count);
   if (shard_text(shard) != text || shard.number < 1 || shard.number > shard.count || shard.count > trials) {
-    reject("{}: /: attribute 'sweep_shard' is {}, which is no shard of {} trials", file_name, quote(text), trials);
+    reject("{}: /: attribute 'sweep_shard' is {}, which is not a shard of {} trials", file_name, quote(text), trials);
   }
   return shard;
 }

@@ -84,7 +84,7 @@ Array<T> read_numbers(const Place& place, const Handle& object, const std::strin
   const H5T_class_t kind = H5Tget_class(attribute.type.get());
   if ((kind != H5T_INTEGER && kind != H5T_FLOAT) ||
       (!array.values.empty() && H5Aread(attribute.handle.get(), memory_type(T{}), array.values.data()) < 0)) {
-    place.fail("attribute '" + name + "' is no number");
+    place.fail("attribute '" + name + "' is not a number");
   }
   return array;
 }
@@ -92,7 +92,7 @@ Array<T> read_numbers(const Place& place, const Handle& object, const std::strin
 template <class T>
 T read_number(const Place& place, const Handle& object, const std::string& name) {
   const Array<T> array = read_numbers<T>(place, object, name);
-  if (array.values.size() != 1) place.fail("attribute '" + name + "' is no single number");
+  if (array.values.size() != 1) place.fail("attribute '" + name + "' is not a single number");
   return array.values.front();
 }
 
@@ -147,7 +147,7 @@ bool exists(const Place& place) {
 StateCounts count_states(const Place& place, const std::vector<std::uint8_t>& states) {
   StateCounts counts{};
   for (const std::uint8_t state : states) {
-    if (state >= counts.size()) place.fail(fmt::format("holds {}, which is no state of a pad", state));
+    if (state >= counts.size()) place.fail(fmt::format("contains {}, which is not a state of a pad", state));
     ++counts[state];
   }
   return counts;
@@ -216,7 +216,7 @@ struct DatasetReader::State {
     const auto found = file_of.find(trial);
     if (found == file_of.end()) {
       reject("{}: no trial {}; {}", files.front(), trial,
-             trials.empty() ? "the file holds none" : fmt::format("the first is {}, the last {}", trials.front(), trials.back()));
+             trials.empty() ? "the file contains no trials" : fmt::format("allowed: {} to {}", trials.front(), trials.back()));
     }
     return found->second;
   }
@@ -235,7 +235,7 @@ struct DatasetReader::State {
     const Place place = root(index);
     FileAbout about = read_about(place);
     if (about.shard != index && !alone) {
-      place.fail(fmt::format("is file {} of its dataset, expected file {}; open the first", about.shard, index));
+      place.fail(fmt::format("is file {} of its dataset, but file {} was expected; open the first", about.shard, index));
     }
     if (index > 0 && !same_dataset(about.header, header)) {
       place.fail(fmt::format("belongs to another dataset than {}", files.front()));
@@ -247,7 +247,7 @@ struct DatasetReader::State {
       const std::size_t trial = trial_number({place.file, place.file_name, "/data"}, name);
       trials.push_back(trial);
       if (!file_of.emplace(trial, index).second)
-        place.fail(fmt::format("holds trial {}, as does another file of the dataset", trial));
+        place.fail(fmt::format("contains trial {}, as does another file of the dataset", trial));
     }
     const Handle root = open_object(place);
     const bool has_digest = about.shards || H5Aexists(root.get(), file_sha256_name) > 0;
@@ -300,7 +300,7 @@ struct DatasetReader::State {
     const Place place = demo.below(control_group);
     if (!exists(place)) return std::nullopt;
     if (!sensors.empty() && !sensors.front().labels.truth)
-      place.fail("stands in an imported recording, which has no control loop");
+      place.fail("must not be in an imported recording, which has no control loop");
     const Handle group = open_object(place);
     ControlRecord control;
     control.detector = hdf5::text_of(place, group, "detector");
@@ -322,7 +322,7 @@ struct DatasetReader::State {
     static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
     const auto sensor = std::ranges::find(sensors, control.sensor, &SensorRecord::name);
     if (sensor == sensors.end()) place.fail(fmt::format("reads the sensor '{}', which the trial does not have", control.sensor));
-    if (sensor->time != control.time) place.fail("has not the times of its sensor");
+    if (sensor->time != control.time) place.fail("does not have the times of its sensor");
     for (std::size_t row = 0; row < control.time.size(); ++row) {
       ++control.confusion[sensor->labels.state[row]][control.detector_class[row]];
     }
@@ -336,15 +336,15 @@ std::optional<FileAbout> file_about(const std::string& path) {
     const Place place{file.get(), path, "/"};
     const Handle root = open_object(place);
     if (H5Aexists(root.get(), "schema") > 0) return read_about(place);
-    if (H5Aget_num_attrs(root.get()) == 0 && members_of(place).empty()) place.fail("holds nothing");
+    if (H5Aget_num_attrs(root.get()) == 0 && members_of(place).empty()) place.fail("is empty");
     return std::nullopt;
   });
 }
 
 DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
   if (!std::filesystem::exists(path) && std::filesystem::exists(first_batch_path(path))) {
-    reject("{}: no such file; {} holds finished trials of its sweep, which goes on with --resume and can be read until then",
-           path, first_batch_path(path));
+    reject("{}: no such file; {} contains finished trials of its unfinished sweep, which --resume continues", path,
+           first_batch_path(path));
   }
   read_safely(path, [&] {
     std::size_t shards = state_->add_file(path);
@@ -383,7 +383,7 @@ std::vector<std::size_t> DatasetReader::mask(const std::string& split) const {
     if (H5Lexists(root.file, "/mask", H5P_DEFAULT) <= 0) continue;
     const Place place{root.file, root.file_name, "/mask/" + split};
     const Handle object = open_object(place);
-    if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
+    if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is not an array");
     for (const std::string& name : hdf5::texts_of(place, object)) trials.push_back(trial_number(place, name));
   }
   return trials;
@@ -418,13 +418,13 @@ std::vector<std::string> DatasetReader::bodies(std::size_t trial) const {
 
 void DatasetReader::check_recorded(std::size_t trial) const {
   if (info(trial).num_samples > 0) return;
-  state_->demo(trial).fail("has no recording, only its outcome; allowed: a dataset written without --record outcome");
+  state_->demo(trial).fail("has only its outcome, no recording; expected a dataset written without --record outcome");
 }
 
 void DatasetReader::check_truth(const std::string& what, const std::string& allowed) const {
   if (header().truth.empty()) return;
-  reject("{}: {} needs the truth, which it does not hold ({}); allowed: {}", state_->files.front(), what,
-         printable(header().truth), allowed);
+  reject("{}: {} needs the truth, which it does not contain ({}); use {}", state_->files.front(), what, printable(header().truth),
+         allowed);
 }
 
 std::string DatasetReader::sensor_type(std::size_t trial, const std::string& sensor) const {
@@ -451,14 +451,14 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   record.time = read_array<double>(place.below("t")).values;
   for (const std::string& name : read_texts(place, group, "channels")) {
     if (printable(name) != name)
-      place.fail("attribute 'channels' holds " + quote(name) + "; allowed: names without control characters");
+      place.fail("attribute 'channels' contains " + quote(name) + "; allowed: names without control characters");
     const Place channel = place.below(name);
     Array<float> array = read_array<float>(channel);
     const std::string own_time = own_time_path(name);
     std::optional<std::vector<double>> time;
     if (H5Lexists(group.get(), own_time.c_str(), H5P_DEFAULT) > 0) time = read_array<double>(place.below(own_time)).values;
     const std::size_t rows = time ? time->size() : record.time.size();
-    if (array.shape.empty() || array.shape[0] != rows) channel.fail("has not one row a sample");
+    if (array.shape.empty() || array.shape[0] != rows) channel.fail("does not have one row for each sample");
     record.channels.push_back({name, hdf5::text_of(channel, open_object(channel), "unit"), tail_of(array.shape),
                                std::move(array.values), std::move(time)});
   }
@@ -502,7 +502,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
   for (const std::string& body : bodies(trial)) {
     const Place place = state_->demo(trial).below(body_group(body));
     const std::vector<double> time = read_array<double>(place.below("t")).values;
-    if (!record.bodies.empty() && time != record.body_time) place.fail("has not the times of the other bodies");
+    if (!record.bodies.empty() && time != record.body_time) place.fail("does not have the times of the other bodies");
     record.body_time = time;
     BodyRecord columns{body, {}, {}};
     for_each_body_column(columns, [&](const char* name, const char*, const Extents& tail, std::vector<float>& column) {

@@ -48,7 +48,7 @@ void check_own(const std::string& target, const std::string& folder, const std::
   const bool is_lock = fs::symlink_status(lock, error).type() == fs::file_type::regular && fs::file_size(lock, error) == 0;
   if (is_folder && (is_lock || fs::is_empty(folder, error))) return;
   reject(
-      "cannot write {}: {}, the folder for unfinished work, exists and was not made by a run; allowed: a new name, or {} moved away",
+      "cannot write {}: {}, the folder for unfinished work, exists and was not made by a run; choose a new name, or move {} away",
       target, folder, folder);
 }
 
@@ -113,8 +113,7 @@ void RunFolder::refuse_batches() const {
   const std::size_t count = batches().size();
   if (count == 0) return;
   reject(
-      "cannot write {}: {} holds {} batch{} of finished trials of a sweep that did not come to its end; allowed: --resume, which goes on "
-      "with them, a new name, or {} moved away",
+      "cannot write {}: {} contains {} batch{} of finished trials of an unfinished sweep; continue it with --resume, choose a new name, or move {} away",
       target_, path_, count, count == 1 ? "" : "es", path_);
 }
 

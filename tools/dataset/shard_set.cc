@@ -37,7 +37,7 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
   std::error_code error;
   for (const std::string& input : inputs) {
     if (std::filesystem::equivalent(input, output, error)) {
-      reject("cannot write {}: it is one of the shards; allowed: a new name, or a dataset to replace", output);
+      reject("cannot write {}: it is one of the shards; choose another name", output);
     }
   }
 }
@@ -66,8 +66,8 @@ ShardSet::ShardSet(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     check_readable(FileKind::dataset_file, path);
     std::optional<FileAbout> about = file_about(path);
-    if (!about) throw InputError(path + ": is no dataset");
-    if (!about->header.part) throw InputError(path + ": is no shard of a sweep; allowed: files of sweep --shard k/n");
+    if (!about) throw InputError(path + ": is not a dataset");
+    if (!about->header.part) throw InputError(path + ": is not a shard of a sweep; expected files written by sweep --shard k/n");
     if (about->shard > 0) {
       later.insert(normal(path));
     } else {
@@ -75,7 +75,7 @@ ShardSet::ShardSet(const std::vector<std::string>& paths) {
     }
   }
   for (const std::string& name : files()) later.erase(normal(name));
-  if (!later.empty()) throw InputError(*later.begin() + ": is a further file of a shard; allowed: with the shard's first file");
+  if (!later.empty()) throw InputError(*later.begin() + ": is a later file of a shard; give the shard's first file");
   for (const Shard& shard : shards_) {
     check_same_sweep(shard);
     for (const FailedTrial& trial : shard.about.failed) failed_.emplace(trial.trial, trial);
@@ -85,7 +85,7 @@ ShardSet::ShardSet(const std::vector<std::string>& paths) {
 
 void ShardSet::add_shard(const std::string& path, FileAbout about) {
   if (!about.complete) {
-    throw InputError(path + ": its run did not come to its end; allowed: the whole shard, which its command with --resume gives");
+    throw InputError(path + ": its run did not finish; complete the shard by its command with --resume");
   }
   about.header.split = split_of(path);
   Shard shard{path, std::move(about), {}};
@@ -97,30 +97,31 @@ void ShardSet::check_same_sweep(const Shard& shard) const {
   const Shard& first = shards_.front();
   const DatasetHeader& one = shard.about.header;
   const auto refuse = [&](const std::string& difference) {
-    reject("{}: is no shard of the same sweep as {}: it has {}", shard.path, first.path, difference);
+    reject("{}: is not a shard of the same sweep as {}: it has {}", shard.path, first.path, difference);
   };
   const std::string difference = header_difference(whole_header(one), whole_header(header()), first.path);
   if (!difference.empty()) refuse(difference);
   if (one.part->count != header().part->count)
-    refuse(fmt::format("shard {}, {} has {}", shard_text(*one.part), first.path, shard_text(*header().part)));
+    refuse(fmt::format("shard {}, but {} has shard {}", shard_text(*one.part), first.path, shard_text(*header().part)));
   if (one.part->trials != header().part->trials)
-    refuse(fmt::format("{} trials in all, {} has {}", one.part->trials, first.path, header().part->trials));
+    refuse(fmt::format("{} trials in total, but {} has {}", one.part->trials, first.path, header().part->trials));
 }
 
 void ShardSet::add_trials(const Shard& shard) {
   const std::size_t all = header().part->trials;
   for (const std::string& file : shard.files) {
     for (StoredTrial& trial : stored_trials(file)) {
-      if (trial.number >= all) reject("{}: holds trial {}; allowed: 0 to {}, those of its sweep", file, trial.number, all - 1);
-      if (failed_.contains(trial.number)) reject("{}: holds trial {}, which has failed in a shard", file, trial.number);
+      if (trial.number >= all)
+        reject("{}: contains trial {}; allowed: 0 to {}, the trials of its sweep", file, trial.number, all - 1);
+      if (failed_.contains(trial.number)) reject("{}: contains trial {}, which has failed in another shard", file, trial.number);
       const auto [same, added] = trials_.try_emplace(trial.number, trial);
       if (added) continue;
       ++duplicates_;
       if (same->second.digest == trial.digest) continue;
       const std::string difference = trial_difference(record_of(trial), record_of(same->second));
       if (!difference.empty()) {
-        reject("{}: trial {} is not that of {}: {}; allowed: one of the two files", file, trial.number, same->second.file,
-               difference);
+        reject("{}: trial {} differs from the same trial in {}: {}; leave one of the two files out", file, trial.number,
+               same->second.file, difference);
       }
       ++within_rounding_;
     }
@@ -171,7 +172,7 @@ Merged merge_shards(const std::vector<std::string>& paths, const std::string& ou
   const ShardSet set(paths);
   refuse_input_as_output(set.files(), output);
   if (const std::vector<std::string> gaps = set.gaps(); !gaps.empty()) {
-    reject("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; "));
+    reject("cannot write {}: {}; give all shards of the sweep", output, fmt::join(gaps, "; "));
   }
   if (set.size() == 0) reject("cannot write {}: all trials of the sweep have failed", output);
   // Chunks are copied compressed, so this check is the only one that detects disk damage.

@@ -61,7 +61,7 @@ EncodedAttribute read_attribute(const Place& place, const Handle& object, const 
     if (!matrix.values.empty()) numbers(matrix.values.data());
     result.value = std::move(matrix);
   } else {
-    place.fail("attribute '" + name + "' is of a type that no trial has");
+    place.fail("attribute '" + name + "' has a type that trials do not have");
   }
   return result;
 }
@@ -72,7 +72,7 @@ ElementType element_type(const Place& place, const Handle& array) {
   if (is_type(type, H5T_IEEE_F32LE)) return ElementType::f32;
   if (is_type(type, H5T_STD_U32LE)) return ElementType::u32;
   if (is_type(type, H5T_STD_U8LE)) return ElementType::u8;
-  place.fail("is of a type that no dataset has");
+  place.fail("has a type that datasets do not have");
 }
 
 // Rows per chunk of an array that is stored as the encoder stores it: in chunks of whole rows, with
@@ -111,7 +111,7 @@ void read_chunks(const Place& place, const Handle& dataset, const Handle& proper
   bool good = array.chunk_rows > 0;
   for (std::size_t row = 0; good && row < array.shape.front(); row += array.chunk_rows)
     good = read_chunk(dataset, array.shape.size(), row, array.chunks.emplace_back());
-  if (!good) place.fail("has a chunk that is missing or is not stored as this program does it; allowed: the files of a sweep");
+  if (!good) place.fail("has a chunk that is missing or was not written by slipbench; expected the files of a sweep");
 }
 
 EncodedArray read_array(const Place& place, const Handle& dataset, const std::string& path) {
@@ -122,7 +122,7 @@ EncodedArray read_array(const Place& place, const Handle& dataset, const std::st
   if (H5Pget_layout(properties.get()) == H5D_CHUNKED) {
     read_chunks(place, dataset, properties, array);
   } else if (hdf5::count_of(place, array.shape, size_of(array.type), 1) > 0) {
-    place.fail("is not stored in chunks; allowed: the files of a sweep");
+    place.fail("is not stored in chunks; expected the files of a sweep");
   }
   return array;
 }
@@ -134,7 +134,7 @@ void read_from(const Place& place, const Handle& object, const std::string& path
     trial.arrays.push_back(read_array(place, object, path));
     return;
   }
-  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("lies too deep in the file");
+  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("is nested too deeply");
   for (const std::string& name : hdf5::attributes_of(place, object)) {
     trial.attributes.push_back(read_attribute(place, object, path, name));
   }
@@ -154,7 +154,7 @@ std::size_t trial_number(const Place& list, const std::string& name) {
   const char* const end = name.data() + name.size();
   const bool prefixed = name.starts_with(prefix);
   const auto [stop, error] = std::from_chars(name.data() + (prefixed ? prefix.size() : 0), end, number);
-  if (!prefixed || error != std::errc() || stop != end) list.fail("holds '" + name + "', which is no demo_<k>");
+  if (!prefixed || error != std::errc() || stop != end) list.fail("holds '" + name + "', which is not demo_<k>");
   return number;
 }
 

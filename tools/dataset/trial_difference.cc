@@ -71,7 +71,7 @@ std::string array_difference(const std::string& path, const Values& one, const V
     const double turn = path.ends_with("/slip_direction") ? 2.0 * std::numbers::pi : 0.0;
     return first_difference(numbers_in<float>(one), numbers_in<float>(other), std::numeric_limits<float>::epsilon(), turn);
   }();
-  return at ? fmt::format("{} differs from number {} on", path, *at) : "";
+  return at ? fmt::format("{} differs from value {} on", path, *at) : "";
 }
 
 bool texts_agree(const std::string& one, const std::string& other) {

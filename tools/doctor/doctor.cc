@@ -64,7 +64,7 @@ Check check_hdf5() {
   check.found = fmt::format("{}.{}.{}", major, minor, release);
   if (major != H5_VERS_MAJOR || minor != H5_VERS_MINOR || release != H5_VERS_RELEASE) {
     check.status = CheckStatus::wrong;
-    check.remedy = fmt::format("the program was built with the headers of {}.{}.{}: build it again", H5_VERS_MAJOR, H5_VERS_MINOR,
+    check.remedy = fmt::format("the program was built with the headers of {}.{}.{}; build it again", H5_VERS_MAJOR, H5_VERS_MINOR,
                                H5_VERS_RELEASE);
   }
   return check;
@@ -137,7 +137,7 @@ void add_browser(std::vector<Check>& checks) {
   }
   if (check.found.empty()) {
     check.status = CheckStatus::missing;
-    check.remedy = fmt::format("any browser opens a report, on any machine; here: {} chromium", apt_command);
+    check.remedy = fmt::format("open reports in any browser on any machine, or install one here: {} chromium", apt_command);
   }
   checks.push_back(std::move(check));
 }
@@ -164,8 +164,8 @@ void print_text(const std::vector<Check>& checks, bool good) {
     fmt::print("  {:<26} {}{}{}\n", check.name, check.found, ok || check.found.empty() ? "" : ", ", note);
     if (!ok) fmt::print("  {:<26} -> {}\n", "", check.remedy);
   }
-  fmt::print("\n{}\n",
-             good ? "All that is required is in order." : "Something required is not in order: see the lines marked (required).");
+  fmt::print("\n{}\n", good ? "Everything required is installed."
+                            : "Something required is missing or wrong; see the lines marked (required).");
 }
 
 void print_json(const std::vector<Check>& checks, bool good) {

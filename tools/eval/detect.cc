@@ -188,7 +188,8 @@ void check_detect_output(const std::string& path) {
   } else if (ending == ".html") {
     page::check_page_files(path, detect_page_kind);
   } else if (ending != ".parquet") {
-    reject("detect: -o {}: ends with {}; allowed: .csv, .json, .html or .parquet", path, ending.empty() ? "no ending" : ending);
+    reject("detect: -o {}: the name ends with {}; allowed: .csv, .json, .html or .parquet", path,
+           ending.empty() ? "no extension" : ending);
   }
 }
 

@@ -65,9 +65,9 @@ std::optional<double> first_alarm(const Json& trial) {
 
 std::string about(const Json& trial) {
   std::string text = fmt::format("{} in {:.4g} s", alarms_text(trial.at("alarms").size()), trial.at("duration_s").get<double>());
-  if (const std::optional<double> first = first_alarm(trial)) text += fmt::format(", the first at {:.4g} s", *first);
+  if (const std::optional<double> first = first_alarm(trial)) text += fmt::format(", first at {:.4g} s", *first);
   if (!trial.at("wrong_share").is_null())
-    text += fmt::format("; {} of the samples wrong by the labels ({})", share_text(trial.at("wrong_share")),
+    text += fmt::format("; {} of the samples wrong according to the labels ({})", share_text(trial.at("wrong_share")),
                         trial.at("labels").get<std::string>());
   return text;
 }
@@ -76,7 +76,7 @@ std::string about(const Json& trial) {
 
 page::TextTable detections_table(const Json& result, std::size_t most) {
   const bool several = several_recordings(result);
-  page::TextTable table{{"trial", "duration [s]", "alarms", "alarms a minute", "first alarm [s]", "wrong samples"}, {}};
+  page::TextTable table{{"trial", "duration [s]", "alarms", "alarms per minute", "first alarm [s]", "wrong samples"}, {}};
   const Json& worst = result.at("worst");
   for (std::size_t place = 0; place < std::min(worst.size(), most); ++place) {
     const Json& trial = result.at("trials")[worst[place].get<std::size_t>()];
@@ -99,8 +99,9 @@ std::string detect_page(const Json& result) {
   std::vector<std::string> notes{fmt::format("sensor {} ({}), {}, {}", sensor.at("name").get<std::string>(),
                                              sensor.at("type").get<std::string>(), counted(trials.size(), "trial"),
                                              alarms_text(alarms))};
-  notes.emplace_back(labelled ? "Alarms are shaded."
-                              : "Alarms are shaded. There are no labels, so nothing is right or wrong here.");
+  notes.emplace_back(labelled
+                         ? "Alarms are shaded."
+                         : "Alarms are shaded. The recordings have no labels, so alarms cannot be classified as right or wrong.");
   std::string body = page::head_html(detect_page_kind.generator, "Alarms of " + detector, notes, result.value("command", ""));
   const Json& worst = result.at("worst");
   for (std::size_t place = 0; place < std::min(worst.size(), drawn_trials); ++place) {
@@ -110,11 +111,11 @@ std::string detect_page(const Json& result) {
     body +=
         page::section_html(trial_name(trial, several), about(trial), page::timeline_html(read, marks_of(trial), drawn_channels));
   }
-  body +=
-      page::section_html("All trials",
-                         worst.size() > most_rows ? fmt::format("The first {} of {}; FILE.json has all.", most_rows, worst.size())
-                                                  : "The worst first.",
-                         page::table_html(detections_table(result, most_rows)));
+  body += page::section_html("All trials",
+                             worst.size() > most_rows
+                                 ? fmt::format("The first {} of {}; FILE.json contains all.", most_rows, worst.size())
+                                 : "Worst first.",
+                             page::table_html(detections_table(result, most_rows)));
   return page::compose_page({detect_page_kind.generator, "Alarms of " + detector + " · slipbench detect"}, body);
 }
 

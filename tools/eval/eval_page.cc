@@ -11,6 +11,7 @@
 #include "tools/eval/evaluate.h"
 #include "tools/eval/metrics.h"
 #include "tools/eval/recorded_trial.h"
+#include "tools/files/counted.h"
 #include "tools/page/svg.h"
 #include "tools/page/timeline.h"
 #include "tools/registry/program_catalogues.h"
@@ -54,8 +55,8 @@ Axis share_axis(double begin, double end) {
 std::string roc_drawing(const Json& result) {
   const Axis across = share_axis(left, right), up = share_axis(foot, top);
   const std::string area = shown(result.at("all").at("figures").at("auc").at("value"), Figure::Unit::number);
-  Svg svg =
-      page::chart(frame, "ROC, area " + area, across, "share of frames without slip called slip", up, "share of slip called so");
+  Svg svg = page::chart(frame, "ROC, area " + area, across, "share of frames without slip that are classified as slip", up,
+                        "share of slip that is classified as slip");
   svg.line("limit", left, foot, right, top);
   std::vector<std::array<double, 2>> way;
   for (const Json& point : result.at("roc")) way.push_back({across.at(point[1].get<double>()), up.at(point[2].get<double>())});
@@ -65,7 +66,7 @@ std::string roc_drawing(const Json& result) {
 
 std::string calibration_drawing(const Json& result) {
   const Axis across = share_axis(left, right), up = share_axis(foot, top);
-  Svg svg = page::chart(frame, "Calibration", across, "probability of slip said", up, "share that slips");
+  Svg svg = page::chart(frame, "Calibration", across, "reported probability of slip", up, "share that slips");
   svg.line("limit", left, foot, right, top);
   std::vector<std::array<double, 2>> way;
   for (const Json& bin : result.at("calibration")) {
@@ -73,7 +74,7 @@ std::string calibration_drawing(const Json& result) {
     svg.dot("s0", way.back()[0], way.back()[1], 3.5);
   }
   svg.polyline("s0", way);
-  return svg.element("Calibration: share that slips against the probability said");
+  return svg.element("Calibration: share that slips against the reported probability");
 }
 
 // Recall or delay against false alarms, with the detector's own operating point.
@@ -93,11 +94,11 @@ std::string alarms_drawing(const Json& result, const char* key, double scale, co
   add(own.at(rate).at("value"), own.at(key).at("value"));
   if (curve == 0 || std::ranges::min(rates) == std::ranges::max(rates)) return {};
   const Axis across = axis_for(rates, left, right), up = axis_for(values, foot, top);
-  Svg svg = page::chart(frame, name + " against false alarms", across, "false alarms a minute of true stick", up, name);
+  Svg svg = page::chart(frame, name + " against false alarms", across, "false alarms per minute of true stick", up, name);
   for (std::array<double, 2>& point : points) point = {across.at(point[0]), up.at(point[1])};
   svg.polyline("s0", std::span(points).first(curve));
   if (points.size() > curve) svg.dot("s1", points.back()[0], points.back()[1], 4.5);
-  return svg.element(name + " against false alarms a minute; the dot: as judged here");
+  return svg.element(name + " against false alarms per minute; dot: as evaluated here");
 }
 
 std::string histogram(const std::vector<double>& delays) {
@@ -110,14 +111,14 @@ std::string histogram(const std::vector<double>& delays) {
   }
   const std::array<double, 2> ends{0.0, *std::ranges::max_element(counts)};
   const Axis up = page::linear_axis(ends, std::max(1.0, page::round_step(ends[1], 5.0)), foot, top);
-  Svg svg = page::chart(frame, fmt::format("Delay of the {} trials seen", delays.size()), across,
-                        "delay from the true first slip [ms]", up, "trials");
+  Svg svg = page::chart(frame, fmt::format("Delay of the {} trials with detected slip", delays.size()), across,
+                        "delay after the true onset [ms]", up, "trials");
   const double bar = (right - left) / static_cast<double>(bars);
   for (std::size_t k = 0; k < bars; ++k) {
     const double high = up.at(counts[k]);
     if (counts[k] > 0.0) svg.bar("s0", left + bar * static_cast<double>(k) + 0.5, high, bar - 1.0, foot - high);
   }
-  return svg.element(fmt::format("Histogram of the delays of the {} trials seen", delays.size()));
+  return svg.element(fmt::format("Histogram of the delays of the {} trials with detected slip", delays.size()));
 }
 
 // One dot per seen trial, and at the upper edge one per missed trial.
@@ -155,7 +156,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 6> first_figures{
      {"delay_median_s", "median delay"},
      {"early", "early"},
      {"missed", "missed"},
-     {"false_alarms_per_minute", "false alarms a minute"}}};
+     {"false_alarms_per_minute", "false alarms per minute"}}};
 
 Figure::Unit unit_of(std::string_view key) { return std::ranges::find(figures, key, &Figure::key)->unit; }
 
@@ -170,7 +171,7 @@ std::string headline(const Json& all) {
 }
 
 page::TextTable figures_table(const Json& all) {
-  page::TextTable table{{"", "value", "95 % by trial", "best constant answer"}, {}};
+  page::TextTable table{{"", "value", "95 % by trial", "best constant detector"}, {}};
   for (const Figure& figure : figures) {
     const std::string key(figure.key);
     const Json& found = all.at("figures").at(key);
@@ -184,8 +185,8 @@ page::TextTable figures_table(const Json& all) {
 page::TextTable called_table(const Json& all) {
   constexpr std::array<std::pair<const char*, const char*>, 4> states{
       {{"no_contact", "no contact"}, {"non_slip", "non-slip"}, {"incipient", "incipient"}, {"gross", "gross"}}};
-  page::TextTable table{{"true state", "samples", "called no contact", "called non-slip", "called incipient", "called gross"},
-                        {}};
+  page::TextTable table{
+      {"true state", "samples", "detected no contact", "detected non-slip", "detected incipient", "detected gross"}, {}};
   for (const auto& [key, name] : states) {
     const Json& row = all.at("called").at(key);
     double sum = 0.0;
@@ -291,9 +292,9 @@ std::string eval_page(const Json& result, const std::string& html_path, const De
   const std::string name = detector_name(result.at("detector")), dataset = result.at("dataset").get<std::string>();
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
   const auto text = [](const Json& value) { return value.get<std::string>(); };
-  std::vector<std::string> notes{fmt::format("sensor {} ({}), labels {}, {} trials, {} samples",
-                                             text(result.at("sensor").at("name")), text(result.at("sensor").at("type")),
-                                             text(result.at("labels")), count("trials"), count("frames"))};
+  std::vector<std::string> notes{fmt::format("sensor {} ({}), labels {}, {}, {}", text(result.at("sensor").at("name")),
+                                             text(result.at("sensor").at("type")), text(result.at("labels")),
+                                             counted(count("trials"), "trial"), counted(count("frames"), "sample"))};
   if (const std::string note = truth_note(result); !note.empty()) notes.push_back(note);
   for (const Json& warning : result.at("warnings")) notes.push_back("warning: " + text(warning));
   std::string body =
@@ -302,22 +303,23 @@ std::string eval_page(const Json& result, const std::string& html_path, const De
   body += page::section_html(
       "Figures",
       fmt::format(
-          "Of {} trials that slip: seen {}, early {}, missed {}; of {} that do not: false alarms {}.{} The first alarm of a trial "
-          "decides. Balanced accuracy of slip or not is 50 % for any constant answer.",
+          "Slipping trials: {}, detected {}, early {}, missed {}. Trials without slip: {}, false alarms {}.{} The first alarm of a trial "
+          "counts. A constant detector has a balanced accuracy (slip or no slip) of 50 %.",
           count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
-          count("false_alarms"), left_out > 0 ? fmt::format(" {} trials on which it was trained are left out.", left_out) : ""),
+          count("false_alarms"),
+          left_out > 0 ? fmt::format(" {} trials of the detector's training are left out.", left_out) : ""),
       page::table_html(tables.figures));
-  body += page::section_html("What was called what", "Each row is a true state; shares are of its samples.",
+  body += page::section_html("Confusion matrix", "Rows are true states; shares are of the samples of the row.",
                              page::table_html(tables.called));
   if (const std::string drawn = drawings(result); !drawn.empty())
     body += page::section_html("Curves", "", "<div>" + drawn + "</div>\n");
   for (const page::TextTable& by : tables.by) body += page::section_html("By " + by.head.front(), "", page::table_html(by));
   if (!result.at("worst").empty()) {
-    body +=
-        page::section_html("Look first at",
-                           "A link opens the dataset's report, once its command has made it. The trials follow, alarms shaded.",
-                           worst_html(result, html_path)) +
-        worst_timelines(result, detector);
+    body += page::section_html(
+                "Worst trials",
+                "A link opens the report that the command next to it writes. The trials are drawn below, with shaded alarms.",
+                worst_html(result, html_path)) +
+            worst_timelines(result, detector);
   }
   return page::compose_page(
       {page_kind.generator, name + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);

@@ -348,13 +348,15 @@ Json worst_json(const std::vector<Judged>& trials) {
   const auto lead = [](const Judgement& one) { return one.slip_time - one.alarm_time; };
   const auto wrong = [](const Judgement& one) { return static_cast<double>(wrong_frames(one.frames)); };
   add(Detection::missed, wrong,
-      [](const Judgement& one, double origin) { return fmt::format("missed; slips from {:.4g} s on", one.slip_time - origin); });
-  add(Detection::early, lead, [&](const Judgement& one, double) { return fmt::format("early by {:.4g} s", lead(one)); });
-  add(Detection::false_alarm, alarms,
-      [](const Judgement& one, double origin) { return fmt::format("never slips; alarm at {:.4g} s", one.alarm_time - origin); });
+      [](const Judgement& one, double origin) { return fmt::format("missed; slips from {:.4g} s", one.slip_time - origin); });
+  add(Detection::early, lead,
+      [&](const Judgement& one, double) { return fmt::format("alarm {:.4g} s before the slip", lead(one)); });
+  add(Detection::false_alarm, alarms, [](const Judgement& one, double origin) {
+    return fmt::format("false alarm at {:.4g} s; never slips", one.alarm_time - origin);
+  });
   add(
       Detection::seen, [](const Judgement& one) { return one.delay; },
-      [](const Judgement& one, double) { return fmt::format("seen late, by {:.4g} s", one.delay); });
+      [](const Judgement& one, double) { return fmt::format("detected {:.4g} s after the onset", one.delay); });
   return json;
 }
 
@@ -363,15 +365,15 @@ Json training_warnings(const Options& options, std::size_t learnt, std::size_t j
   Json warnings = Json::array();
   if (learnt > 0) {
     warnings.push_back(fmt::format(
-        "the detector was trained on {} of the {} trials judged, so the figures do not show what it does with new data", learnt,
-        judged));
+        "the detector was trained on {} of the {} evaluated trials, so the figures do not show its performance on new data",
+        learnt, judged));
   }
   const Json said = Json::parse(options.trained, nullptr, false);
   if (is_trained(options.detector) && !(said.is_object() && said.contains("sha256_seen"))) {
-    warnings.push_back(fmt::format("{} does not record the trials on which it was trained, so none of them is left out here{}",
+    warnings.push_back(fmt::format("{} does not record the trials of its training, so none of them are left out{}",
                                    options.detector.parameters.path(is_memories(options.detector) ? "memories" : "model"),
                                    said.is_object() && said.contains("trained") && said.at("trained").is_string()
-                                       ? "; it says of its training: " + said.at("trained").get<std::string>()
+                                       ? "; its description of the training: " + said.at("trained").get<std::string>()
                                        : ""));
   }
   return warnings;
@@ -411,9 +413,9 @@ std::string evaluated(const Options& options) {
     trials.back().facts.mask = mask;
   }
   if (trials.empty()) {
-    reject("{}: no trial is left to judge: {}", options.dataset,
+    reject("{}: no trial is left to evaluate: {}", options.dataset,
            left_out.empty() ? "its split '" + options.split + "' is empty"
-                            : "the detector was trained on all of them; allowed: other data, or --all");
+                            : "the detector was trained on all of them; use other data, or --all");
   }
   std::vector<Judgement> judgements;
   for (const Judged& trial : trials) judgements.push_back(trial.judgement);
@@ -467,9 +469,9 @@ TruthRule learnt_labels(const std::string& trained) {
     if (labels == "tightened") return TruthRule::masked;
     if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
   } catch (const InputError& error) {
-    reject("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what());
+    reject("the detector's metadata: trained.labels: {}; choose labels with --labels", error.what());
   }
-  throw InputError("the detector's metadata: trained.labels is no name of a rule; judge by one with --labels");
+  throw InputError("the detector's metadata: trained.labels is not the name of a rule; choose labels with --labels");
 }
 
 std::set<std::string> seen_trials(const DetectorScene& detector, const std::string& trained) {
@@ -478,7 +480,7 @@ std::set<std::string> seen_trials(const DetectorScene& detector, const std::stri
   const Json& told = said.at("sha256_seen");
   const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
   if (!told.is_array() || !std::ranges::all_of(told, is_digest)) {
-    reject("{}: metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each",
+    reject("{}: metadata: trained.sha256_seen is not a list of digests of 64 hexadecimal digits each",
            detector.type == "network" ? detector.parameters.path("model") : detector.type);
   }
   return {told.begin(), told.end()};
@@ -494,7 +496,7 @@ std::string detector_name(const Json& detector) {
 
 std::string truth_note(const Json& result) {
   const auto truth = result.at("truth").get<std::string>();
-  return truth.empty() ? truth : fmt::format("truth {}: where a name here says true, it is the recorded label", truth);
+  return truth.empty() ? truth : fmt::format("truth {}: 'true' below means the recorded label", truth);
 }
 
 Json evaluate(const Options& options) { return Json::parse(evaluated(options)); }

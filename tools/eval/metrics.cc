@@ -152,7 +152,7 @@ std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
 
 std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes) {
   if (codes.size() != sensor.time.size()) {
-    reject("labels/{}: {} states of {} samples; needed: the true state of each", sensor.name, codes.size(), sensor.time.size());
+    reject("labels/{}: {} states for {} samples; expected one for each", sensor.name, codes.size(), sensor.time.size());
   }
   std::vector<PadState> states;
   for (const std::uint8_t code : codes) {
@@ -167,7 +167,7 @@ std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vect
 double lift_start(const Scene& scene, const TrialRecord& record) {
   const Parameters& motion = scene.motion.parameters;
   if (!scene.guided()) return lift_times(motion).start;
-  if (!record.control) throw InputError("is a grasp with a guided arm and without a controller, which says when it is lifted");
+  if (!record.control) throw InputError("is a grasp with a guided arm but no controller, so the start of the lift is unknown");
   const std::vector<float>& arm = record.control->grip.arm;
   for (std::size_t row = 0; 2 * row + 1 < arm.size(); ++row) {
     if (arm[2 * row + 1] > 0.0F) return record.control->time[row] + motion.number("latency");
@@ -388,12 +388,13 @@ std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, b
     case TruthRule::latched: return latched(checked_states(sensor, sensor.labels.state_micro));
     case TruthRule::recorded:
       if (sensor.labels.truth)
-        reject("sensor {}: is simulated and has no recorded labels; allowed: strict, micro, paper, latched, masked", sensor.name);
+        reject("sensor {}: is simulated, so it has no recorded labels; allowed: strict, micro, paper, latched, masked",
+               sensor.name);
       return checked_states(sensor, sensor.labels.state_paper);  // the array's name in the file
     case TruthRule::has_slipped: break;
   }
   if (sensor.type != "papillarray") {
-    reject("sensor {}: is a {}; the rule has_slipped is the PapillArray's, allowed: strict, micro, paper, latched, masked",
+    reject("sensor {}: is a {}, but the rule has_slipped needs a PapillArray; allowed: strict, micro, paper, latched, masked",
            sensor.name, sensor.type);
   }
   return has_slipped(sensor, turning);

@@ -36,7 +36,7 @@ std::size_t chosen_sensor(const std::vector<std::string>& names, const std::stri
   const auto found = std::ranges::find(names, wanted);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   reject("{}{}",
-         wanted.empty() ? std::string("has several sensors, which one? say it with --sensor") : "no sensor " + quote(wanted),
+         wanted.empty() ? std::string("has several sensors; choose one with --sensor") : "unknown sensor " + quote(wanted),
          allowed_names(wanted, names));
 }
 

@@ -97,12 +97,12 @@ void check_no_missing_value(const SensorRecord& sensor) {
       always = always && !std::isfinite(channel.values[at]);
     if (always)
       reject(
-          "sensor {}: {} is missing in all samples; allowed: a map that leaves out the column of a dead element, or names a "
-          "neighbour's column in its place where the detector needs all elements",
+          "sensor {}: {} is missing in all samples; in the map, leave out the column of a defective element, or name the column of a "
+          "neighbour if the detector needs all elements",
           sensor.name, name);
     reject(
-        "sensor {}: {} is missing at {:.6g} s; allowed: a value in each sample, as `slipbench import` keeps with missing: gap in "
-        "the map",
+        "sensor {}: {} is missing at {:.6g} s; import the recording with missing: gap in the map, which leaves "
+        "out incomplete samples",
         sensor.name, name, sensor.times_of(channel)[place / width]);
   }
 }
@@ -126,13 +126,13 @@ std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
   }
   const std::string allowed = allowed_names(text, names) + ", FILE.onnx, or a folder of memories";
   if (text == oracle_type)
-    throw InputError(quote(text) + " is the oracle, which reads the simulation and no recording" + allowed);
+    throw InputError(quote(text) + " is the oracle, which needs a simulation and cannot read a recording" + allowed);
   if (std::ranges::find(names, text) != names.end()) return {text, {}};
   if (text.ends_with(".onnx")) return {"network", {{"detector.model", yaml_word(text)}}};
   std::error_code error;
   if (std::filesystem::is_directory(hd::memories_folder(text), error))
     return {"gst_hd", {{"detector.memories", yaml_word(text)}}};
-  throw InputError("no detector " + quote(text) + allowed);
+  throw InputError("unknown detector " + quote(text) + allowed);
 }
 
 }  // namespace
@@ -193,7 +193,7 @@ std::unique_ptr<network::Engine> network_of(const DetectorScene& detector) {
   if (detector.type != "network") return nullptr;
   const std::string& model = detector.parameters.path("model");
   if (model == no_network)
-    throw InputError("no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");
+    throw InputError("no network is given; use FILE.onnx instead of 'network', or the parameter model=FILE.onnx");
   return network::load_engine(model);
 }
 

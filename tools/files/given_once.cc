@@ -13,7 +13,7 @@ void check_given_once(const std::vector<std::string>& paths, std::string_view wh
   for (const std::string& path : paths) {
     std::error_code unreadable;
     if (!given.insert(std::filesystem::weakly_canonical(path, unreadable)).second)
-      reject("{}: was given before; allowed: each {} once", path, what);
+      reject("{}: was given twice; give each {} once", path, what);
   }
 }
 

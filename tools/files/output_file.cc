@@ -46,29 +46,28 @@ void sync_folder_of(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (descriptor.get() < 0 || !sync_file(descriptor.get(), true)) {
-    reject("a power failure may take the name of {}: its folder cannot be synced: {}", path, std::strerror(errno));
+    reject("cannot sync the folder of {}, so a power failure may lose its name: {}", path, std::strerror(errno));
   }
 }
 
 void check_target(const std::string& path) {
-  if (path.empty() || path.back() == '/') reject("cannot write '{}': no file name; allowed: a path such as out.h5", path);
+  if (path.empty() || path.back() == '/') reject("cannot write '{}': not a file name; expected a path such as out.h5", path);
   struct stat status {};
   if (::lstat(path.c_str(), &status) == 0) {
     if (S_ISLNK(status.st_mode)) {
       std::error_code error;
-      refuse(path,
-             fmt::format("it is a symbolic link to {}, which would be replaced, not followed; allowed: a file or a new name",
-                         std::filesystem::read_symlink(path, error).string()));
+      refuse(path, fmt::format("it is a symbolic link to {}, which would be replaced, not followed; give a file or a new name",
+                               std::filesystem::read_symlink(path, error).string()));
     }
-    if (S_ISDIR(status.st_mode)) refuse(path, fmt::format("it is a folder; allowed: a file in it, such as {}/out", path));
-    if (!S_ISREG(status.st_mode)) refuse(path, "it is no regular file");
+    if (S_ISDIR(status.st_mode)) refuse(path, fmt::format("it is a folder; give a file in it, such as {}/out", path));
+    if (!S_ISREG(status.st_mode)) refuse(path, "it is not a regular file");
     // The system would allow replacing a read-only file, but its owner wants to keep it.
     if (::access(path.c_str(), W_OK) != 0 || (status.st_mode & 0222U) == 0) refuse(path, "it is read-only");
     return;
   }
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    refuse(path, fmt::format("there is no folder {}", folder.string()));
+    refuse(path, fmt::format("the folder {} does not exist", folder.string()));
   }
 }
 
@@ -77,11 +76,11 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
     check_target(name);
     for (const std::string& input : inputs) {
       std::error_code error;
-      if (std::filesystem::equivalent(name, input, error)) refuse(path, fmt::format("{} is the input", name));
+      if (std::filesystem::equivalent(name, input, error)) refuse(path, fmt::format("{} is an input", name));
     }
     const std::string found = first_bytes(name);
     if (!found.empty() && !kind.begins(found)) {
-      refuse(path, fmt::format("{} exists and is no {}; allowed: a new name, or a {} to replace", name, kind.name, kind.name));
+      refuse(path, fmt::format("{} exists and is not a {}; choose a new name, or a {} to replace", name, kind.name, kind.name));
     }
   }
 }

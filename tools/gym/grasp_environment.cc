@@ -90,10 +90,10 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
   const std::size_t cells = plan_->size() / plan_->draws();
   trial_ = episode % cells * plan_->draws() + episode / cells % plan_->draws();
   TrialPlan::Trial trial = plan_->trial(trial_);
-  if (!trial.scene.grasp) throw InputError(file_.name() + " is no grasp; allowed: a scene with 'grip' or 'box'");
-  if (trial.scene.guided()) throw InputError(file_.name() + ": its motion 'guided' waits for commands to the arm; allowed: lift");
+  if (!trial.scene.grasp) throw InputError(file_.name() + " is not a grasp; expected a scene with 'grip' or 'box'");
+  if (trial.scene.guided()) throw InputError(file_.name() + ": the motion 'guided' needs commands to the arm; use lift");
   if (trial.scene.accuracy)
-    throw InputError(file_.name() + ": has a wish for 'accuracy', which takes a search first; allowed: a time_step");
+    throw InputError(file_.name() + ": the key 'accuracy' needs a search of the time step first; use time_step instead");
   trial.scene.seed = seed;
   params_ = params_json(trial.drawn);
   outcome_.clear();
@@ -159,7 +159,7 @@ GripCommand GraspEnvironment::command_for(double action) {
 }
 
 const std::vector<NamedBody>& GraspEnvironment::bodies() const {
-  if (!run_) throw std::logic_error("no episode has begun: reset() comes first");
+  if (!run_) throw std::logic_error("no episode has begun; call reset() first");
   return run_->simulation().bodies();
 }
 
@@ -169,7 +169,7 @@ void GraspEnvironment::check_action(double action) {
 
 const EnvironmentStep& GraspEnvironment::step(double action) {
   check_action(action);
-  if (!run_ || over()) throw std::logic_error("the episode is over, or has not begun: reset() comes first");
+  if (!run_ || over()) throw std::logic_error("the episode is over or has not begun; call reset() first");
   const double before = latest_.time, slipped = latest_.slip_distance;
   const bool lifting = latest_.lifting;
   run_->loop().command(command_for(action));

@@ -31,7 +31,7 @@ bool is_array(const SensorRecord& sensor) {
 }  // namespace
 
 std::string myrmex_csv(const SensorRecord& sensor) {
-  if (!is_array(sensor)) reject("sensor {} is a {}; allowed: a myrmex", sensor.name, sensor.type);
+  if (!is_array(sensor)) reject("sensor {} is a {}, but a myrmex is needed", sensor.name, sensor.type);
   const SensorColumn& taxels = sensor.channels.front();
   const std::size_t rows = taxels.shape[0], columns = taxels.shape[1];
   fmt::memory_buffer text;

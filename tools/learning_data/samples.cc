@@ -60,7 +60,7 @@ const Entry& motion_of(const YamlNode& root, const std::string& file) {
   for (const MotionKind& candidate : motion_catalogue()) {
     if (candidate.about.name == name) return candidate.about;
   }
-  reject("{}: attribute scene has the motion '{}', which this program does not know", file, name);
+  reject("{}: attribute scene has the unknown motion '{}'", file, name);
 }
 
 // Commanded values of one trial: swept values take precedence over written ones.
@@ -89,7 +89,7 @@ class Commanded {
 
   [[nodiscard]] double needed(const std::string& name) const {
     if (const auto found = number(name)) return *found;
-    reject("{}: its motion '{}' has no {}; allowed: a dataset whose pad is pressed and slides, such as that of a stage", file_,
+    reject("{}: its motion '{}' has no {}; expected a dataset whose pad is pressed and slides, such as on a stage", file_,
            motion_of(scene_.root(), file_).name, name);
   }
 
@@ -135,8 +135,8 @@ std::optional<std::size_t> latest_row(std::span<const double> times, double time
 
 SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
   if (rate > sensor.rate * (1.0 + time_rounding)) {
-    reject("trial {}: a rate of {} Hz repeats samples of '{}'; allowed: up to {} Hz, its own", trial, rate, sensor.name,
-           sensor.rate);
+    reject("trial {}: a rate of {} Hz would repeat samples of '{}'; allowed: up to {} Hz, the rate of the sensor", trial, rate,
+           sensor.name, sensor.rate);
   }
   const std::vector<double> times = sensor.time;
   double start = times.empty() ? std::numeric_limits<double>::infinity() : times.front();
@@ -150,7 +150,7 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
     for (std::size_t row = 0; row < rows; ++row) instants.push_back(start + static_cast<double>(row) / rate);
   }
   if (instants.size() < 2) {
-    reject("trial {}: has fewer than two rows of '{}' at {} Hz; allowed: --rate with a higher rate", trial, sensor.name, rate);
+    reject("trial {}: has fewer than two rows of '{}' at {} Hz; use a higher --rate", trial, sensor.name, rate);
   }
   for (SensorColumn& channel : sensor.channels) {
     channel.values = rows_at(channel.values, channel.time ? *channel.time : times, instants);
@@ -177,8 +177,8 @@ RecordedSamples::RecordedSamples(const SensorRecord& sensor) : sensor_(&sensor) 
     Channel& channel = channels_.emplace_back(Channel{column.name, column.unit, column.shape, {}});
     const std::size_t rows = sensor.times_of(column).size(), size = channel.size();
     if (column.values.size() != rows * size) {
-      reject("sensor {}: channel {} has {} values for {} samples of {}; allowed: as many", sensor.name, column.name,
-             column.values.size(), rows, size);
+      reject("sensor {}: channel {} has {} values for {} samples of {}", sensor.name, column.name, column.values.size(), rows,
+             size);
     }
     channel.every = samples_a_row(column, sensor);
     if (column.time && !column.time->empty() && channel.every <= sensor.time.size()) {
@@ -222,7 +222,7 @@ std::string commanded_word(const DatasetReader& reader, std::size_t trial, const
 
 PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule, double label_speed)
     : record_(&record), rule_(rule), label_speed_(label_speed) {
-  if (record.type != "papillarray") reject("sensor {}: is a {}, this format holds a papillarray", record.name, record.type);
+  if (record.type != "papillarray") reject("sensor {}: is a {}, but this format needs a papillarray", record.name, record.type);
   if (record.labels.units() != pillars) {
     reject("sensor {}: labels of {} units, expected {}", record.name, record.labels.units(), pillars);
   }
@@ -284,7 +284,7 @@ std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_
   for (const std::string& name : reader.sensors(trial)) {
     if (reader.sensor_type(trial, name) == "papillarray") names.push_back(name);
   }
-  if (names.empty()) reject("trial {}: has no papillarray, which is what this format holds", trial);
+  if (names.empty()) reject("trial {}: has no papillarray, which this format needs", trial);
   return names;
 }
 

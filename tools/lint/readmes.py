@@ -178,7 +178,7 @@ def check_text(root, tree, path, text):
             if not line.startswith(PROGRAMS):
                 yield f"{path}: a command that is run begins with one of {', '.join(PROGRAMS)}; found '{line}'; allowed: ```sh no-run"
     for command in UNCHECKED.finditer(text):
-        yield f"{path}: a command for a reader begins with ./slipbench and stands in a block ```sh: {command[0].strip()}"
+        yield f"{path}: a command for a reader must begin with ./slipbench, in a block ```sh: {command[0].strip()}"
 
 
 def check_size(path, text):

@@ -1,8 +1,9 @@
-"""Checks texts, strings and comments for wording that most readers must read twice, and names what to
-write instead.
+"""Checks texts, messages and comments for wording that most readers must read twice, and names what
+to write instead.
 
-ANYWHERE holds patterns for any line of a text or source, OPENINGS those for the beginning of a
-comment or docstring. A line that continues a comment may begin with any word.
+ANYWHERE holds patterns for any line of a text or source, MESSAGES those for strings in sources, and
+OPENINGS those for the beginning of a comment or docstring. A line that continues a comment may
+begin with any word.
 """
 
 import re
@@ -20,6 +21,16 @@ ANYWHERE = {
     r"\bstands? ahead\b": "is offset",
     r"\bhouse\b": "project",
 }
+MESSAGES = {
+    r"(?<![Tt]here )\b(?:is|are) no (?!longer\b|more\b)": "is not a, has no, must be",
+    r"\ballowed: (?:it|these|those|them|one that|none that|as many|both|the same|at most that|up to that)\b": "name what is allowed",
+    r"\b(?:gone|goes|go|went) wrong\b": "diverges, fails",
+    r"\b(?:stands?|stood) (?:beside|in|there)\b": "is",
+    r"\bgoes? on with\b": "continues",
+    r"\bfor want of\b": "without, because ... is missing",
+    r"\bleft aside\b": "ignored",
+    r"\bneeded: ": "expected",
+}
 OPENINGS = {
     "Of": "begin with the subject or a verb",
     "What": "begin with a verb, such as Returns or Holds",
@@ -27,13 +38,19 @@ OPENINGS = {
 }
 SLASHES, HASH = r"// ", r"# "
 COMMENT = {".h": SLASHES, ".cc": SLASHES, ".js": SLASHES, ".py": rf"(?:{HASH}|\"\"\")", ".sh": HASH, ".cmake": HASH, ".txt": HASH}
+LITERAL = re.compile(r'"(?:[^"\\]|\\.)*"|(?<!\w)\'(?:[^\'\\]|\\.)*\'')
+WITH_MESSAGES = (".h", ".cc", ".js", ".py")
 CHECKED = (*COMMENT, ".md", ".yaml")
 # The changelog is history; the other two files hold the patterns.
 UNCHECKED = ("CHANGELOG.md", "tools/lint/wording.py", "tests/style/checks_test.py")
 
 
+def compiled(patterns):
+    return [(re.compile(pattern), instead) for pattern, instead in patterns.items()]
+
+
 def check(root):
-    anywhere = [(re.compile(pattern), instead) for pattern, instead in ANYWHERE.items()]
+    anywhere, messages = compiled(ANYWHERE), compiled(MESSAGES)
     words = "|".join(OPENINGS)
     for path in project_files(root):
         if path.suffix not in CHECKED or path.as_posix() in UNCHECKED or "corpus" in path.parts:
@@ -46,6 +63,10 @@ def check(root):
             for pattern, instead in anywhere:
                 if found := pattern.search(line):
                     yield f"{path}:{number}: '{found[0]}'; write instead: {instead}"
+            literals = LITERAL.findall(line) if path.suffix in WITH_MESSAGES and not whole.match(line) else []
+            for pattern, instead in messages:
+                if found := next(filter(None, map(pattern.search, literals)), None):
+                    yield f"{path}:{number}: a message says '{found[0].strip()}'; write instead: {instead}"
             found = opening.search(line) if marker else None
             if found and not (whole.match(line) and whole.match(previous)):
                 yield f"{path}:{number}: a comment begins with '{found[1]}'; {OPENINGS[found[1]]}"

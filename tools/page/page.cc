@@ -184,7 +184,7 @@ std::string json_path(const std::string& html_path) {
 
 void check_page_files(const std::string& html_path, const PageKind& kind) {
   if (!html_path.ends_with(".html")) {
-    reject("-o {}: {} is a page with its figures beside it; allowed: a name that ends in .html", html_path, kind.what);
+    reject("-o {}: {} is an HTML page with a JSON file next to it; the name must end in .html", html_path, kind.what);
   }
   check_text_target(html_path, {}, {kind.page, [&](std::string_view text) { return begins_as_page(text, kind.generator); }});
   check_text_target(json_path(html_path), {}, {kind.json, [&](std::string_view text) { return begins_as_object(text, kind); }});

@@ -32,7 +32,7 @@ struct TimeAxis {
 
   [[nodiscard]] double at(double time) const { return shown.at(time - origin); }
   [[nodiscard]] std::string name() const {
-    return origin == 0.0 ? "time [s]" : fmt::format("time after the first sample, which is at {:.15g} s [s]", origin);
+    return origin == 0.0 ? "time [s]" : fmt::format("time after the first sample (at {:.15g} s) [s]", origin);
   }
 };
 
@@ -223,7 +223,7 @@ std::string component_drawing(const SensorRecord& sensor, const SensorColumn& ch
   std::string title = channel.name;
   if (components > 1) title += fmt::format(", component {} of {}", component + 1, components);
   std::vector<Signal> signals = signals_of(channel, names, component);
-  if (signals.empty()) return fmt::format("<p class=\"note\">{}: has no value</p>\n", escape_html(title));
+  if (signals.empty()) return fmt::format("<p class=\"note\">{}: no values</p>\n", escape_html(title));
   if (signals.size() > series_count) signals.resize(series_count);
   const std::string subject = with_unit(channel) + title.substr(channel.name.size()) + " over time [s]";
   if (signals.size() < all) title += fmt::format(": the {} of {} values that change the most", signals.size(), all);
@@ -262,7 +262,7 @@ std::string values_html(const SensorRecord& sensor) {
   TextTable table{{"channel", "values"}, {}};
   for (const SensorColumn& channel : sensor.channels)
     table.rows.push_back({with_unit(channel), fmt::format("{:.6g}", fmt::join(channel.values, ", "))});
-  return "<p class=\"note\">One sample, which has no course over time.</p>\n" + table_html(table);
+  return "<p class=\"note\">A single sample; there is nothing to draw over time.</p>\n" + table_html(table);
 }
 
 // Throws InputError for times and names that cannot be drawn; files from elsewhere may hold
@@ -273,10 +273,10 @@ void check_drawable(const SensorRecord& sensor) {
     values += channel.row_size();
     const std::vector<double>& time = sensor.times_of(channel);
     if (!std::ranges::all_of(time, [](double at) { return std::isfinite(at); }))
-      reject("sensors/{}: channel {} has a time that is not finite; allowed: finite times", sensor.name, channel.name);
+      reject("sensors/{}: channel {} has a time that is not finite", sensor.name, channel.name);
   }
   if (sensor.channel_names.size() != values)
-    reject("sensors/{} names {} channels; its samples hold {} values", sensor.name, sensor.channel_names.size(), values);
+    reject("sensors/{} names {} channels, but its samples have {} values", sensor.name, sensor.channel_names.size(), values);
 }
 
 }  // namespace
@@ -306,7 +306,7 @@ std::string timeline_html(const SensorRecord& sensor, const TimelineMarks& marks
   }
   html += "</div>\n";
   if (!others.empty())
-    html += fmt::format("<p class=\"note\">Further channels: {}</p>\n", escape_html(fmt::format("{}", fmt::join(others, ", "))));
+    html += fmt::format("<p class=\"note\">Other channels: {}</p>\n", escape_html(fmt::format("{}", fmt::join(others, ", "))));
   return html;
 }
 

@@ -18,11 +18,11 @@ fs::path own_folder() {
 void load_build_for(const std::string& file) {
   void* const mujoco = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_NOLOAD);
   const std::string version = version_of(mujoco);
-  if (version.empty()) return warn(mujoco, "slipbench.field: " + file + " does not say which MuJoCo it is");
+  if (version.empty()) return warn(mujoco, "slipbench.field: " + file + " does not state its version");
   const std::string build = plugin_build(version);
   if (build.empty()) {
     warn(mujoco, "slipbench.field: MuJoCo " + version +
-                     " is loaded, for which there is no build of the plugin; supported: " + plugin_versions_text);
+                     " is loaded, but the plugin has no build for it; supported: " + plugin_versions_text);
   } else if (::dlopen((own_folder() / build).c_str(), RTLD_NOW | RTLD_LOCAL) == nullptr) {
     warn(mujoco, std::string("slipbench.field: ") + ::dlerror());
   }
@@ -30,7 +30,7 @@ void load_build_for(const std::string& file) {
 
 [[gnu::constructor]] void load_builds() {
   const std::vector<std::string> files = loaded_mujocos();
-  if (files.empty()) warn(nullptr, "slipbench.field: no libmujoco.so is loaded: the plugin stays unknown");
+  if (files.empty()) warn(nullptr, "slipbench.field: no libmujoco.so is loaded, so the plugin is not registered");
   for (const std::string& file : files) load_build_for(file);
 }
 

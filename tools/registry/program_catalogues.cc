@@ -39,13 +39,14 @@ class Oracle final : public Detector {
 Entry oracle_entry() {
   return {
       .name = std::string(oracle_type),
-      .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's.",
+      .summary =
+          "Oracle, not a detector: returns the true class of the pad, to separate errors of a detector from those of a controller.",
       .law =
           "at each sample of the sensor: the true class by the rule strict (a pillar slips when all of it slips), and the true stuck fraction of the pad's elements\n"
-          "A slip that begins and ends between two samples is in neither of them, and is missed.",
-      .source = "the simulation's own contact, which no detector sees",
-      .parameters = {
-          number_spec("latency", Quantity::time, "0 s", non_negative, "Time from the sample until the class is there.", "free")}};
+          "A slip that begins and ends between two samples is missed.",
+      .source = "the simulation's own contact, which detectors do not see",
+      .parameters = {number_spec("latency", Quantity::time, "0 s", non_negative,
+                                 "Time from the sample until the class is available.", "free")}};
 }
 
 const std::vector<DetectorKind>& detector_catalogue() {
@@ -120,10 +121,10 @@ std::vector<ParameterSpec> parameters_of(ParameterSpec limit) {
   return {
       std::move(limit),
       number_spec("pass", Quantity::none, "1", positive_up_to(1.0),
-                  "Share of the trials that must keep the expectation: k of n, k rounded up.", "free"),
+                  "Share of the trials that must meet the expectation: k of n, with k rounded up.", "free"),
       number_spec(
           "reliability", Quantity::none, "0", {0.0, 0.999999},
-          "Rate of keeping the expectation that the run must demonstrate: the interval of expect.confidence must not begin below it. A run with too few trials is refused.",
+          "Rate of meeting the expectation that the run must demonstrate: the interval with expect.confidence must not begin below it. A run with too few trials is an error.",
           "free")};
 }
 
@@ -133,10 +134,10 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
   const bool at_most = comparison == Comparison::at_most;
   return {{{std::move(name), std::move(summary),
             at_most ? "observed <= limit; a trial without an observed value fails"
-                    : "observed >= limit; a trial without an observed value keeps the expectation",
+                    : "observed >= limit; a trial without an observed value meets the expectation",
             "the trial's outcome: " + field,
             parameters_of(number_spec("limit", quantity, std::move(example), non_negative,
-                                      at_most ? "Largest value that is good." : "Smallest value that is good.", "free"))},
+                                      at_most ? "Largest allowed value." : "Smallest allowed value.", "free"))},
            false,
            false},
           comparison,
@@ -145,7 +146,7 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
 
 ExpectationKind flag(std::string name, std::string summary, const std::string& field, double (*observed)(const TrialOutcome&)) {
   return {{{std::move(name), std::move(summary), "observed = limit", "the trial's outcome: " + field,
-            parameters_of(flag_spec("limit", "false", "Value that must come out.", "free"))},
+            parameters_of(flag_spec("limit", "false", "Expected value.", "free"))},
            false,
            false},
           Comparison::equal,
@@ -221,17 +222,17 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
   using enum ExpectationKind::Comparison;
   using enum Quantity;
   static const std::vector<ExpectationKind> kinds{
-      number("gross_slip_by", at_most, time, "1 s", "All touching units slip by this time of the trial.", "gross_slip_time_s",
+      number("gross_slip_by", at_most, time, "1 s", "Time by which all touching units must slip.", "gross_slip_time_s",
              [](const TrialOutcome& o) { return o.gross_slip_time; }),
-      number("no_slip_before", at_least, time, "1 s", "No unit slips as a whole before this time of the trial.",
-             "first_slip_time_s", [](const TrialOutcome& o) { return o.first_slip_time; }),
+      number("no_slip_before", at_least, time, "1 s", "Time before which no unit may slip as a whole.", "first_slip_time_s",
+             [](const TrialOutcome& o) { return o.first_slip_time; }),
       number("max_unit_slip", at_most, length, "1 mm",
              "Largest distance that any unit slips over the surface; with fidelity mujoco_contact the unit's creep counts.",
              "max_slip_distance_m", [](const TrialOutcome& o) { return o.max_slip_distance; }),
 
       of_detector(flag(
           "false_alarm",
-          "Whether the detector says slip before any unit of its sensor slips as a whole; in a grasp also in the lift before its own first slip.",
+          "True: the detector reports slip before any unit of its sensor slips as a whole; in a grasp also during the lift before its first slip.",
           "false_alarm_time_s", [](const TrialOutcome& o) { return std::isnan(o.false_alarm_time) ? 0.0 : 1.0; })),
       without_value(
           of_detector(number(
@@ -241,15 +242,14 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
           "no delay"),
 
       without_value(
-          of_box(flag("dropped", "Whether the box falls once it is lifted. A box that is not lifted fails, whatever is expected.",
-                      "dropped",
+          of_box(flag("dropped", "True: the box falls after it was lifted. A box that is not lifted always fails.", "dropped",
                       [](const TrialOutcome& o) {
                         return grasp_of(o).not_lifted() ? std::numeric_limits<double>::quiet_NaN()
                                : grasp_of(o).dropped    ? 1.0
                                                         : 0.0;
                       })),
           "box not lifted"),
-      without_value(of_box(flag("lifted", "Whether the box leaves the table in the lift.", "lifted",
+      without_value(of_box(flag("lifted", "True: the box leaves the table in the lift.", "lifted",
                                 [](const TrialOutcome& o) {
                                   const std::optional<bool>& lifted = grasp_of(o).lifted;
                                   return !lifted ? std::numeric_limits<double>::quiet_NaN() : *lifted ? 1.0 : 0.0;
@@ -258,31 +258,31 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
       without_value(
           of_box(number(
               "max_slip", at_most, length, "3 mm",
-              "Slip displacement of the box's middle in the hand, from the lift's beginning to the trial's end. A box that is dropped or not lifted fails.",
+              "Slip displacement of the box's middle in the hand, from the start of the lift to the end of the trial. A box that is dropped or not lifted fails.",
               "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
           "box dropped or not lifted"),
       without_value(
           of_box(number(
               "max_rotation", at_most, angle, "5 deg",
-              "Slip rotation of the box in the hand, from the lift's beginning to the trial's end. A box that is dropped or not lifted fails.",
+              "Slip rotation of the box in the hand, from the start of the lift to the end of the trial. A box that is dropped or not lifted fails.",
               "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
           "box dropped or not lifted"),
       of_grasp(number(
           "max_grip_force", at_most, force, "12 N",
-          "Peak grip force at any tick, which the object must stand. The grip force is the mean of both pads' normal forces.",
+          "Peak grip force at any step, which the object must withstand. The grip force is the mean of both pads' normal forces.",
           "max_grip_force_N", [](const TrialOutcome& o) { return grasp_of(o).max_grip_force; })),
-      of_grasp(number("max_final_grip_force", at_most, force, "8 N", "Grip force at the trial's end.", "final_grip_force_N",
+      of_grasp(number("max_final_grip_force", at_most, force, "8 N", "Grip force at the end of the trial.", "final_grip_force_N",
                       [](const TrialOutcome& o) { return grasp_of(o).final_grip_force; })),
       without_value(
           of_grasp(number("max_force_ratio", at_most, none, "2.5",
-                          "Peak grip force over the ideal grip force, the least that could hold the box.",
+                          "Peak grip force divided by the ideal grip force, the least that holds the box.",
                           "max_grip_force_N / ideal_grip_force_N",
                           [](const TrialOutcome& o) { return grasp_of(o).max_grip_force / grasp_of(o).ideal_grip_force; })),
           "no ideal force"),
       without_value(
           of_grasp(number(
               "max_reaction_time", at_most, time, "150 ms",
-              "Time from the first true slip of a unit in the lift until the fingers close for it. A trial without slip fails: it shows no reaction. Nor does one whose detector alarmed before the slip, or one with a controller that ignores slip.",
+              "Time from the first true slip of a unit in the lift until the fingers close for it. A trial without slip fails, and so does a trial with an alarm before the slip or with a controller that ignores slip.",
               "reaction_time_s", [](const TrialOutcome& o) { return grasp_of(o).reaction_time; })),
           "no reaction"),
   };
@@ -312,7 +312,7 @@ std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameS
 
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source) {
   if (scene.type == oracle_type) {
-    throw InputError("detector " + quote(scene.type) + " is the oracle, which reads the simulation and no recording");
+    throw InputError("detector " + quote(scene.type) + " is the oracle, which needs a simulation and cannot read a recording");
   }
   return make_any(scene, source, nullptr);
 }

@@ -22,9 +22,9 @@ class Registry {
   // Throws InputError if the name is not an identifier or is one of `taken`.
   void put(const std::string& kind, const Entry& about, Maker make, const std::vector<Entry>& taken) {
     if (!is_identifier(about.name))
-      throw InputError(kind + " " + quote(about.name) + " is no name; allowed: letters, digits and '_', no digit first");
+      throw InputError(kind + " " + quote(about.name) + " is not a valid name; allowed: letters, digits and '_', no digit first");
     if (about.name == "none" || std::ranges::find(taken, about.name, &Entry::name) != taken.end())
-      throw InputError(kind + " " + quote(about.name) + " is one of slipbench's own; allowed: another name");
+      throw InputError(kind + " " + quote(about.name) + " is a name of slipbench itself; choose another name");
     const std::scoped_lock lock(mutex_);
     held_.insert_or_assign(about.name, std::pair(about, std::move(make)));
   }

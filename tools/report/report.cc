@@ -223,7 +223,7 @@ std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<s
     std::ranges::move(split_warnings(plan, own), std::back_inserter(warnings));
     return warnings;
   } catch (const InputError& error) {
-    return {{"scene", std::string("this version of slipbench cannot look at the scene: ") + error.what()}};
+    return {{"scene", std::string("this version of slipbench cannot read the scene: ") + error.what()}};
   }
 }
 
@@ -239,11 +239,11 @@ std::vector<std::size_t> rows_of(const std::vector<std::size_t>& trials, const s
 // Throws InputError for a dataset without trials, and for a trial that it does not have.
 void check_reportable(const DatasetReader& dataset, const std::string& path, const std::optional<std::size_t>& trial) {
   const std::vector<std::size_t>& trials = dataset.trials();
-  if (trials.empty()) throw InputError(path + ": holds no trial, so there is nothing to report");
+  if (trials.empty()) throw InputError(path + ": contains no trial");
   if (!trial) return;
   if (!std::binary_search(trials.begin(), trials.end(), *trial)) {
-    throw InputError(path + ": there is no trial " + std::to_string(*trial) + "; allowed: " + std::to_string(trials.front()) +
-                     " to " + std::to_string(trials.back()));
+    throw InputError(path + ": no trial " + std::to_string(*trial) + "; allowed: " + std::to_string(trials.front()) + " to " +
+                     std::to_string(trials.back()));
   }
   dataset.check_recorded(*trial);
 }
@@ -320,7 +320,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   if (shown.size() < trials.size()) {
     warnings.push_back(
         {"trials",
-         fmt::format("this page is made of {} of the dataset's {} trials, spread evenly: all that it counts is of these",
+         fmt::format("this page uses {} of the {} trials of the dataset, evenly spread; all its numbers refer to these trials",
                      shown.size(), trials.size())});
   }
   std::ranges::move(converter_warnings(gathered.converters), std::back_inserter(warnings));

@@ -155,7 +155,7 @@ class ParameterRows {
 
   void add_friction(const char* key, const char* doc) {
     if (const YamlNode* written = at({"friction", key})) {
-      add(std::string("friction.") + key, written, "", doc, "assumed: the scene's own, in the material's place");
+      add(std::string("friction.") + key, written, "", doc, "assumed: set by the scene instead of the material");
     }
   }
 

@@ -67,7 +67,7 @@ std::string labelled_slip(const SensorRecord& sensor) {
   const double share = static_cast<double>(std::ranges::count_if(states, slips)) / static_cast<double>(states.size());
   if (states.size() < 2) return "slip";
   const double from = sensor.time[static_cast<std::size_t>(first - states.begin())] - page::time_origin(sensor.time);
-  return fmt::format("{:.1f} %, from {:.4g} s on", 100.0 * share, from);
+  return fmt::format("{:.1f} %, from {:.4g} s", 100.0 * share, from);
 }
 
 std::size_t missing_values(const SensorRecord& sensor) {
@@ -90,7 +90,7 @@ void add_rows(page::TextTable& table, const TrialRecord& record) {
 }
 
 page::TextTable sensors_table(const TrialRecord& record) {
-  page::TextTable table{{"sensor", "type", "channel", "unit", "values a sample", "axes"}, {}};
+  page::TextTable table{{"sensor", "type", "channel", "unit", "values per sample", "axes"}, {}};
   for (const SensorRecord& sensor : record.sensors) {
     for (const SensorColumn& channel : sensor.channels)
       table.rows.push_back(
@@ -159,15 +159,14 @@ std::string recordings_body(const DatasetReader& dataset, const std::string& fil
       fmt::format("{} {}, written by slipbench {}", trials.size(), trials.size() == 1 ? "recording" : "recordings",
                   header.version),
       fmt::format(
-          "This dataset has no truth ({}), so the page shows signals, times and recorded labels. Contact, forces and slip of "
-          "the sensor's units are not known.",
+          "This dataset has no truth ({}), so the page shows signals, times and recorded labels. Contact, forces and slip of the units are not known.",
           header.truth),
-      rules.empty() ? "There are no recorded labels." : fmt::format("Recorded labels go by: {}", fmt::join(rules, "; "))};
+      rules.empty() ? "There are no recorded labels." : fmt::format("Recorded labels: {}", fmt::join(rules, "; "))};
   if (shown.size() < trials.size())
-    notes.push_back(
-        fmt::format("Signals of {} of the {} recordings are drawn; --trial K draws recording K.", shown.size(), trials.size()));
+    notes.push_back(fmt::format("The signals of {} of the {} recordings are drawn; --trial K draws recording K.", shown.size(),
+                                trials.size()));
   if (read.size() < trials.size())
-    notes.push_back(fmt::format("The table lists {} of the {} recordings, spread evenly.", read.size(), trials.size()));
+    notes.push_back(fmt::format("The table lists {} of the {} recordings, evenly spread.", read.size(), trials.size()));
   return page::head_html("slipbench report", file, notes, header.command) +
          page::section_html("Sensors", fmt::format("As in trial {}.", read.front()), sensors) +
          page::section_html("Recordings", "A step is the time from one sample to the next.",

@@ -178,16 +178,16 @@ std::vector<double> touch_times(const LabelRecord& labels) {
 void check_labels(const SensorRecord& sensor, const std::string& place) {
   const LabelRecord& labels = sensor.labels;
   const std::string subject = place + ": labels/" + sensor.name;
-  if (sensor.time.empty() || labels.units() == 0) throw InputError(subject + " holds no sample");
+  if (sensor.time.empty() || labels.units() == 0) throw InputError(subject + " contains no sample");
   if (!std::ranges::all_of(sensor.time, [](double time) { return std::isfinite(time); }))
     reject("{}: sensors/{} has a time that is not finite", place, sensor.name);
   for (const auto* states : {&labels.unit_state, &labels.state, &labels.state_micro, &labels.state_paper}) {
     for (const std::uint8_t state : *states) {
-      if (state > 3) reject("{} holds state {}; allowed: 0 to 3", subject, state);
+      if (state > 3) reject("{} contains state {}; allowed: 0 to 3", subject, state);
     }
   }
   for (const std::uint32_t unit : labels.event_unit) {
-    if (unit >= labels.units()) reject("{} has an event of unit {}; there are {}", subject, unit, labels.units());
+    if (unit >= labels.units()) reject("{} has an event of unit {}, but there are {} units", subject, unit, labels.units());
   }
   for (const std::uint8_t kind : labels.event_kind) {
     if (kind > static_cast<std::uint8_t>(EventKind::part_sticks))
@@ -196,7 +196,7 @@ void check_labels(const SensorRecord& sensor, const std::string& place) {
   std::size_t values = 0;
   for (const SensorColumn& channel : sensor.channels) values += channel.row_size();
   if (sensor.channel_names.size() != values)
-    reject("{}: sensors/{} names {} channels; its samples hold {} values", place, sensor.name, sensor.channel_names.size(),
+    reject("{}: sensors/{} names {} channels, but its samples have {} values", place, sensor.name, sensor.channel_names.size(),
            values);
 }
 

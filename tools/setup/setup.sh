@@ -36,7 +36,7 @@ missing_of() {
 
 check_debian() {
   command -v dpkg-query >/dev/null && return
-  say "no dpkg here: set-up knows Debian 12 and 13. See tools/setup/packages.txt for what to install, then build with cmake --preset release."
+  say "no dpkg: the set-up supports Debian 12 and 13. Elsewhere install what tools/setup/packages.txt lists, then build with cmake --preset release."
   exit 2
 }
 
@@ -45,12 +45,12 @@ check_debian() {
 check_rights() {
   [[ -n $1 && $(id -u) != 0 ]] || return 0
   if ! command -v sudo >/dev/null || ! { sudo -n true || : >/dev/tty; } 2>/dev/null; then
-    say "Debian packages are missing, and neither root nor sudo is at hand. Run this as root, then try again:"
+    say "Debian packages are missing, and this user is not root and has no sudo. Run this as root, then try again:"
     printf '  apt-get update && apt-get install --yes --no-install-recommends %s\n' "$1" >&2
     exit 2
   fi
   sudo -n true 2>/dev/null && return
-  say "sudo is to install Debian packages: $1"
+  say "installing Debian packages with sudo: $1"
   sudo -v || exit 2
 }
 

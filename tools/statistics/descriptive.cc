@@ -56,7 +56,7 @@ std::vector<double> shares_below(std::span<const double> values, const std::vect
 
 std::vector<double> sorted(std::span<const double> values) {
   if (values.empty() || std::ranges::any_of(values, [](double value) { return std::isnan(value); })) {
-    throw std::invalid_argument("auc: a class without values, or with one that is no number");
+    throw std::invalid_argument("auc: a class has no values, or a value is NaN");
   }
   std::vector<double> result(values.begin(), values.end());
   std::ranges::sort(result);
@@ -160,7 +160,7 @@ std::size_t least_successes(std::size_t n, double rate, double confidence) {
 Auc auc(std::span<const double> positives, std::span<const std::size_t> positive_group, std::span<const double> negatives,
         std::span<const std::size_t> negative_group) {
   if (positive_group.size() != positives.size() || negative_group.size() != negatives.size()) {
-    throw std::invalid_argument("auc: not one group for each value");
+    throw std::invalid_argument("auc: the number of groups differs from the number of values");
   }
   constexpr double quantile = 1.959963984540054;  // of the normal distribution, 97.5 %
   const std::vector<double> above = shares_below(positives, sorted(negatives)),

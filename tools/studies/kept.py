@@ -48,21 +48,20 @@ class KeptNetworks:
             if self.path.exists():
                 there = identity.read_text() if identity.is_file() else ""
                 if not there.startswith(BEGINNING):
-                    raise InputError(f"{self.path} is there and holds no networks of a study; allowed: another name of -o")
+                    raise InputError(f"{self.path} exists, but does not contain networks of a study; choose another -o")
                 if options.resume and there != line:
-                    raise InputError(f"{self.path} is of other options, data, scenes or another build of the program; allowed: with --resume the same "
-                                     "command again, or delete the folder")
+                    raise InputError(f"{self.path} belongs to other options, data, scenes or another build; repeat the same command with --resume, "
+                                     f"or delete the folder")
                 if not options.resume and self.size:
-                    raise InputError(f"{self.path} holds {self.size} networks of an unfinished run; allowed: --resume, or delete the "
-                                     "folder")
+                    raise InputError(f"{self.path} contains {self.size} networks of an unfinished run; continue with --resume, or delete the folder")
             self.path.mkdir(exist_ok=True)
             identity.write_text(line)
         except OSError as error:
             raise InputError(f"cannot write {self.path}: {error.strerror}") from error
         if self.size:
-            options.say(f"{self.size} networks of an earlier run are there")
+            options.say(f"{self.size} networks of an earlier run are used")
         elif options.resume:
-            options.say(f"no network of an earlier run is in {self.path}: beginning anew")
+            options.say(f"no network of an earlier run is in {self.path}; starting from the beginning")
 
     @property
     def size(self) -> int:
@@ -80,7 +79,7 @@ class KeptNetworks:
             return None
         digest, _, result = file.read_text().partition("\n")
         if digest != hashlib.sha256(result.encode()).hexdigest():
-            raise InputError(f"{file}: is damaged; allowed: delete it, and its network is trained again")
+            raise InputError(f"{file}: is damaged; delete it, and its network is trained again")
         return json.loads(result)
 
     def keep(self, index: int, result: Any) -> None:

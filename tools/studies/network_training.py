@@ -161,7 +161,7 @@ def train_all(name: str, subjects: Sequence[str], options: Options, work: Callab
             _collect(processes, results, kept)
     except KeyboardInterrupt:
         if kept is not None and kept.size:
-            raise KeyboardInterrupt(f"interrupted; {kept.size} networks are kept in {kept.path}; the same command with --resume goes on") from None
+            raise KeyboardInterrupt(f"interrupted; {kept.size} networks are kept in {kept.path}; continue by the same command with --resume") from None
         raise
     finally:
         processes.end()

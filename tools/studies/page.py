@@ -145,7 +145,7 @@ def check_charts(output: str) -> None:
     for path in sorted(page.parent.glob(f"{glob.escape(page.stem)}-*")):
         is_chart = re.fullmatch(rf"{re.escape(page.stem)}-\d+\.({'|'.join(FORMATS)})", path.name)
         if is_chart and GENERATOR.encode() not in path.read_bytes()[:4096]:
-            raise InputError(f"{path}: holds something else than a chart of {GENERATOR}; allowed: another -o")
+            raise InputError(f"{path}: exists and is not a chart of {GENERATOR}; choose another -o")
 
 
 def write(output: str, name: str, result: Result) -> list[str]:

@@ -9,14 +9,14 @@ namespace slipbench::train {
 namespace {
 
 constexpr std::array all{
-    RecipeLine{"gst_hd", "The hyperdimensional detector of a PapillArray, trained in a single pass; writes a folder"},
+    RecipeLine{"gst_hd", "The hyperdimensional detector of a PapillArray, trained in one pass; writes a folder"},
     RecipeLine{"piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32"},
     RecipeLine{"piezo_mlp_128", "The same with 128"},
     RecipeLine{"piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8"},
     RecipeLine{"piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32"},
     RecipeLine{"piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32"},
     RecipeLine{"piezo_slip", "The level of the signal, its changes and its spectrum in 20 ms, through two GRUs at 100 Hz"},
-    RecipeLine{"piezo_grasp", "What the signal stands at and how it changes in 2 to 100 ms, through two GRUs at 100 Hz"},
+    RecipeLine{"piezo_grasp", "Level of the signal and its changes over 2 to 100 ms, through two GRUs at 100 Hz"},
     RecipeLine{"papillarray_gru", "Tangential forces of the eight outer pillars, 40 ms at a time, through a GRU"},
     RecipeLine{"papillarray_gru5", "Five such networks, whose probabilities are averaged in one graph"},
     RecipeLine{"grasp_gru", "Forces and displacements of all nine pillars at 100 Hz through a GRU: slip in a grasp"},
@@ -26,7 +26,7 @@ constexpr std::array all{
     RecipeLine{"myrmex_net1", "Spectra of 12 x 12 taxels through one convolution and 512 units"},
     RecipeLine{"myrmex_net2", "The same through two convolutions"},
     RecipeLine{"myrmex_net3", "The same through two convolutions and 1024 units"},
-    RecipeLine{"nib_slip", "How much all electrodes move in 0.1 and 0.3 s, and which way, through a GRU at 100 Hz"},
+    RecipeLine{"nib_slip", "Size and direction of the change of all electrodes over 0.1 and 0.3 s, through a GRU at 100 Hz"},
     RecipeLine{"biotac_cnn", "The electrodes as an image of 12 x 11 through a convolution of 32 and 1024 units"},
     RecipeLine{"biotac_gcn", "The electrodes as a graph through convolutions of 8, 8, 16, 16, 32 units"},
     RecipeLine{"biotac_lstm", "Five rows at 100 Hz through five LSTMs of 32; direction of slip, seven classes"},
@@ -34,11 +34,11 @@ constexpr std::array all{
                "Five images of 12 x 11 at 100 Hz through convolutional LSTMs; direction of slip, seven classes"},
     RecipeLine{
         "biotac_gru",
-        "How much each electrode moves and drifts in 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes"},
+        "Change and drift of each electrode over 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes"},
     RecipeLine{"biotac_slip",
                "Each electrode against its own mean of 0.64 s, through filters across electrodes and in time and a GRU at 50 Hz"},
     RecipeLine{"biotac_grasp",
-               "How each electrode and the pressure change in 20 to 300 ms, with their signs, through two GRUs at 100 Hz"}};
+               "Signed changes of each electrode and the pressure over 20 to 300 ms, through two GRUs at 100 Hz"}};
 
 }  // namespace
 
@@ -56,7 +56,7 @@ bool is_network_recipe(const std::string& name) {
 
 void check_recipe(const std::string& name) {
   if (std::ranges::find(all, name, &RecipeLine::name) == all.end())
-    reject("train: no recipe {}{}", quote(name), allowed_names(name, recipe_names()));
+    reject("train: unknown recipe {}{}", quote(name), allowed_names(name, recipe_names()));
 }
 
 }  // namespace slipbench::train

@@ -28,8 +28,8 @@ constexpr double at_rest = 1e-6;
 std::size_t stride_of(const SensorRecord& sensor, const std::string& subject) {
   const double ratio = sensor.rate / detector_rate;
   if (!(ratio >= 1.0) || ratio != std::floor(ratio)) {
-    reject("{}: sensor {} samples at {} Hz; allowed: a multiple of the detector's {} Hz", subject, sensor.name, sensor.rate,
-           detector_rate);
+    reject("{}: sensor {} samples at {} Hz; allowed: a multiple of {} Hz, the rate of the detector", subject, sensor.name,
+           sensor.rate, detector_rate);
   }
   return static_cast<std::size_t>(ratio);
 }
@@ -70,7 +70,7 @@ std::string chosen_sensor(const DatasetReader& reader, std::size_t trial, const 
   if (wanted.empty() && names.size() == 1) return names.front();
   if (std::ranges::find(names, wanted) != names.end()) return wanted;
   reject("{}: {}; allowed: {}", subject,
-         wanted.empty() ? "has several PapillArrays, which one?" : fmt::format("no PapillArray '{}'", wanted),
+         wanted.empty() ? "has several PapillArrays; choose one with --sensor" : fmt::format("no PapillArray '{}'", wanted),
          fmt::join(names, ", "));
 }
 
@@ -78,7 +78,7 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
                      const SequenceOptions& options, const std::string& subject) {
   const SensorRecord& sensor = *std::ranges::find(record.sensors, sensor_name, &SensorRecord::name);
   const auto pad = std::ranges::find(record.bodies, "pad", &BodyRecord::name);
-  if (pad == record.bodies.end()) throw InputError(subject + ": has no truth/pad, which tells when it moves");
+  if (pad == record.bodies.end()) throw InputError(subject + ": has no truth/pad, which contains the motion of the pad");
   const PapillarraySamples samples(sensor, options.labels, default_label_speed);
   const std::size_t stride = stride_of(sensor, subject);
   const std::vector<std::uint8_t> states = states_of(sensor.labels, samples, options.labels, motion.rotation != 0.0);
@@ -117,7 +117,7 @@ constexpr int slowest_octave = -10;
 
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options) {
   const DatasetReader reader = whole_dataset(dataset_path);
-  reader.check_truth("the hyperdimensional detector, trained on motions that are known,");
+  reader.check_truth("training of the hyperdimensional detector");
   const auto subject_of = [&reader](std::size_t trial) {
     return fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
   };

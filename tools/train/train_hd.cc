@@ -111,8 +111,7 @@ TrainingData read_learnt(const std::string& dataset, const HdTraining& options, 
   if (summary.test.empty() && std::ranges::find(data.sequences, "test", &Sequence::part) != data.sequences.end())
     summary.test = dataset;
   std::erase_if(data.sequences, [](const Sequence& sequence) { return sequence.part != "train"; });
-  if (data.sequences.empty())
-    reject("{}: the part train of its own split holds no trial; allowed: --all, which learns from every trial", dataset);
+  if (data.sequences.empty()) reject("{}: the part train of its split contains no trial; --all trains on every trial", dataset);
   return data;
 }
 
@@ -121,7 +120,7 @@ void check_classes(const std::string& dataset, SlipRule labels, std::span<const 
   const auto hold = static_cast<std::size_t>(
       std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
   if (hold != 0 && hold != samples.size()) return;
-  reject("{}: of the frames in contact {} are non-slip and {} slip by the labels {}; allowed: frames of both", dataset, hold,
+  reject("{}: {} frames in contact are non-slip and {} slip by the labels {}; training needs frames of both", dataset, hold,
          samples.size() - hold, slip_rule_name(labels));
 }
 
@@ -131,8 +130,8 @@ std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedMo
   std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, sequences, jobs);
   if (!samples.empty()) return samples;
   const std::size_t longest = longest_contact(sequences);
-  if (longest == 0) reject("{}: no frame touches anything", dataset);
-  reject("{}: a window of {} frames is longer than the sequences; allowed: up to {}, the last frame that touches", dataset,
+  if (longest == 0) reject("{}: no frame has contact", dataset);
+  reject("{}: a window of {} frames is longer than the sequences; allowed: up to {}, the last frame with contact", dataset,
          saved.model.window, longest);
 }
 
@@ -294,7 +293,7 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   while (std::optional<Evaluation> evaluation = workers.next()) {
     if (samples_in_contact(evaluation->all) == 0) {
       reject(
-          "draw {} leaves no frame to test: {} sequences with contact after a window of {} frames are too few for their conditions",
+          "draw {0} leaves no frame for the test; the dataset needs more sequences with contact after a window of {2} frames (found {1})",
           evaluations.size(), judged_sequences(samples), model.window);
     }
     evaluations.push_back(std::move(*evaluation));
@@ -315,8 +314,7 @@ HdSummary train_hd(const HdTraining& options) {
     TrainingData more = read_learnt(dataset, options, summary);
     add_trials();  // a trial in several datasets could be in both training and test
     for (const Sequence& sequence : more.sequences)
-      if (trials.contains(sequence.sha256))
-        reject("{}: a trial is in an earlier dataset, too; allowed: each trial once", dataset);
+      if (trials.contains(sequence.sha256)) reject("{}: a trial is also in an earlier dataset; give each trial once", dataset);
     data.command += " and " + more.command;
     std::ranges::move(more.sequences, std::back_inserter(data.sequences));
   }

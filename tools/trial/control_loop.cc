@@ -15,7 +15,7 @@ namespace {
 void refuse_without_elements(const std::string& sensor, const PadLayout& layout, const ContactFrame& truth) {
   const auto elements = static_cast<Eigen::Index>(layout.elements.size());
   if (!layout.element_truth || (truth.element_depth.size() == elements && truth.element_shear.rows() == elements)) return;
-  throw std::logic_error(fmt::format("sensor '{}' reads {} elements of its pad, and the simulation's frames tell of {}", sensor,
+  throw std::logic_error(fmt::format("sensor '{}' reads {} elements of its pad, but the simulation's frames have {}", sensor,
                                      elements, truth.element_depth.size()));
 }
 
@@ -110,9 +110,8 @@ Sampler::Sampler(const Scene& scene, std::span<const std::unique_ptr<Sensor>> se
     remaining_ += simulation.ticks(pad);
     if (samples(pad) > 0) continue;
     const double shortest = static_cast<double>(pads_[pad].sampling.ticks()) * simulation.time_step(pad);
-    throw SceneValueError("duration",
-                          fmt::format("ends before the first sample of sensor '{}' is complete; allowed: {} or longer", name,
-                                      format_quantity(shortest, Quantity::time)));
+    throw SceneValueError("duration", fmt::format("ends before the first sample of sensor '{}' is complete; allowed: {} or more",
+                                                  name, format_quantity(shortest, Quantity::time)));
   }
 }
 

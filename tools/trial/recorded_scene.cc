@@ -71,7 +71,7 @@ Json json_object(const std::string& text, const std::string& subject) {
 SceneFile recorded_file(const std::string& scene, const Json& overrides, const std::string& place) {
   SceneFile file = SceneFile::from_text(scene, place);
   for (const auto& [path, value] : overrides.items()) {
-    if (!value.is_string()) throw InputError(place + ": the overrides hold no text for " + path);
+    if (!value.is_string()) throw InputError(place + ": the overrides contain no text for " + path);
     // The run may have added the key before it removed it; the dataset keeps the last value only.
     file.apply({path, value.get<std::string>()}, SceneFile::MissingKey::ignored);
   }

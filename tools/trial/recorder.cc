@@ -98,7 +98,7 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 }
 
 [[noreturn]] void refuse(const std::string& what, double time) {
-  throw WrongRun(fmt::format("{} is not finite at {} s: the scene's values are beyond what the bench can compute", what,
+  throw WrongRun(fmt::format("{} is not finite at {} s: the simulation has overflowed with the values of the scene", what,
                              format_number(time)));
 }
 
@@ -153,7 +153,7 @@ std::size_t index_of(const std::vector<NamedBody>& bodies, const std::string& na
   if (found != bodies.end()) return static_cast<std::size_t>(found - bodies.begin());
   std::vector<std::string_view> names;
   for (const NamedBody& body : bodies) names.emplace_back(body.name);
-  throw SceneValueError(key, "no body " + quote(name) + " is recorded" + allowed_names(name, names));
+  throw SceneValueError(key, "unknown body " + quote(name) + allowed_names(name, names));
 }
 
 }  // namespace
@@ -193,7 +193,7 @@ void check_record_size(const Scene& scene, double bytes, double max_bytes) {
   throw SceneValueError(
       "duration",
       fmt::format(
-          "{} makes a record of {:.3g} GB or more; allowed: at most {:.3g} GB, which is {:.3g} GB shared by the jobs, so a shorter trial, slower sensors or fewer --jobs",
+          "{} needs {:.3g} GB or more of memory for the record; allowed: {:.3g} GB, which is {:.3g} GB shared by the jobs; use a shorter trial, slower sensors or fewer --jobs",
           format_quantity(scene.duration, Quantity::time), 1e-9 * bytes, 1e-9 * max_bytes, 1e-9 * max_record_bytes));
 }
 
@@ -413,7 +413,7 @@ std::optional<HoldBodies> hold_bodies(const Scene& scene, const Simulation& simu
   const double latest = ticks < 2 ? 0.0 : static_cast<double>(ticks - 2) * simulation.time_step(0);
   if (ticks < 2 || scene.hold->from > latest) {
     throw SceneValueError("hold.from", format_quantity(scene.hold->from, Quantity::time) +
-                                           " leaves no two steps to see the body move between; allowed: 0 s to " +
+                                           " leaves fewer than two steps until the end of the trial; allowed: 0 s to " +
                                            format_quantity(latest, Quantity::time));
   }
   return HoldBodies{index_of(simulation.bodies(), scene.hold->body, "hold.body"),

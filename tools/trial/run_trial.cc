@@ -46,7 +46,7 @@ std::unique_ptr<Simulation> make_mujoco_simulation(const Scene& scene, std::span
 [[noreturn]] std::unique_ptr<Simulation> make_mujoco_simulation(const Scene& scene, std::span<const PadLayout* const>,
                                                                 std::span<const double>, std::uint64_t) {
   const std::string key = !scene.dynamic() ? "fidelity" : scene.grasp ? "grip" : scene.model.empty() ? "bodies" : "model";
-  throw SceneValueError(key, "needs MuJoCo, which this program was built without");
+  throw SceneValueError(key, "needs MuJoCo, but this program was built without it");
 }
 #endif
 

@@ -51,10 +51,10 @@ Pose pose_in(const BodyRecord& body, std::size_t row) {
 
 // Reason why the check is not possible; empty if it is.
 std::string reason_against(const Scene& scene, const SensorScene& sensor, const SensorRecord& record, const TrialRecord& trial) {
-  if (!scene.dynamic()) return "scenes without bodies: the run itself refuses a pad that comes through the stage's surface";
+  if (!scene.dynamic()) return "scenes without bodies: the simulation itself stops if a pad passes through the surface";
   if (scene.fidelity != "field") return fmt::format("fidelity {}", scene.fidelity);
-  if (!sensor.follows.empty()) return "sensors that follow another one's pad";
-  if (record.time != trial.body_time) return "sensors whose samples are not those of the bodies";
+  if (!sensor.follows.empty()) return "sensors that follow another pad";
+  if (record.time != trial.body_time) return "sensors with other sampling times than the bodies";
   for (const Named& effect : scene.effects) {
     if (std::ranges::find(springs_changed_by, effect.name) != springs_changed_by.end())
       return fmt::format("the effect {} changes the springs or the surface", effect.name);
@@ -75,7 +75,7 @@ void check_contact(const Scene& scene, std::size_t index, const TrialRecord& rec
   const auto is_sum = [](const UnitRange& unit) { return unit.count > 1; };
   const auto is_turned = [&](const Element& element) { return element.axis != layout.elements.front().axis; };
   if (std::ranges::any_of(layout.units, is_sum) && std::ranges::any_of(layout.elements, is_turned)) {
-    verification.leave_out(Check::contact, "elements of one unit meet faces of several directions");
+    verification.leave_out(Check::contact, "elements of one unit touch faces with different directions");
     return;
   }
   std::vector<TouchedBody> bodies;
@@ -127,14 +127,14 @@ void check_contact(const Scene& scene, std::size_t index, const TrialRecord& rec
       }
       const double normal = labels.force[3 * i + 2];
       if (normal > most * (1.0 + of_force)) {
-        fail("force", fmt::format("presses with {:.6g} N and is {:.4g} mm deep in what it touches, which gives {:.6g} N at most",
+        fail("force", fmt::format("presses with {:.6g} N at a depth of {:.4g} mm, where its springs give at most {:.6g} N",
                                   normal, 1e3 * deepest, most));
       }
       if (row == 0 || labels.unit_state[i] != 0 || labels.unit_state[i - units] == 0) continue;
       for (std::size_t e = first; e < end; ++e) {
         if (depth[e] < 2.0 * slack || depth[e] < 0.5 * before[e]) continue;
         fail("unit_state",
-             fmt::format("has let go, and element {} is still {:.4g} mm deep in what it touched", e, 1e3 * depth[e]));
+             fmt::format("is detached, but element {} is still {:.4g} mm deep in the touched body", e, 1e3 * depth[e]));
         break;
       }
     }

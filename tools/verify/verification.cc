@@ -40,7 +40,8 @@ void check_rising(const std::vector<double>& times, std::optional<double> rate, 
     if (!(step > 0.0)) {
       verification.fail(Check::times, here, fmt::format("{} s after {} s", times[i], times[i - 1]));
     } else if (rate && std::abs(step * *rate - 1.0) > of_a_sample) {
-      verification.fail(Check::times, here, fmt::format("{} s after the last one; rate_hz says {} s", step, 1.0 / *rate));
+      verification.fail(Check::times, here,
+                        fmt::format("{} s after the previous sample, but {} s by rate_hz", step, 1.0 / *rate));
     }
   }
 }
@@ -112,9 +113,10 @@ class EventCheck {
     };
     for (std::size_t e = 0; e < labels_.event_time.size(); ++e) {
       if (labels_.event_kind[e] >= state_after.size())
-        refuse("events/kind", e, fmt::format("{} is no kind of event", labels_.event_kind[e]));
-      if (labels_.event_unit[e] >= labels_.units()) refuse("events/unit", e, fmt::format("{} is no unit", labels_.event_unit[e]));
-      if (!std::isfinite(labels_.event_time[e])) refuse("events/t", e, fmt::format("{} is no time", labels_.event_time[e]));
+        refuse("events/kind", e, fmt::format("{} is not a kind of event", labels_.event_kind[e]));
+      if (labels_.event_unit[e] >= labels_.units())
+        refuse("events/unit", e, fmt::format("{} is not a unit", labels_.event_unit[e]));
+      if (!std::isfinite(labels_.event_time[e])) refuse("events/t", e, fmt::format("{} is not a time", labels_.event_time[e]));
       if (e > 0 && labels_.event_time[e] < labels_.event_time[e - 1])
         refuse("events/t", e, fmt::format("{} s after {} s", labels_.event_time[e], labels_.event_time[e - 1]));
     }
@@ -125,7 +127,7 @@ class EventCheck {
     for (std::size_t unit = 0; unit < first.size(); ++unit) {
       if (written[unit] == first[unit] || (std::isnan(written[unit]) && std::isnan(first[unit]))) continue;
       fail("events/t", std::nullopt,
-           fmt::format("unit {}: {} is {} s, its first such event is at {} s", unit, name, written[unit], first[unit]));
+           fmt::format("unit {}: {} is {} s, but its first such event is at {} s", unit, name, written[unit], first[unit]));
     }
   }
 
@@ -146,8 +148,7 @@ class EventCheck {
         fits = state == static_cast<std::uint8_t>(left);
       }
       if (!fits)
-        fail("unit_state", row,
-             fmt::format("unit {}: is {} at {} s, which its events do not leave behind", unit, state, time_[row]));
+        fail("unit_state", row, fmt::format("unit {}: is {} at {} s, which contradicts its events", unit, state, time_[row]));
     }
     verification_.count(Check::events, time_.size());
   }
@@ -166,12 +167,12 @@ class EventCheck {
       const auto expected = static_cast<std::uint8_t>(pad_state(touching, micro));
       if (units > 1 && labels_.state[row] != static_cast<std::uint8_t>(pad_state(touching, whole)))
         fail("state", row,
-             fmt::format("is {}, by unit_state {}", labels_.state[row], static_cast<int>(pad_state(touching, whole))));
+             fmt::format("is {}, but {} by unit_state", labels_.state[row], static_cast<int>(pad_state(touching, whole))));
       if (units == 1 && labels_.state[row] != labels_.state_micro[row])
         fail("state", row,
-             fmt::format("is {}, of a single unit, whose state_micro is {}", labels_.state[row], labels_.state_micro[row]));
+             fmt::format("is {}, but the state_micro of the single unit is {}", labels_.state[row], labels_.state_micro[row]));
       if (units > 1 && labels_.state_micro[row] != expected)
-        fail("state_micro", row, fmt::format("is {}, by unit_state {}", labels_.state_micro[row], expected));
+        fail("state_micro", row, fmt::format("is {}, but {} by unit_state", labels_.state_micro[row], expected));
     }
   }
 
@@ -206,9 +207,9 @@ void check_slip_direction(const LabelRecord& labels, const Where& where, Verific
     const auto fail = [&](const std::string& what) { verification.fail(Check::values, {where.trial, where.array, row}, what); };
     if (std::isfinite(direction)) {
       if (!(speed > (no_motion - rounding_of_velocity) * fastest))
-        fail(fmt::format("is {} rad, and the units that slip have a mean velocity of {} m/s", direction, speed));
+        fail(fmt::format("is {} rad, but the slipping units have a mean velocity of {} m/s", direction, speed));
     } else if (!std::isnan(direction) || speed > (no_motion + rounding_of_velocity) * fastest) {
-      fail(fmt::format("is {}, and the units that slip have a mean velocity of {} m/s", direction, speed));
+      fail(fmt::format("is {}, but the slipping units have a mean velocity of {} m/s", direction, speed));
     }
   }
 }
@@ -240,7 +241,7 @@ void check_label_values(const SensorRecord& sensor, std::size_t trial, Verificat
   for (std::size_t i = 0; i < labels.unit_state.size(); ++i) {
     if (labels.unit_state[i] > static_cast<std::uint8_t>(UnitState::partial))
       verification.fail(Check::values, {trial, at("unit_state").array, i / units},
-                        fmt::format("{} is no state of a unit", labels.unit_state[i]));
+                        fmt::format("{} is not a state of a unit", labels.unit_state[i]));
   }
 }
 
@@ -356,35 +357,37 @@ ConeLaw cone_law(const Scene& scene, std::size_t index) {
   };
   if (scene.fidelity != "field") {
     leave_out({&ConeLaw::margin, &ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-              fmt::format("all: fidelity {} keeps the cone to the solver's tolerance", scene.fidelity));
+              fmt::format("all: fidelity {} satisfies the cone only to the solver's tolerance", scene.fidelity));
     return law;
   }
   for (const Named& effect : scene.effects) {
     const std::string& name = effect.name;
     if (name == "ageing" || name == "anisotropic_friction" || name == "load_dependent_friction" || name == "patchy_friction") {
-      leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                fmt::format("all but margin >= 0: {} changes the friction, mu_static and mu_kinetic are the scene's", name));
+      leave_out(
+          {&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
+          fmt::format("all except margin >= 0: {} changes the friction, but mu_static and mu_kinetic are those of the scene",
+                      name));
     } else if (name == "viscous_friction") {
       leave_out({&ConeLaw::partial_margin, &ConeLaw::partial_stick, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                "slip and partial: viscous_friction adds to mu_kinetic, so what slips may bear more than mu_static f_n");
+                "slip and partial: viscous_friction adds to mu_kinetic, so slipping units may carry more than mu_static f_n");
     } else if (name == "stribeck") {
-      leave_out({&ConeLaw::slip_least}, "slip from below: stribeck takes from mu_kinetic");
+      leave_out({&ConeLaw::slip_least}, "lower bound of slip: stribeck lowers mu_kinetic");
     } else if (name == "inertia") {
       leave_out(
           {&ConeLaw::margin_value, &ConeLaw::partial_stick, &ConeLaw::slip_most, &ConeLaw::slip_least},
-          "slip, partial but margin >= 0, and margin's value: with inertia the force of a tip that slips is also that of its mass");
+          "slip, partial except margin >= 0, and the value of margin: with inertia the force of a slipping tip includes that of its mass");
     } else if (name == "asperities") {
       leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                "all but margin >= 0: with asperities the force is also that of elements that ring");
+                "all except margin >= 0: with asperities the force includes that of ringing elements");
     }
   }
   const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.at(index), scene.seed, 0);
   if (has_sums(sensor->layout())) {
     if (scene.surface.name != "plane" || (is_curved(sensor->layout()) && scene.dynamic())) {
       leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                "all but margin >= 0: elements of one unit meet faces of several directions");
+                "all except margin >= 0: elements of one unit touch faces with different directions");
     } else {
-      leave_out({&ConeLaw::slip_least}, "slip from below: a unit is the sum of elements whose directions differ");
+      leave_out({&ConeLaw::slip_least}, "lower bound of slip: a unit is the sum of elements with different directions");
     }
   }
   return law;
@@ -407,13 +410,13 @@ void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t tria
     };
     if (state == UnitState::detached) {
       if (tangential != 0.0 || normal != 0.0)
-        fail("force", fmt::format("is detached and bears {} N", math::hypot(tangential, normal)));
+        fail("force", fmt::format("is detached, but carries {} N", math::hypot(tangential, normal)));
       continue;
     }
     verification.count(Check::cone, 1);
     const double slack = least_force + relative * std::abs(normal);
     const double most_stuck = labels.mu_static[unit] * normal, slipping = labels.mu_kinetic[unit] * normal;
-    if (normal < -slack) fail("force", fmt::format("touches and is pulled with {} N", -normal));
+    if (normal < -slack) fail("force", fmt::format("touches, but is pulled with {} N", -normal));
     if (state == UnitState::slip) {
       if (law.slip_most && tangential > slipping + slack)
         fail("force", fmt::format("slips at f_t = {} N, more than mu_kinetic f_n = {} N", tangential, slipping));
@@ -428,7 +431,7 @@ void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t tria
     }
     if (law.margin_value && most_stuck > 0.0 &&
         std::abs(margin - (1.0 - tangential / most_stuck)) > of_margin * std::max(1.0, std::abs(margin))) {
-      fail("margin", fmt::format("is {}, and 1 - f_t/(mu_static f_n) is {}", margin, 1.0 - tangential / most_stuck));
+      fail("margin", fmt::format("is {}, but 1 - f_t/(mu_static f_n) is {}", margin, 1.0 - tangential / most_stuck));
     }
   }
 }

@@ -108,7 +108,7 @@ class DatasetCheck {
       if (!written.empty() && written != hexadecimal(*found)) {
         verification_.fail(
             Check::digests, {trial},
-            fmt::format("its content has the SHA-256 {}, its attribute sha256 says {}", hexadecimal(*found), written));
+            fmt::format("its content has the SHA-256 {}, but its attribute sha256 is {}", hexadecimal(*found), written));
       }
       verification_.count(Check::digests, 1);
     });
@@ -119,7 +119,7 @@ class DatasetCheck {
     for (std::size_t file = 0; file < digests_.size(); ++file) {
       const std::string name = reader_.files()[file];
       if (reader_.schema(file) == 1) {
-        verification_.leave_out(Check::digests, "attributes: the dataset has schema 1, whose digest covers arrays alone");
+        verification_.leave_out(Check::digests, "attributes: the dataset has schema 1, whose digest covers only the arrays");
       }
       const std::string& written = reader_.content_sha256()[file];
       if (written.empty()) {
@@ -133,7 +133,7 @@ class DatasetCheck {
         const std::string found = reader_.stored_sha256(file, digests_[file]);
         if (found == written) return;
         verification_.fail(Check::digests, {},
-                           fmt::format("{}: its content has the SHA-256 {}, content_sha256 says {}", name, found, written));
+                           fmt::format("{}: its content has the SHA-256 {}, but content_sha256 is {}", name, found, written));
       });
     }
   }
@@ -144,23 +144,23 @@ class DatasetCheck {
     const std::vector<FailedTrial>& failed = reader_.failed();
     for (const FailedTrial& trial : failed) {
       if (std::ranges::binary_search(trials, trial.trial))
-        verification_.fail(Check::order, {trial.trial}, "is there, and listed as failed");
+        verification_.fail(Check::order, {trial.trial}, "exists, but is listed as failed");
     }
     for (std::size_t i = 1; i < trials.size(); ++i) {
       const auto between = std::ranges::count_if(
           failed, [&](const FailedTrial& trial) { return trial.trial > trials[i - 1] && trial.trial < trials[i]; });
       const std::size_t next = trials[i - 1] + 1 + static_cast<std::size_t>(between);
       if (reader_.header().part) {
-        verification_.leave_out(
-            Check::order, "missing trials: the dataset is a shard of a sweep, which is held against the others that are named");
+        verification_.leave_out(Check::order,
+                                "missing trials: the dataset is a shard, which is compared with the other given shards");
       } else if (trials[i] > next && !reader_.complete()) {
-        verification_.leave_out(Check::order, "missing trials: the run was killed before it wrote which failed");
+        verification_.leave_out(Check::order, "missing trials: the run was killed before it listed the failed trials");
       } else if (trials[i] > next) {
         verification_.fail(Check::order, {trials[i]},
-                           fmt::format("comes after trial {}: those between them are missing", trials[i - 1]));
+                           fmt::format("follows trial {}; the trials between are missing", trials[i - 1]));
       }
       if (reader_.file_of(trials[i]) < reader_.file_of(trials[i - 1])) {
-        verification_.fail(Check::order, {trials[i]}, fmt::format("lies in a file before that of trial {}", trials[i - 1]));
+        verification_.fail(Check::order, {trials[i]}, fmt::format("is in an earlier file than trial {}", trials[i - 1]));
       }
     }
     hold(Check::order, std::nullopt, [&] { check_masks(); });
@@ -175,7 +175,7 @@ class DatasetCheck {
       listed.insert(listed.end(), members.begin(), members.end());
     }
     if (listed.empty() && !reader_.complete()) {
-      verification_.leave_out(Check::order, "masks: the run did not come to its end and wrote none");
+      verification_.leave_out(Check::order, "masks: the run did not finish and wrote none");
       return;
     }
     std::ranges::sort(listed);
@@ -184,7 +184,7 @@ class DatasetCheck {
     }
     for (const std::size_t trial : listed) {
       if (!std::ranges::binary_search(reader_.trials(), trial))
-        verification_.fail(Check::order, {trial, "mask"}, "is listed and not there");
+        verification_.fail(Check::order, {trial, "mask"}, "is listed, but does not exist");
     }
     for (const std::size_t trial : reader_.trials()) {
       if (!std::ranges::binary_search(listed, trial)) verification_.fail(Check::order, {trial, "mask"}, "is in no part");
@@ -196,7 +196,7 @@ class DatasetCheck {
     hold(Check::values, trial, [&] {
       if (record.seed != reader_.header().seed) {
         verification_.fail(Check::order, {trial},
-                           fmt::format("has the seed {}, its file {}", record.seed, reader_.header().seed));
+                           fmt::format("has the seed {}, but its file has {}", record.seed, reader_.header().seed));
       }
       if (record.sensors.empty()) {
         for (const Check check : {Check::times, Check::values, Check::events, Check::cone, Check::contact}) {
@@ -209,8 +209,8 @@ class DatasetCheck {
       check_samples(trial, record);
       if (const std::string& truth = reader_.header().truth; !truth.empty()) {
         for (const Check check : {Check::events, Check::cone, Check::contact})
-          verification_.leave_out(check, fmt::format("all: there is no truth to check ({})", truth));
-        verification_.leave_out(Check::times, "steps against rate_hz: an imported recording has those that were recorded");
+          verification_.leave_out(check, fmt::format("all: the dataset has no truth ({})", truth));
+        verification_.leave_out(Check::times, "times against rate_hz: an imported recording keeps the recorded times");
         return;
       }
       for (const SensorRecord& sensor : record.sensors) verify::check_events(sensor, trial, verification_);
@@ -228,7 +228,7 @@ class DatasetCheck {
     }
     if (const std::size_t samples = reader_.info(trial).num_samples; samples != record.body_time.size()) {
       verification_.fail(Check::times, {trial, "truth"},
-                         fmt::format("has {} rows, num_samples says {}", record.body_time.size(), samples));
+                         fmt::format("has {} rows, but num_samples is {}", record.body_time.size(), samples));
     }
   }
 
@@ -240,13 +240,13 @@ class DatasetCheck {
       scene = recorded_scene(*scene_, record, catalogues_);
     } catch (const std::exception& error) {
       for (const Check check : {Check::cone, Check::contact})
-        verification_.leave_out(check, fmt::format("all: this program does not know the scene ({})", error.what()));
+        verification_.leave_out(check, fmt::format("all: this program cannot read the scene ({})", error.what()));
       return;
     }
     for (const SensorRecord& sensor : record.sensors) {
       const auto found = std::ranges::find(scene->sensors, sensor.name, &SensorScene::name);
       if (found == scene->sensors.end()) {
-        verification_.fail(Check::cone, {record.trial, "sensors/" + sensor.name}, "is no sensor of the scene");
+        verification_.fail(Check::cone, {record.trial, "sensors/" + sensor.name}, "is not a sensor of the scene");
         continue;
       }
       const auto index = static_cast<std::size_t>(found - scene->sensors.begin());
@@ -266,7 +266,7 @@ class DatasetCheck {
 std::uint64_t shard_of(const std::string& path) {
   check_readable(FileKind::dataset_file, path);
   const std::optional<FileAbout> about = file_about(path);
-  if (!about) throw InputError(path + ": is no dataset");
+  if (!about) throw InputError(path + ": is not a dataset");
   return about->shard;
 }
 
@@ -322,7 +322,7 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
   for (const std::string& path : further) {
     run(path, [&] {
       if (!seen.contains(std::filesystem::path(path).lexically_normal().string())) {
-        throw InputError(path + ": is a further file of a dataset; allowed: its first file, with which it is verified");
+        throw InputError(path + ": is a later file of a dataset; give its first file");
       }
       verified.datasets.push_back({{"file", path}, {"part_of", "a dataset above"}});
     });

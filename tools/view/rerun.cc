@@ -156,7 +156,7 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
   using namespace std::chrono_literals;
   const std::string lock = run_lock_path(path);
   const bool follows = is_being_written(lock);
-  if (!follows && !fs::exists(path)) reject("view: {}: there is no such dataset, and no run writes it", path);
+  if (!follows && !fs::exists(path)) reject("view: {}: does not exist, and no run is writing it", path);
   const InterruptGuard guard("the viewer stays open");
   const ScratchFolder folder;  // files for Python
   Python python(fs::path(path).filename().string(), options.save);
@@ -187,8 +187,7 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
     std::this_thread::sleep_for(500ms);
   }
   result.status = python.wait();
-  if (result.status == 0 && result.trials.empty() && options.trial)
-    reject("view: {}: there is no trial {}", path, *options.trial);
+  if (result.status == 0 && result.trials.empty() && options.trial) reject("view: {}: no trial {}", path, *options.trial);
   return result;
 }
 

@@ -44,7 +44,7 @@ def main():
     try:
         rerun, numpy = importlib.import_module("rerun"), importlib.import_module("numpy")
     except ImportError:
-        print(f"slipbench: view: --rerun needs rerun-sdk, which {sys.executable} has not; install it: {sys.executable} -m pip install rerun-sdk",
+        print(f"slipbench: view: --rerun needs rerun-sdk, which {sys.executable} does not have; install it: {sys.executable} -m pip install rerun-sdk",
               file=sys.stderr)
         sys.exit(2)
     name, target = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else None

@@ -75,11 +75,11 @@ void end_group(pid_t process) {
 }  // namespace
 
 std::string ChildEnd::loss(double limit) const {
-  if (late) return fmt::format("was still running after {:g} s, the limit", limit);
+  if (late) return fmt::format("was still running at the limit of {:g} s", limit);
   if (status == no_status) return "ended before its work was done";
   if (!WIFSIGNALED(status)) return fmt::format("ended with status {} before its work was done", WEXITSTATUS(status));
   const char* const name = ::sigabbrev_np(WTERMSIG(status));
-  return fmt::format("was ended by SIG{} ({})", name == nullptr ? "?" : name, ::strsignal(WTERMSIG(status)));
+  return fmt::format("was killed by SIG{} ({})", name == nullptr ? "?" : name, ::strsignal(WTERMSIG(status)));
 }
 
 std::string ChildEnd::result(const std::string& subject, double limit) && {

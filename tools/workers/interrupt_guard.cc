@@ -40,7 +40,7 @@ void catch_unless_ignored(int signal, const struct sigaction& action, struct sig
 
 InterruptGuard::InterruptGuard(std::string_view notice) {
   interrupted.store(false);
-  announcement = fmt::format("slipbench: {}; once more to stop at once\n", notice);
+  announcement = fmt::format("slipbench: {}; interrupt again to stop at once\n", notice);
   on_terminal = isatty(STDERR_FILENO);
   struct sigaction action {};
   action.sa_handler = &note_interrupt;

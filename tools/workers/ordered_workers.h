@@ -38,7 +38,7 @@ class OrderedWorkers {
     } catch (const std::system_error& error) {
       stopped_ = true;
       throw InputError("only " + std::to_string(threads_.size()) + " of " + std::to_string(threads) +
-                       " worker threads could be started (" + error.code().message() + "); allowed: fewer, with --jobs");
+                       " worker threads could be started (" + error.code().message() + "); use fewer, with --jobs");
     } catch (...) {
       stopped_ = true;
       throw;

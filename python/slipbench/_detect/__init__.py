@@ -90,7 +90,7 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
             except (OSError, pa.ArrowInvalid):
                 earlier = False
             if not earlier:
-                raise _core.InputError(f"cannot write {name}: it holds something else than a table of slipbench detect; allowed: another -o")
+                raise _core.InputError(f"cannot write {name}: it exists and is not a table of slipbench detect; choose another -o")
     partial = {name: f"{name}.partial" for name in targets}
     try:
         with pq.ParquetWriter(partial[path], alarms) as alarm_file, pq.ParquetWriter(partial[samples_path(path)], samples) as sample_file:

@@ -115,8 +115,8 @@ def _training_columns(request: Request) -> list[Column]:
 
 
 def _grasp_columns(_: Request) -> list[Column]:
-    return [Column("object", "object", "", "what was grasped: shape and size in mm", "sc:Text"),
-            Column("slipped", "slipped", "", "0 held, 1 lost, as the `hold` of the scene calls it", "sc:Integer"),
+    return [Column("object", "object", "", "grasped object: shape and size in mm", "sc:Text"),
+            Column("slipped", "slipped", "", "0 held, 1 lost, by the key `hold` of the scene", "sc:Integer"),
             Column("ff_biotac_<e>, mf_biotac_<e>, th_biotac_<e>", r"(ff|mf|th)_biotac_\d+", "counts",
                    "electrode e, 1 to 24, of the finger's BioTac SP in the last sample before the lift", "sc:Integer")]
 
@@ -140,25 +140,28 @@ def _in_demonstrations(one: Series) -> bool:
 ARCHIVE = ("arrays of trial k under their paths: `sensors/<sensor>/<array>`, `labels/<sensor>/<array>`, `truth/<body>/<array>`, `control/<array>`; "
            "`about` is a JSON text with the units and the keys of codes")
 LAYOUTS = {
-    "csv": Layout({"demo_<k>-<sensor>.csv": "trial k: a row a sample; `t [s]`, a column for each value as `NAME [UNIT]`, the states",
-                   "demo_<k>-<sensor>-<channel>.csv": "the same of a channel with times of its own"},
+    "csv": Layout({"demo_<k>-<sensor>.csv": "trial k: one row per sample; `t [s]`, a column for each value as `NAME [UNIT]`, the states",
+                   "demo_<k>-<sensor>-<channel>.csv": "the same for a channel with separate times"},
                   _in_tables, table=r"demo_(?P<trial>\d+)-(?P<table>.+)\.csv"),
     "npz": Layout({"demo_<k>.npz": ARCHIVE}),
     "myrmex-rotated": Layout({"demo_<k>.npz": f"{ARCHIVE}. The taxels of a Myrmex of 12 x 12 or more are [samples, 12, 12, 12]: sample, turn by 0 to 330 degrees "
                               "in steps of 30, row, column"}, shape=_rotated_shape),
     "robomimic": Layout({"robomimic.hdf5": "`data/demo_<k>`: trial k at one rate; `obs/<sensor>_<channel>`, `next_obs`, `actions` (scaled to -1 to 1), `states` "
-                         "(pose and velocity of all bodies), `rewards` (1 in the last row of a grasp that holds), `dones`, `<sensor>_<state>`"}, _in_demonstrations),
-    "parquet": Layout({"<sensor>.parquet": "a row a sample of all trials", "<sensor>-<channel>.parquet": "a row a sample of a channel with times of its own",
-                       "<sensor>-events.parquet": "a row an event", "body-<name>.parquet": "a row an instant of a body", "control.parquet": "a row a step of the loop",
-                       "trials.parquet": "a row a trial"}),
-    "lerobot": Layout({"data/*/*.parquet": "a row a frame", "meta/info.json": "the features", "meta/episodes/*/*.parquet": "a row an episode, with the number of its trial"}),
+                         "(pose and velocity of all bodies), `rewards` (1 in the last row of a successful grasp), `dones`, `<sensor>_<state>`"}, _in_demonstrations),
+    "parquet": Layout({"<sensor>.parquet": "one row per sample of all trials", "<sensor>-<channel>.parquet": "one row per sample of a channel with "
+                                                                                                             "separate times",
+                       "<sensor>-events.parquet": "one row per event", "body-<name>.parquet": "one row per sample of a body", "control.parquet": "one row per step of the loop",
+                       "trials.parquet": "one row per trial"}),
+    "lerobot": Layout({"data/*/*.parquet": "one row per frame", "meta/info.json": "the features", "meta/episodes/*/*.parquet": "one row per "
+                                                                                                                               "episode, with the number of its trial"}),
     "mcap": Layout({"demo_<k>.mcap": "trial k: a topic for each sensor, its labels, the bodies and the loop", "foxglove-layout.json": "a layout for viewers"}),
     "rosbag2": Layout({"demo_<k>": f"trial k as a ROS 2 bag; `slip_state` of a PapillArray's message: {VENDOR_CODES}; by the rule of `--labels`, without it strict", "slipbench_msgs": "the package of the messages"}),
-    "vendor-csv": Layout({"LOG_demo_<k>.csv": "trial k in the layout of the vendor's software, a row a sample"}, _none, "papillarray", _vendor_columns, True,
+    "vendor-csv": Layout({"LOG_demo_<k>.csv": "trial k in the layout of the vendor's software, one row per sample"}, _none, "papillarray", _vendor_columns, True,
                          table=r"(?P<table>LOG)_demo_(?P<trial>\d+)\.csv"),
-    "training-csv": Layout({"<move>/demo_<k>-v_<mm/s>-<slip or stop>.csv": "trial k: a row a sample at 1000 Hz, 73 columns without header; move and speed are those "
-                            "that the scene commands; stop: the pad braked within 100 ms of its start"}, _none, "papillarray", _training_columns, True),
-    "grasp-csv": Layout({"grasps.csv": "a row a grasp"}, _none, "biotac_sp", _grasp_columns, True, table=r"(?P<table>grasps)\.csv"),
-    "slip-csv": Layout({"<class>/<object><k>.csv": "trial k: a row a sample at 100 Hz without times; class: n towards the root of the finger, s towards its tip, "
+    "training-csv": Layout({"<move>/demo_<k>-v_<mm/s>-<slip or stop>.csv": "trial k: one row per sample at 1000 Hz, 73 columns without header; move "
+                                                                           "and speed are as commanded by the scene; stop: the pad braked within 100 ms of its start"}, _none, "papillarray", _training_columns, True),
+    "grasp-csv": Layout({"grasps.csv": "one row per grasp"}, _none, "biotac_sp", _grasp_columns, True, table=r"(?P<table>grasps)\.csv"),
+    "slip-csv": Layout({"<class>/<object><k>.csv": "trial k: one row per sample at 100 Hz without times; class: n towards the root of the finger, s "
+                                                   "towards its tip, "
                         "e and w to its right and left, cw and aw turn, t rests"}, _none, "biotac_sp", _slip_columns, True, table=r"(?P<class>[a-z]+)/.+\.csv"),
-    "myrmex-csv": Layout({"demo_<k>-<sensor>.csv": "trial k: an image a line at the rate of the sensor, without header and times"}, _none, "myrmex", _image_columns)}
+    "myrmex-csv": Layout({"demo_<k>-<sensor>.csv": "trial k: one image per line at the rate of the sensor, without header and times"}, _none, "myrmex", _image_columns)}

@@ -162,9 +162,9 @@ def _check_points(trial: StoredTrial, request: Request, progress: Progress) -> l
     """The sensors with a feature of points; a note names the others. Raises InputError if there are
     none."""
     found = [sensor for sensor in request.sensors if _has_points(trial, sensor)]
-    without = "the force of each unit is not measured, or the places of the units are not recorded"
+    without = "the forces or the positions of the units are not recorded"
     if not found:
-        raise InputError(f"--points: {', '.join(request.sensors)}: {without}; allowed: --points with a simulated sensor that has a channel `force` "
+        raise InputError(f"--points: {', '.join(request.sensors)}: {without}; --points needs a simulated sensor with a channel `force` "
                          "[units, 3], such as papillarray")
     for sensor in request.sensors:
         if sensor not in found:
@@ -221,7 +221,7 @@ class _Writer:
         names = [one.name for one in features]
         schema = pa.schema([one.field for one in features])
         if self._names and (names, described) != (self._names, self._features):
-            raise InputError(f"trial {number}: has other features than the trials before; allowed: --sensors with those that are alike, or --trial")
+            raise InputError(f"trial {number}: has other features than the previous trials; choose common sensors with --sensors, or one trial with --trial")
         self._names, self._features = names, described
         if self._data is not None and self.bytes_of_file() >= FILE_BYTES:
             self.close()
@@ -294,10 +294,10 @@ def _beside(folder: Path) -> tuple[Path, Path]:
 
 def _check_target(folder: Path) -> None:
     if folder.is_symlink() or (folder.exists() and not (folder.is_dir() and _is_own(folder))):
-        raise InputError(f"{folder}: would be replaced and is no LeRobot dataset of slipbench; allowed: another --output")
+        raise InputError(f"{folder}: would be replaced, but is not a LeRobot dataset of slipbench; choose another --output")
     for other in _beside(folder):
         if other.is_symlink() or (other.exists() and not (other.is_dir() and {one.name for one in other.iterdir()} <= {"data", "meta", *CARDS})):
-            raise InputError(f"{other}: would be removed and is not what a killed export has left; allowed: another --output")
+            raise InputError(f"{other}: would be removed, but is not left by a killed export; choose another --output")
 
 
 def _publish(partial: Path, folder: Path) -> None:
@@ -337,7 +337,7 @@ def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
         rates.setdefault(rate, []).append(name)
     for rate, sensors in rates.items():
         if abs(rate - round(rate)) > TIME_ROUNDING * rate:
-            raise InputError(f"lerobot: {', '.join(sensors)} at {rate:g} Hz; allowed: a whole number, by --rate")
+            raise InputError(f"lerobot: {', '.join(sensors)} at {rate:g} Hz; choose a whole number with --rate")
     return rates
 
 
@@ -346,8 +346,8 @@ def _check_rates(number: int, trial: StoredTrial, rates: dict[float, list[str]],
     for rate, sensors in rates.items():
         for name in sensors:
             if request.rate is None and not _fits(trial.sensors[name], rate):
-                raise InputError(f"trial {number}: {name} at {float(trial.sensors[name].attrs['rate_hz']):g} Hz, in the trials before at {rate:g} Hz; "
-                                 "allowed: one rate, by --rate or --trial")
+                raise InputError(f"trial {number}: {name} at {float(trial.sensors[name].attrs['rate_hz']):g} Hz, but in the previous trials at "
+                                 f"{rate:g} Hz; choose one rate with --rate, or one trial with --trial")
 
 
 def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float, request: Request) -> NDArray[np.float64]:
@@ -367,7 +367,7 @@ def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[
 def _other_rate(trial: StoredTrial, sensors: list[str], rate: float) -> list[str]:
     """Notes about recorded sensors whose clock is inexact."""
     own = {name: float(trial.sensors[name].attrs["rate_hz"]) for name in sensors if _fits(trial.sensors[name], rate)}
-    return [f"{name} was recorded at {one:.6g} Hz and is written as {rate:g} fps: timestamp counts frames, time is the recorder's"
+    return [f"{name} was recorded at {one:.6g} Hz and is written as {rate:g} fps: timestamp counts frames, time is the recorded time"
             for name, one in own.items() if one != rate]
 
 

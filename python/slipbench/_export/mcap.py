@@ -105,7 +105,7 @@ def nanoseconds(t: NDArray[np.float64], what: str) -> NDArray[np.uint64]:
     """Times of messages [ns], strictly ascending."""
     times = np.round(t * 1e9)
     if np.any(times < 0) or np.any(np.diff(times) <= 0):
-        raise InputError(f"{what}: times that do not ascend from 0 on by at least 1 ns; MCAP takes no others; allowed: --format parquet")
+        raise InputError(f"{what}: the times do not ascend from 0 by at least 1 ns, as MCAP requires; use --format parquet")
     return times.astype(np.uint64)
 
 

@@ -62,7 +62,7 @@ class _Files:
             self._paths[name] = self._output.path(f"{name}.parquet")
             self._writers[name] = pq.ParquetWriter(self._paths[name], schema, write_statistics=["trial", "t"], **encodings(schema))
         elif not self._writers[name].schema.equals(schema):
-            raise InputError(f"trial {trial}: {name} has other columns than in the trials before; allowed: --trial, one at a time")
+            raise InputError(f"trial {trial}: {name} has other columns than in the previous trials; export one trial at a time with --trial")
         self._writers[name].write_table(pa.Table.from_arrays([pa.array(values) for values in arrays.values()], schema=schema))
 
     def close(self) -> None:

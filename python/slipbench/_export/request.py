@@ -17,7 +17,7 @@ from slipbench._program import Interrupt, counted
 LINE_PERIOD = 5.0  # s, between lines if stderr is not a terminal
 BAR_PERIOD = 0.1  # s, between redraws
 MOST_NOTES = 10
-ALLOWED = "allowed: a folder, or a new name in one that is there"
+ALLOWED = "expected a folder, or a new name in an existing folder"
 
 
 @dataclass(frozen=True)
@@ -81,10 +81,10 @@ def make_folder(folder: Path) -> bool:
         return True
     except FileExistsError:
         if not folder.is_dir():
-            raise InputError(f"cannot make folder {folder}: File exists; {ALLOWED}") from None
+            raise InputError(f"cannot create the folder {folder}: File exists; {ALLOWED}") from None
         return False
     except OSError as error:
-        raise InputError(f"cannot make folder {folder}: {error.strerror}; {ALLOWED}") from error
+        raise InputError(f"cannot create the folder {folder}: {error.strerror}; {ALLOWED}") from error
 
 
 def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
@@ -93,11 +93,11 @@ def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
     if not path.is_symlink() and not path.exists():
         return
     if path.is_symlink() or not path.is_file():
-        raise InputError(f"{path}: is no plain file; allowed: a new name, or {allowed}")
+        raise InputError(f"{path}: is not a plain file; choose a new name, or {allowed}")
     with path.open("rb") as file:
         beginning = file.read(4096)
     if beginning and not beginning.startswith(beginnings):
-        raise InputError(f"{path}: would be replaced and is not {allowed}; allowed: another folder")
+        raise InputError(f"{path}: would be replaced, but is not {allowed}; choose another folder")
 
 
 class Progress:
@@ -122,8 +122,8 @@ class Progress:
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
             if expected - written > free:
-                raise InputError(f"{self._out}: {counted(self._total, 'trial')} would take about {size_text(expected)}, found: {size_text(free)} free; "
-                                 "allowed: fewer trials (--split, --trial), fewer --sensors, a lower --rate")
+                raise InputError(f"{self._out}: {counted(self._total, 'trial')} would need about {size_text(expected)}, but {size_text(free)} are "
+                                 f"free; export fewer trials (--split, --trial), fewer --sensors or a lower --rate")
             if self._total > 1:
                 self._say(f"{self._total} trials, about {size_text(expected)}\n")
         now = time.monotonic()
@@ -181,7 +181,7 @@ class Output:
     def path(self, name: str) -> str:
         """Path to write FOLDER/`name` to."""
         if not name.isprintable() or ".." in Path(name).parts or Path(name).is_absolute():
-            raise InputError(f"cannot write a file called {name!r}; allowed: names of the dataset without control characters, that stay in {self._folder}")
+            raise InputError(f"cannot write a file called {name!r}; names in the dataset must not have control characters or lead out of {self._folder}")
         path = self._folder / name
         for folder in reversed(path.relative_to(self._folder).parents[:-1]):
             self._make(self._folder / folder)

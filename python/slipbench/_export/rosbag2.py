@@ -70,7 +70,7 @@ LOADED_FORCE = 0.05  # N, true tangential force from which a pillar counts as lo
 LABEL_SPEED = 1e-4  # m/s, tip speed from which a pillar slips by the rule paper
 UNIT_DETACHED, UNIT_SLIP, UNIT_PARTIAL = 0, 2, 3
 UNKNOWN, UNTOUCHED, CONTACT_LOST, CONTACT, LOADED, SLIPPED = 0, -2, -1, 1, 2, 3
-ALLOWED = "allowed: --format parquet, which takes any name"
+ALLOWED = "use --format parquet, which accepts any name"
 
 
 def ros_name(name: str) -> str:
@@ -143,7 +143,7 @@ def _times(t: NDArray[np.float64], what: str) -> NDArray[np.uint64]:
     """Nanoseconds, ascending."""
     times = np.round(t * 1e9)
     if np.any(times < 0) or np.any(np.diff(times) < 0):
-        raise InputError(f"{what}: times that do not ascend from 0; a bag takes no others; allowed: --format parquet")
+        raise InputError(f"{what}: the times do not ascend from 0, as a bag requires; use --format parquet")
     return times.astype(np.uint64)
 
 

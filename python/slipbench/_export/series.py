@@ -125,12 +125,12 @@ def grid(number: int, trial: StoredTrial, sensors: list[str], series: list[Serie
     fastest = max(sensors, key=lambda sensor: float(trial.sensors[sensor].attrs["rate_hz"]))
     most = float(trial.sensors[fastest].attrs["rate_hz"])
     if rate > most * (1 + TIME_ROUNDING):
-        raise InputError(f"trial {number}: a rate of {rate:g} Hz repeats samples of '{fastest}'; allowed: up to {most:g} Hz, its own")
+        raise InputError(f"trial {number}: a rate of {rate:g} Hz would repeat samples of '{fastest}'; allowed: up to {most:g} Hz, the rate of the sensor")
     ends = [float(one.t[-1]) for one in series if one.kind in ("truth", "control")] + [float(trial.sensors[sensor]["t"][-1]) for sensor in sensors]
     start = max(float(one.t[0]) for one in series)
     count = int(np.floor((min(ends) - start + TIME_ROUNDING) * rate)) + 1
     if count < 2:
-        raise InputError(f"trial {number}: has fewer than two rows at {rate:g} Hz; allowed: --rate with a higher rate")
+        raise InputError(f"trial {number}: has fewer than two rows at {rate:g} Hz; use a higher --rate")
     return start + np.arange(count) / rate
 
 

@@ -48,7 +48,7 @@ def map_path(name: str) -> str:
     if Path(name).name == name and own.is_file():
         return str(own)
     raise InputError(
-        f"--map {name}: no such file, and no map of the program{nearest(name, sorted(path.stem for path in MAPS.glob('*.yaml')))}"
+        f"--map {name}: no such file, and not an included map{nearest(name, sorted(path.stem for path in MAPS.glob('*.yaml')))}"
     )
 
 
@@ -59,7 +59,7 @@ def run(request: Request, interrupt: Interrupt) -> None:
     map = Map(read_map(map_path(request.map)))
     files = map.files(request.sources)
     if not files:
-        raise InputError(f"{', '.join(request.sources)}: holds tables of labels alone; expected recordings")
+        raise InputError(f"{', '.join(request.sources)}: contains only tables of labels; expected recordings")
     writer = _core.MappedImport(
         request.sources, request.map, request.output, request.seed, request.rate, "object" if map.object else "trial"
     )

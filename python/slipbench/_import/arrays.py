@@ -29,16 +29,16 @@ class Columns(Source):
     def values(self, title: str) -> np.ndarray:
         column = self._columns[title]
         if column.dtype.kind not in "biuf":
-            raise InputError(f"{self.path}: {title} holds {column.dtype}; expected numbers")
+            raise InputError(f"{self.path}: {title} contains {column.dtype}; expected numbers")
         values: np.ndarray = column.astype(float)
         if np.isinf(values).any():
-            raise InputError(f"{self.place(int(np.argwhere(np.isinf(values))[0][0]))}: {title} holds an infinite value")
+            raise InputError(f"{self.place(int(np.argwhere(np.isinf(values))[0][0]))}: {title} contains an infinite value")
         return values
 
     def texts(self, title: str) -> list[str]:
         column = self._columns[title]
         if column.ndim != 1:
-            raise InputError(f"{self.path}: {title} has {column.ndim} dimensions; expected one value a row")
+            raise InputError(f"{self.path}: {title} has {column.ndim} dimensions; expected one value per row")
         if column.dtype.kind == "M":
             return ["" if text == "NaT" else text for text in np.datetime_as_string(column).tolist()]
         if column.dtype.kind == "f":
@@ -46,7 +46,7 @@ class Columns(Source):
         try:
             return [str(value) for value in column.tolist()]
         except (SystemError, ValueError) as error:  # code points beyond Unicode
-            raise InputError(f"{self.path}: {title} holds a text that cannot be read: {error}") from error
+            raise InputError(f"{self.path}: {title} contains a text that cannot be read: {error}") from error
 
     def spacing(self, title: str) -> float:
         column = self._columns[title]
@@ -63,7 +63,7 @@ def read_npy(path: str) -> Columns:
     except Exception as error:  # noqa: BLE001  a damaged header raises what Python's parser and tokenizer raise
         raise InputError(f"{path}: cannot be read as an array: {error}") from error
     if not isinstance(array, np.ndarray) or array.ndim == 0 or array.size == 0:
-        raise InputError(f"{path}: expected an array with a row for each sample")
+        raise InputError(f"{path}: expected an array with one row per sample")
     if array.dtype.names:
         return Columns(path, {name: array[name] for name in array.dtype.names})
     return Columns(path, {str(k + 1): column for k, column in enumerate(array.reshape(len(array), -1).T)})
@@ -80,16 +80,16 @@ def read_npz(path: str) -> Columns:
         raise InputError(f"{path}: cannot be read as arrays: {error}") from error
     if size > LARGEST:
         raise InputError(
-            f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; cut them in parts"
+            f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; split the file"
         )
     arrays = {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}  # skips other members
     rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
     if not rows:
-        raise InputError(f"{path}: has no array with a row for each sample; found: {', '.join(list(arrays)[:10])}")
+        raise InputError(f"{path}: has no array with one row per sample; found: {', '.join(list(arrays)[:10])}")
     most = max(rows, key=lambda count: (rows[count], count))
     kept = {name: array for name, array in arrays.items() if array.ndim and len(array) == most}
     left_out = {
-        name: f"holds {counted(len(array), 'row') if array.ndim else 'one value without rows'}; expected {most}, as most arrays hold"
+        name: f"has {counted(len(array), 'row') if array.ndim else 'one value without rows'}; expected {most}, as most arrays have"
         for name, array in arrays.items()
         if name not in kept
     }
@@ -106,19 +106,18 @@ def read_parquet(path: str) -> Columns:
         for title, count in Counter(titles).items():
             if count > 1:
                 raise InputError(
-                    f"{path}: has {count} columns {title!r}; expected titles that differ; rename one where the file is written"
+                    f"{path}: has {count} columns {title!r}; titles must differ; rename one of them"
                 )
         if head.num_rows == 0:
-            raise InputError(f"{path}: the table has no row")
+            raise InputError(f"{path}: the table has no rows")
         if head.num_rows * head.num_columns * 8 > LARGEST:  # a small file may have many rows of one value
             raise InputError(
-                f"{path}: the table has {head.num_rows} rows of {head.num_columns} columns; expected at most {LARGEST // 8} values; "
-                "cut it in parts"
+                f"{path}: the table has {head.num_rows} rows of {head.num_columns} columns; expected at most {LARGEST // 8} values; split the file"
             )
         table = pyarrow.parquet.read_table(path)
         if table.num_rows != head.num_rows:
             raise InputError(
-                f"{path}: is damaged: holds {counted(table.num_rows, 'row')}; expected {head.num_rows}, as its end says"
+                f"{path}: is damaged: has {counted(table.num_rows, 'row')}; expected {head.num_rows}, as its footer states"
             )
         columns = {
             name: _parquet_column(f"{path}: column {name!r}", column)

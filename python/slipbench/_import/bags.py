@@ -98,7 +98,7 @@ def read_definitions(map: Block) -> dict[str, Any]:
         files = sorted(path.rglob("*.msg")) if path.is_dir() else [path]
         if not path.exists() or not files:
             map.fail(
-                f"definitions: expected a .msg file or a folder with such files beside the map, found {given!r}, which "
+                f"definitions: expected a .msg file or a folder with such files next to the map, found {given!r}, which "
                 f"{'has none' if path.exists() else 'is not there'}",
                 "definitions",
             )
@@ -185,7 +185,7 @@ class Bag:
             return sorted(found)
         if len(self.topics) != 1:
             raise InputError(
-                f"{self.path}: has {len(self.topics)} topics, so that the map needs the key 'topic'; found: {listed}"
+                f"{self.path}: has {len(self.topics)} topics, so the map needs the key 'topic'; found: {listed}"
             )
         return list(self.topics)
 
@@ -220,12 +220,12 @@ class Bag:
             if list(row) != titles:
                 raise InputError(
                     f"{self.path}: topic {name}, message {len(times) + 1}: has {len(row)} values and the first message "
-                    f"{len(titles)}; expected lists of one length"
+                    f"{len(titles)}; expected lists of the same length"
                 )
             times.append(time)
             if len(times) * len(titles) > MOST_IN_TOPIC:
                 raise InputError(
-                    f"{self.path}: topic {name} has more than {MOST_IN_TOPIC} values; cut the bag in parts"
+                    f"{self.path}: topic {name} has more than {MOST_IN_TOPIC} values; split the bag"
                 )
             rows.append(row)
             if len(rows) * len(titles) >= BLOCK:
@@ -235,7 +235,7 @@ class Bag:
             raise InputError(f"{self.path}: topic {name} has no message")
         if not titles:
             raise InputError(
-                f"{self.path}: topic {name}: the messages have no value, or lists of more than {MOST_VALUES} alone"
+                f"{self.path}: topic {name}: the messages have no values, or only lists of more than {MOST_VALUES}"
             )
         if rows:
             blocks.append(_columns(rows, titles))

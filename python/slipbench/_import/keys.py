@@ -35,8 +35,8 @@ class Key:
 
 
 _SENSOR = (
-    Key("type", "text", "", "type of the sensor, as in a scene: papillarray, taxels, or a type of your own"),
-    Key("frame", "text", "as the recordings have it", "a sentence that says what the axes are"),
+    Key("type", "text", "", "type of the sensor, as in a scene: papillarray, taxels, or a custom type"),
+    Key("frame", "text", "as recorded", "a sentence that defines the axes"),
     Key("time", "block", "of a bag: when a message was received", "the times of the samples", block="time"),
     Key("channels", "blocks", "", "the channels by their names", block="channel"),
     Key(
@@ -47,37 +47,37 @@ _SENSOR = (
         block="state",
     ),
     Key("topic", "text", "the only one", "topic of a bag or of an MCAP file"),
-    Key("message", "text", "", "type of message in a bag; each topic of this type is a sensor of its own"),
+    Key("message", "text", "", "type of message in a bag; each topic of this type is a separate sensor"),
     Key(
         "each",
         "text",
         "",
-        "list in a message, each item of which is a sensor of its own; columns are fields of an item",
+        "list in a message, each item of which is a separate sensor; columns are fields of an item",
     ),
 )
 _PLACES = (
     Key("column", "text", "", "title of the column"),
     Key("value", "text", "", "one value for all recordings"),
-    Key("folder", "integer", "", "name of a folder above the file: 1 is the folder that holds it, 2 the one above"),
+    Key("folder", "integer", "", "name of a folder above the file: 1 is the folder of the file, 2 the folder above it"),
     Key("file", "text", "", "regular expression for the file's name, whose first group is the value"),
-    Key("table", "block", "", "a table with a row for each file", block="table"),
+    Key("table", "block", "", "a table with one row per file", block="table"),
 )
 BLOCKS: dict[str, tuple[Key, ...]] = {
     "map": (
-        Key("sensor", "name", "", "name of the only sensor; its keys then stand beside it"),
+        Key("sensor", "name", "", "name of the only sensor, whose keys are on the same level"),
         Key("sensors", "blocks", "", "several sensors by their names", block="sensor"),
         Key(
             "files",
             "text",
             "all of a kind",
-            "pattern for the names of the files that are read in folders: '*_bio.csv'; files that are named themselves are all read",
+            "pattern for the names of the files that are read in folders, such as '*_bio.csv'; files given by name are always read",
         ),
         *_SENSOR,
         Key(
             "object",
             "block",
             "no objects",
-            "name of the object; recordings of one object stay in one part of the split",
+            "name of the object; recordings of an object stay in one part of the split",
             block="object",
         ),
         Key(
@@ -89,16 +89,16 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
         Key("decimal", "text", "found", "the decimal mark", choices=(".", ",")),
         Key("thousands", "text", "none", "the mark between thousands", choices=(",", ".", "'")),
         Key(
-            "header", "boolean", "true", "whether the first line holds titles; without them columns are called 1, 2, 3"
+            "header", "boolean", "true", "true: the first line contains titles; false: the columns are called 1, 2, 3"
         ),
-        Key("skip", "lines", "none", "lines that are not read: the first N, or a list of line numbers"),
-        Key("comment", "text", "#", "a line that begins with this text is not read; none: all lines are read"),
+        Key("skip", "lines", "none", "lines to skip: the first N, or a list of line numbers"),
+        Key("comment", "text", "#", "text at the beginning of lines to skip; none: all lines are read"),
         Key(
             "definitions",
             "texts",
             "those in the bag",
             "of a bag of ROS 2 without definitions of its messages: .msg files, or folders that have them as "
-            "PACKAGE/msg/NAME.msg, beside the map",
+            "PACKAGE/msg/NAME.msg, next to the map",
         ),
         Key(
             "missing",
@@ -117,7 +117,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "format",
             "text",
             "ISO 8601",
-            "how a date or a time of day is written, as Python's strptime takes it: '%d.%m.%Y %H:%M:%S.%f'",
+            "format of a date or a time of day, for Python's strptime: '%d.%m.%Y %H:%M:%S.%f'",
         ),
         Key(
             "nanoseconds",
@@ -135,7 +135,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "columns",
             "texts",
             "",
-            "titles; 'A .. B' is A, B and all between them; * stands for a number, and several titles with * are taken in turn",
+            "titles; 'A .. B' means A, B and all between them; * matches a number, and several titles with * alternate",
             required=True,
         ),
     ),
@@ -147,11 +147,11 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "0 to 3, or their names",
             "the state of each text that is found: no_contact, non_slip, incipient, gross, 0 to 3, or unknown",
         ),
-        Key("rule", "text", "", "a sentence that says what the labels go by", required=True),
+        Key("rule", "text", "", "a sentence that defines the labels", required=True),
     ),
     "object": _PLACES,
     "table": (
-        Key("path", "text", "", "file name, beside the recordings or beside the map", required=True),
+        Key("path", "text", "", "file name, next to the recordings or to the map", required=True),
         Key("file", "text", "file", "title of the column of file names"),
         Key("column", "text", "", "title of the column of values", required=True),
     ),

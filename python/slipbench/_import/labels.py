@@ -67,7 +67,7 @@ class Lookup:
             level: int = self.block.need("folder")
             if level > len(full.parents) or not full.parents[level - 1].name:
                 raise InputError(
-                    f"{file.path}: has no folder {level} levels above it, which {self.block.path('folder')} asks for"
+                    f"{file.path}: has no folder {level} levels above it, as {self.block.path('folder')} requires"
                 )
             return full.parents[level - 1].name
         if self.place == "file":
@@ -87,7 +87,7 @@ class Lookup:
                 break
         else:
             named.fail(
-                f"{named.path('path')}: there is no file {named.need('path')!r} beside {file.path} and none beside the map",
+                f"{named.path('path')}: there is no file {named.need('path')!r} next to {file.path} or the map",
                 "path",
             )
         if path not in self._tables:
@@ -113,7 +113,7 @@ class Lookup:
         rows: dict[str, str] = {}
         for row, (name, value) in enumerate(zip(table.texts(titles[0]), table.texts(titles[1]), strict=True)):
             if name in rows:
-                raise InputError(f"{table.place(row)}: names the file {name!r} a second time")
+                raise InputError(f"{table.place(row)}: names the file {name!r} twice")
             rows[name] = value
         return rows
 
@@ -153,7 +153,7 @@ class States(Lookup):
         if number is None:
             raise InputError(
                 f"{place}: expected a label of 0, 1, 2, 3 or {', '.join(STATES)}, found {text!r}"
-                f"; say what texts mean in {self.block.path('values')}"
+                f"; define texts in {self.block.path('values')}"
             )
         return number
 
@@ -169,7 +169,7 @@ class States(Lookup):
                 state = self._state(texts[row], f"{source.place(row)}: column {self.column}")
                 if state is None:
                     raise InputError(
-                        f"{source.place(row)}: the label {texts[row]!r} is unknown; a column needs a label in each row"
+                        f"{source.place(row)}: the label {texts[row]!r} is unknown; each row needs a known label"
                     )
                 known[texts[row]] = state
         return np.array([known[texts[row]] for row in kept.tolist()], np.uint8)
@@ -183,7 +183,7 @@ def object_of(lookup: Lookup, file: File, source: Source) -> str:
         names = sorted(set(source.texts(lookup.column)))
         if len(names) != 1:
             raise InputError(
-                f"{file.path}: column {lookup.column} has {len(names)} objects ({', '.join(names[:5])}); expected one in a file"
+                f"{file.path}: column {lookup.column} has {len(names)} objects ({', '.join(names[:5])}); expected one per file"
             )
         name = names[0]
     if not _core.is_plain_name(name):

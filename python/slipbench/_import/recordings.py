@@ -100,7 +100,7 @@ class Sensor:
             if len(given) > 1 or (given and "rate" in self.time):
                 self.time.fail(
                     f"time: expected one of unit, scale, format and nanoseconds, found {' and '.join(given)}"
-                    f"{' beside rate' if 'rate' in self.time else ''}"
+                    f"{' next to rate' if 'rate' in self.time else ''}"
                 )
             if self.time.get("scale", 1.0) < 0:
                 self.time.fail(f"time.scale: expected a positive number, found {self.time.get('scale')}", "scale")
@@ -124,7 +124,7 @@ class Map:
         if "sensors" in block:
             for key in ("type", "channels", "topic", "message", "each", "frame"):
                 if key in block:
-                    block.fail(f"{key} stands beside 'sensors'; expected it in a sensor", key)
+                    block.fail(f"{key} is next to 'sensors'; move it into a sensor", key)
             self.sensors = [Sensor(name, one, block) for name, one in block.need("sensors").items()]
             for sensor in self.sensors:
                 if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", sensor.name):
@@ -137,7 +137,7 @@ class Map:
         self._definitions: dict[str, Any] | None = None  # of messages; read with the first bag
         self._named: set[str] = set()  # sources that are not folders
         if (comment := block.get("comment")) is not None and comment != comment.strip():
-            block.fail(f"comment: expected a text without blanks around it, found {comment!r}", "comment")
+            block.fail(f"comment: expected a text without spaces around it, found {comment!r}", "comment")
 
     def files(self, sources: list[str]) -> list[File]:
         """The recordings, without tables of labels and objects."""
@@ -233,13 +233,13 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
     ]
     if len(names) * len(source) * 4 > LARGEST:
         raise InputError(
-            f"{source.path}: channel {key} takes more than {LARGEST // 1_000_000} MB; cut the file in parts"
+            f"{source.path}: channel {key} takes more than {LARGEST // 1_000_000} MB; split the file"
         )
     joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * channel.get("scale", 1.0)
     large = np.argwhere(np.abs(joined) > np.finfo(np.float32).max)
     if large.size:
         raise InputError(
-            f"{source.place(int(large[0][0]))}: column {names[large[0][1]]}: expected a number that float32 holds, "
+            f"{source.place(int(large[0][0]))}: column {names[large[0][1]]}: expected a number in the range of float32,  "
             f"found {joined[tuple(large[0])]:g}"
         )
     components = channel.get("components", starred)
@@ -258,7 +258,7 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
     if sensor.time is None:
         clock = source.clock()
         if clock is None:
-            raise InputError(f"{source.path}: has no times of its own; the map needs the key 'time'")
+            raise InputError(f"{source.path}: contains no times; the map needs the key 'time'")
         return clock * 1e-9, 1e-9, None
     if "rate" in sensor.time:
         rate = float(sensor.time.need("rate"))
@@ -331,14 +331,13 @@ class Importer:
             rate = None  # the remaining rows have gaps
         times = times[kept]
         if len(times) < (1 if rate else 2):
-            raise InputError(f"{file.path}: has {counted(len(times), 'sample')}; expected two or more, which give the rate")
+            raise InputError(f"{file.path}: has {counted(len(times), 'sample')}; at least two are needed to determine the rate")
         late = np.flatnonzero(~(np.diff(times) > 0))
         if late.size:
             row = int(late[0]) + 1
             column = "" if sensor.time is None else f"column {source.titles.index(sensor.time.need('column')) + 1}, "
             raise InputError(
-                f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; "
-                "expected rising times"
+                f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; expected ascending times"
             )
         steps = np.diff(times)
         if steps.size and steps.min() < SHORTEST:
@@ -397,7 +396,7 @@ class Importer:
                 titles = [sensor.time.need("column")]
             raise InputError(
                 f"{source.place(row)}: column {titles[0]} has no value; expected a number in each row, or missing: gap in the "
-                "map, which leaves out such rows, or missing: nan, which keeps the other values"
+                "map, which skips such rows, or missing: nan, which keeps the other values"
             )
         known = (
             np.interp(every, np.flatnonzero(~np.isnan(times)), times[~np.isnan(times)])

@@ -82,7 +82,7 @@ class Source:
 
     def _folder_hint(self) -> str:
         return (
-            "; where a folder also holds other files, files: '*_a.csv' in the map reads those with such names"
+            "; if the folder also contains other files, files: '*_a.csv' in the map selects files by name"
             if self.in_folder
             else ""
         )
@@ -115,7 +115,7 @@ class Source:
         starred = [title for title in columns if "*" in title and title not in self.titles]
         if starred:
             if len(starred) < len(columns):
-                raise InputError(f"{where}: titles with * and without cannot stand in one list")
+                raise InputError(f"{where}: titles with and without * cannot be in one list")
             groups = [self._matches(title) for title in starred]
             for title, group in zip(starred, groups, strict=True):
                 if len(group) != len(groups[0]):
@@ -127,7 +127,7 @@ class Source:
                 for numbers, title in row:
                     if numbers != row[0][0]:
                         raise InputError(
-                            f"{self.title_place()}: the column {title!r} would stand beside {row[0][1]!r}; expected columns of the "
+                            f"{self.title_place()}: the column {title!r} would be paired with {row[0][1]!r}; expected columns of the "
                             "same numbers for each title with *"
                         )
             return [title for row in zip(*groups, strict=True) for _, title in row], len(starred)
@@ -136,7 +136,7 @@ class Source:
             if RANGE in title and title not in self.titles:
                 first, last = (self.titles.index(self.find(end)) for end in title.split(RANGE, 1))
                 if last < first:
-                    raise InputError(f"{self.title_place()}: {title!r} goes backwards; name the first column first")
+                    raise InputError(f"{self.title_place()}: {title!r} is reversed; name the first column first")
                 found += [self.find(one) for one in self.titles[first : last + 1]]
             else:
                 found.append(self.find(title))
@@ -189,7 +189,7 @@ def stamps_of(source: Source, title: str, scale: float | None, pattern: str = ""
     if pattern or (filled and ":" in filled[0]):
         if scale is not None:
             raise InputError(
-                f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which need no unit and no scale"
+                f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which have no unit and no scale"
             )
         times = np.array(
             [
@@ -216,7 +216,7 @@ def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> fl
             moment = datetime.strptime(text, pattern)
         except ValueError as error:
             raise InputError(
-                f"{source.place(row)}: column {title}: expected a time as time.format says, {pattern!r}, found {text!r}: "
+                f"{source.place(row)}: column {title}: expected a time in the format of time.format,  {pattern!r}, found {text!r}: "
                 f"{error}{source.layout_hint()}"
             ) from None
         return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
@@ -231,6 +231,6 @@ def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> fl
     except ValueError:
         raise InputError(
             f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, found {text!r}"
-            + (source.layout_hint() or "; say how times are written by time.format, such as '%d.%m.%Y %H:%M:%S.%f'")
+            + (source.layout_hint() or "; define the format of times by time.format, such as '%d.%m.%Y %H:%M:%S.%f'")
         ) from None
     return moment.timestamp() + (float(f"0.{fraction}") if fraction else 0.0)

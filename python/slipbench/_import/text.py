@@ -35,7 +35,7 @@ MINUS = "\N{MINUS SIGN}"
 def decoded(path: str) -> str:
     """The text of a file in UTF-8, UTF-16 with or without a byte order mark, or Latin 1."""
     if Path(path).stat().st_size > LARGEST:
-        raise InputError(f"{path}: the table has more than {LARGEST / 1e9:.0f} GB; cut it in parts")
+        raise InputError(f"{path}: the table has more than {LARGEST / 1e9:.0f} GB; split the file")
     data = Path(path).read_bytes()
     encodings = ["utf-8-sig", "latin-1"]
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
@@ -131,7 +131,7 @@ class TextTable(Source):
             numbered = [(number, line) for number, line in numbered if not line.lstrip().startswith(comment)]
         if not numbered:
             raise InputError(
-                f"{path}:1: the file has no row; expected {'titles and ' if header else ''}a row for each sample"
+                f"{path}:1: the file has no rows; expected {'titles and ' if header else ''}one row per sample"
             )
         longest = max(numbered, key=lambda one: len(one[1]))
         if len(longest[1]) > LONGEST:
@@ -194,8 +194,8 @@ class TextTable(Source):
         if all(EITHER.fullmatch(cell) for _, cell in commas):
             number, cell = commas[0]
             raise InputError(
-                f"{self.path}:{number}: {cell!r} has a decimal comma or a mark between thousands, which cannot be distinguished; "
-                "say decimal: ',' or thousands: ',' in the map"
+                f"{self.path}:{number}: {cell!r} has a decimal comma or a mark between thousands, which cannot be distinguished; set decimal: ',' "
+                f"or thousands: ',' in the map"
             )
 
     def _is_number(self, cell: str) -> bool:
@@ -212,14 +212,14 @@ class TextTable(Source):
         monitor = [match[0] for line in sample if (match := ARDUINO.match(line.strip()))]
         if len(monitor) > len(sample) // 2:
             return (
-                f"; lines begin with {monitor[0].strip()!r}, as Arduino's serial monitor writes times: replace ' -> ' by the "
-                "separator, or record without timestamps"
+                f"; lines begin with {monitor[0].strip()!r}, like times of Arduino's serial monitor: replace ' -> ' by the separator, or record "
+                f"without timestamps"
             )
         plotter = [NAMED_NUMBER.search(line) for line in sample]
         if plotter and plotter[0] and all(not NAMED_NUMBER.sub("", line).strip(" \t,;") for line in sample):
             return (
-                f"; cells such as {plotter[0][0]!r} are a name and a number, as for Arduino's serial plotter: write the numbers "
-                "alone, and the names as titles"
+                f"; cells such as {plotter[0][0]!r} are a name and a number, like output for Arduino's serial plotter: write only the numbers, and "
+                f"the names as titles"
             )
         return ""
 
@@ -227,7 +227,7 @@ class TextTable(Source):
         if hint := self.layout_hint():
             return hint
         if self._numeric_header:
-            return "; the first line holds numbers: a table without titles needs header: false, and its columns are called 1, 2, 3"
+            return "; the first line contains numbers: a table without titles needs header: false, which calls the columns 1, 2, 3"
         return f"; read with {NAMES.get(self._separator, repr(self._separator))} between the cells"
 
     def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
@@ -238,7 +238,7 @@ class TextTable(Source):
             texts: those of `titles` to read as texts
         """
         if not self._lines:
-            raise InputError(f"{self.title_place()}: the table has titles and no row")
+            raise InputError(f"{self.title_place()}: the table has titles but no rows")
         count = len(self.titles)
         texts = set(texts)
         widths = [self._width(line) for line in self._lines]
@@ -246,7 +246,7 @@ class TextTable(Source):
         if self._separator == " " and min(widths) < count:
             row = widths.index(min(widths))
             raise InputError(
-                f"{self.place(row)}: has {counted(widths[row], 'cell')}; expected {count}: blanks do not show which cell is missing"
+                f"{self.place(row)}: has {counted(widths[row], 'cell')}; expected {count}: with blanks as separators the missing cell is unknown"
             )
         order = range(width)
         wanted = {title: k for k, title in enumerate(self.titles) if title in set(titles)}
@@ -276,8 +276,8 @@ class TextTable(Source):
             raise InputError(f"{self.path}: cannot be read as a table: {str(error).strip()}") from error
         if len(frame) != len(self._lines):
             raise InputError(
-                f"{self.path}: the table has {counted(len(self._lines), 'line')} and {counted(len(frame), 'row')}; expected a row on each line, "
-                "without line breaks inside quotes"
+                f"{self.path}: the table has {counted(len(self._lines), 'line')} and {counted(len(frame), 'row')}; expected one row per line, "
+                f"without line breaks inside quotes"
             )
         for k in used:
             if k < count:
@@ -348,9 +348,9 @@ class TextTable(Source):
 
     def _cell_hint(self, row: int, cell: str) -> str:
         if row == 0 and all(not self._is_number(one) for one in cells_of(self._lines[0], self._separator)):
-            return f"; a row of units is left out by skip: [{self._numbers[0]}]"
+            return f"; skip a row of units by skip: [{self._numbers[0]}]"
         if re.fullmatch(r"[+-]?\d{1,3}([,.' ]\d{3})+([.,]\d*)?", cell.strip()):
-            return "; name the mark between thousands in the map: thousands: ','"
+            return "; set the mark between thousands in the map: thousands: ','"
         if re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()):
             return "; write the exponent with E"
         return ""

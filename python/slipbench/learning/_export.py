@@ -179,6 +179,7 @@ def check_output(path: str | os.PathLike[str]) -> None:
     """Raises InputError for a file that exists and is not a detector, and for a missing folder."""
     file = Path(path)
     if not file.parent.is_dir():
-        raise _core.InputError(f"cannot write {file}: no folder {file.parent}; allowed: a folder that exists")
+        raise _core.InputError(f"cannot write {file}: the folder {file.parent} does not exist")
     if (file.exists() or file.is_symlink()) and not (file.is_file() and not file.is_symlink() and is_detector(file.read_bytes())):
-        raise _core.InputError(f"cannot write {file}: {file} exists and is no detector of slipbench; allowed: a new name, or a detector of slipbench to replace")
+        raise _core.InputError(f"cannot write {file}: {file} exists and is not a detector of slipbench; choose a new name, or a detector of "
+                               f"slipbench to replace")

@@ -266,7 +266,7 @@ class Clips:
         of_class = [np.flatnonzero((self._labels == one) & (place >= self._before)) for one in range(classes)]
         self._count = np.array([len(frames) for frames in of_class])
         if 0 in self._count:
-            raise _core.InputError(f"a class has no frame to train on: {self._count.tolist()}; allowed: frames of every class")
+            raise _core.InputError(f"a class has no frame to train on: {self._count.tolist()}; training needs frames of every class")
         self._by_class, self._first_of_class = np.concatenate(of_class), np.cumsum(self._count) - self._count
 
     def weights(self) -> Tensor:

@@ -94,7 +94,7 @@ def alarms_per_minute(alarms: str | float) -> float:
     except (ValueError, KeyError):
         rate = -1.0
     if not 0 <= rate < math.inf:
-        raise _core.InputError(f"alarms: {alarms!r}; allowed: a number from 0 on and its unit, as 1/min or 10/h")
+        raise _core.InputError(f"alarms: {alarms!r}; expected a rate of 0 or more with its unit, such as 1/min or 10/h")
     return rate
 
 
@@ -156,11 +156,11 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         raise _core.InputError(f"held_out: expected a number from 0 to 0.5, found {held_out!r}")
     path = os.fspath(output)
     if not path.endswith(".onnx"):
-        raise _core.InputError(f"output: {path}: a network is an ONNX file; allowed: a name that ends with .onnx")
+        raise _core.InputError(f"output: {path}: a network is an ONNX file, whose name must end with .onnx")
     check_output(path)
     chosen = _recipe(recipe, network, labels, split, steps, turned)
     if by_score and alarms is not None:
-        raise _core.InputError(f"{named('by_score', True)} and {named('alarms', alarms)} are two choices; allowed: one of them")
+        raise _core.InputError(f"{named('by_score', True)} and {named('alarms', alarms)} cannot be combined")
     if (by_score or alarms not in (None, math.inf)) and chosen.at_most > 0:
         argument, given = ("by_score", True) if by_score else ("alarms", alarms)
         raise _core.InputError(f"{named(argument, given)}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
@@ -179,7 +179,8 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     if not every_trial and (split is not None or held_out is not None) and any(one.own_part for one in examples.all):
         divided = paths[next(one.dataset for one in examples.all if one.own_part)]
         asked = named("split", split) if split is not None else named("held_out", held_out)
-        raise _core.InputError(f"{divided}: the dataset's own split says which trials train and which judge; with {asked} also give {named('every_trial', True)}, "
+        raise _core.InputError(f"{divided}: the split of the dataset determines the trials for training and test; with {asked} also give "
+                               f"{named('every_trial', True)}, "
                                "which divides all trials anew")
     learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
     if not learns:

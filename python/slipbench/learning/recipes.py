@@ -66,7 +66,7 @@ def _slip(name: str, summary: str, frames: Input, network: Callable[[int, int], 
           members: int = 1) -> Recipe:
     """A recipe of scenes/learn: slip while a part of a unit slips, 100 times per second."""
     return Recipe(name, summary, "none published: for scenes/learn, where device, load, friction and the way differ from trial to trial",
-                  "all of it; on a stage frames that stick again after a slip teach nothing; Adam at 3e-3", frames, network, training, scaling, members,
+                  "all of it; on a stage frames that stick again after a slip are left out of the training; Adam at 3e-3", frames, network, training, scaling, members,
                   labels="tightened")
 
 
@@ -92,7 +92,7 @@ def _piezo() -> list[Recipe]:
         recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", networks.PiezoGru, 300, 64, 4e-3, signal),
         _slip("piezo_slip", "The level of the signal, its changes and its spectrum in 20 ms, through two GRUs at 100 Hz",
               frames=replace(signal, window=200), network=networks.PiezoSlip, scaling="common"),
-        _slip("piezo_grasp", "What the signal stands at and how it changes in 2 to 100 ms, through two GRUs at 100 Hz",
+        _slip("piezo_grasp", "Level of the signal and its changes over 2 to 100 ms, through two GRUs at 100 Hz",
               frames=replace(signal, window=100, transform="levels", spans=(20, 100, 300, 1000), floor=3.0), network=partial(networks.FrameGru, layers=2)),
     ]
 
@@ -110,8 +110,8 @@ def _papillarray() -> list[Recipe]:
         one,
         replace(one, name="papillarray_gru5", summary="Five such networks, whose probabilities are averaged in one graph", members=5),
         Recipe("grasp_gru", "Forces and displacements of all nine pillars at 100 Hz through a GRU: slip in a grasp",
-               "none published: for scenes/grasp, where the published detector is nearly blind",
-               "all of it; the label is the truth, so that a grip which holds again is no slip, and tightening ends",
+               "none published: for scenes/grasp, where the published detector detects almost no slip",
+               "all of it; the label is the truth, so that slip ends when the grip holds again, and tightening stops",
                Input(sensor="papillarray", rate=100.0, channels=["force", "displacement"]), networks.FrameGru,
                Training(steps=600, batch=32, clip=100, learning_rate=3e-3, validate_every=30)),
         _slip("slip_gru", "Three axes of each unit, their ratio and rates, each unit by the same weights, pooled, through a GRU; of any sensor",
@@ -139,7 +139,7 @@ def _myrmex() -> list[Recipe]:
 
 
 def _nib() -> list[Recipe]:
-    return [_slip("nib_slip", "How much all electrodes move in 0.1 and 0.3 s, and which way, through a GRU at 100 Hz",
+    return [_slip("nib_slip", "Size and direction of the change of all electrodes over 0.1 and 0.3 s, through a GRU at 100 Hz",
                   frames=Input(sensor="nib_pad", rate=300.0, channels=["si", "fl", "fr"], window=3, stride=3, transform="spreads", spans=(90, 30), floor=1.0),
                   network=networks.FrameGru, training=replace(SLIP_TRAINING, steps=1500))]
 
@@ -166,8 +166,8 @@ def _biotac() -> list[Recipe]:
                networks.BiotacLstm, "direction", 1000),
         recipe("biotac_convlstm", "Five images of 12 x 11 at 100 Hz through convolutional LSTMs; direction of slip, seven classes", "section 5.2, Table 3",
                f"{direction}; two layers of 8 filters, not five of 32, which take 30 times as long to learn", image, networks.BiotacConvLstm, "direction", 1000),
-        Recipe("biotac_gru", "How much each electrode moves and drifts in 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes",
-               "none published: levels, by which devices differ, are out; spreads in rising order do not tell where it is touched",
+        Recipe("biotac_gru", "Change and drift of each electrode over 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes",
+               "none published: levels, by which devices differ, are not used; spreads in ascending order do not depend on where the finger is touched",
                "all of it; touch until more than half of what touches slips, then the class of the commanded motion, until contact is lost; Adam at 3e-3",
                replace(rows, window=10, stride=5, transform="spreads", spans=(10, 20, 50), floor=3.0), partial(networks.FrameGru, width=32),
                Training(steps=2400, batch=32, clip=30, learning_rate=3e-3, label_smoothing=0.1, validate_every=150), members=3, classes="direction",
@@ -175,7 +175,7 @@ def _biotac() -> list[Recipe]:
         _slip("biotac_slip", "Each electrode against its own mean of 0.64 s, through filters across electrodes and in time and a GRU at 50 Hz",
               frames=replace(rows, window=64, stride=2, centre=True), network=networks.BiotacSlip, scaling="common", members=3,
               training=replace(SLIP_TRAINING, steps=1500, clip=75, onset_frames=10)),
-        _slip("biotac_grasp", "How each electrode and the pressure change in 20 to 300 ms, with their signs, through two GRUs at 100 Hz",
+        _slip("biotac_grasp", "Signed changes of each electrode and the pressure over 20 to 300 ms, through two GRUs at 100 Hz",
               frames=changes, network=networks.BiotacGrasp),
     ]
 

@@ -88,8 +88,7 @@ DistanceGrid::DistanceGrid(const std::function<double(const Eigen::Vector3d&)>& 
   Counts counts;
   double nodes = 1.0;
   for (int k = 0; k < 3; ++k) nodes *= sampled_nodes(extent[k], cell);
-  if (!(nodes <= static_cast<double>(max_nodes)))
-    refuse("more than " + std::to_string(max_nodes) + " nodes; allowed: a larger cell");
+  if (!(nodes <= static_cast<double>(max_nodes))) refuse("more than " + std::to_string(max_nodes) + " nodes; use a larger cell");
   for (std::size_t k = 0; k < 3; ++k) counts[k] = static_cast<std::size_t>(sampled_nodes(extent[static_cast<int>(k)], cell));
 
   auto grid = std::make_shared<Samples>();

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace {
@@ -93,9 +95,9 @@ void refuse_open(const std::vector<Face>& faces) {
   }
   if (open + turned == 0) return;
   throw InputError(
-      "the mesh is not closed: of its " + std::to_string(edges.size()) + " edges " + std::to_string(open) +
-      " lack a face on one side, and at " + std::to_string(turned) +
-      " faces meet that look opposite ways; allowed: none; fill its holes and let its normals look outwards with a mesh editor, or touch geoms of simple shapes in its place");
+      "the mesh is not closed: " + std::to_string(open) + " of its " + std::to_string(edges.size()) +
+      " edges lack a face on one side, and at " + std::to_string(turned) +
+      " edges the two faces have opposite normals; close the holes and turn the normals outwards in a mesh editor, or use geoms of simple shapes");
 }
 
 // Returns the unit normal; zero if a corner is no farther than `width` from the opposite, longest
@@ -115,19 +117,19 @@ double distance2_to_box(const Eigen::Vector3d& p, const Eigen::Vector3d& low, co
 MeshDistance::MeshDistance(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Face>& faces) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& v : vertices) {
-    if (!v.allFinite()) throw InputError("a vertex of the mesh is not finite; allowed: numbers");
+    if (!v.allFinite()) throw InputError("a vertex of the mesh is not finite");
     box.extend(v);
   }
   const double tolerance = box.isEmpty() ? 0.0 : weld_share * box.sizes().maxCoeff();
   const std::vector<Face> closed = welded(vertices, faces, tolerance);
-  if (closed.empty()) throw InputError("the mesh has no faces; allowed: a closed mesh");
+  if (closed.empty()) throw InputError("the mesh has no faces; expected a closed mesh");
   refuse_open(closed);
 
   double volume = 0.0;  // times six
   for (const Face& face : closed) volume += vertices[face[0]].dot(vertices[face[1]].cross(vertices[face[2]]));
   if (!(volume > 0.0)) {
     throw InputError(
-        "the mesh is inside out or flat; allowed: corners that run counter-clockwise seen from outside; turn its normals round with a mesh editor");
+        "the mesh is inside out or flat: the corners of a face must run counter-clockwise seen from outside; flip the normals in a mesh editor");
   }
   for (const auto& [a, b, c] : closed) {
     triangles_.push_back({{vertices[a], vertices[b], vertices[c]}, normal_of(vertices[a], vertices[b], vertices[c], tolerance)});
@@ -186,9 +188,9 @@ DistanceGrid MeshDistance::on_grid(std::size_t nodes) const {
     if (!(met.gap < -0.5 * cell)) thin += share;
   }
   if (thin > thin_share * area) {
-    throw InputError("the mesh is too thin: over " + std::to_string(static_cast<int>(100.0 * thin / area)) +
-                     " % of its area it is thinner than two cells of its grid, " + std::to_string(2e3 * cell) +
-                     " mm; allowed: up to 10 %; divide it into compact meshes, or touch boxes in its place");
+    throw InputError("the mesh is too thin: " + std::to_string(static_cast<int>(100.0 * thin / area)) +
+                     " % of its area is thinner than two cells of its grid, " + readable_quantity(2.0 * cell, Quantity::length) +
+                     "; allowed: up to 10 %; divide it into compact meshes, or use boxes");
   }
   return grid;
 }

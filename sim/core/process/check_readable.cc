@@ -111,9 +111,9 @@ std::string check_readable(FileKind kind, const std::string& path) {
   if (verdict == static_cast<char>(ReaderVerdict::not_checked)) throw NotChecked(path + ": cannot be read: " + message);
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
-  if (signal == SIGXCPU) throw InputError(path + ": is damaged: reading it does not come to an end");
+  if (signal == SIGXCPU) throw InputError(path + ": is damaged: reading it does not end");
   if (is_crash(signal)) throw InputError(path + ": is damaged: reading it crashed (" + ::strsignal(signal) + ")");
-  throw NotChecked(path + ": cannot be read: slipbench-reader was ended" +
+  throw NotChecked(path + ": cannot be read: slipbench-reader was stopped" +
                    (signal == 0 ? "" : " (" + std::string(::strsignal(signal)) + ")"));
 }
 

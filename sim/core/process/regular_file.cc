@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 void check_regular_file(const std::string& path) {
   std::error_code error;
   switch (fs::status(path, error).type()) {
-    case fs::file_type::fifo: throw InputError(path + ": is a pipe, no file");
-    case fs::file_type::socket: throw InputError(path + ": is a socket, no file");
+    case fs::file_type::fifo: throw InputError(path + ": is a pipe, not a file");
+    case fs::file_type::socket: throw InputError(path + ": is a socket, not a file");
     case fs::file_type::block:
-    case fs::file_type::character: throw InputError(path + ": is a device, no file");
-    case fs::file_type::directory: throw InputError(path + ": is a folder, no file");
+    case fs::file_type::character: throw InputError(path + ": is a device, not a file");
+    case fs::file_type::directory: throw InputError(path + ": is a folder, not a file");
     default: return;
   }
 }

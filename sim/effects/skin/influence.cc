@@ -19,6 +19,7 @@
 #include "sim/core/fftw_planner.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/effects/skin/bessel.h"
 
 namespace slipbench {
@@ -343,7 +344,7 @@ class GridInfluence final : public Influence {
 // Returns the mean distance from each element to its nearest neighbour [m].
 double mean_distance(const PadLayout& layout) {
   if (layout.elements.size() < 2) {
-    throw SceneValueError("effects", "elastic_skin: a single element has no distance to another; allowed: a patch above 0");
+    throw SceneValueError("effects", "elastic_skin: a single element has no distance to others; set patch above 0");
   }
   double sum = 0.0;
   for (const Element& here : layout.elements) {
@@ -379,15 +380,18 @@ class MeshInfluence final : public Influence {
         if (i != j && r == 0.0) {
           throw SceneValueError(
               "effects",
-              fmt::format("elastic_skin: elements {} and {} are at one place; allowed: one element a place, bristles 1", j, i));
+              fmt::format(
+                  "elastic_skin: elements {} and {} are at the same position; use one element for each position (bristles: 1)", j,
+                  i));
         }
         const Eigen::Matrix3d tensor = c / r * (Eigen::Matrix3d::Identity() + d * d.transpose() / (r * r));
         const Eigen::Matrix3d seen = here.transpose() * tensor * element_frame(from.axis);
         if (i != j && c / r >= own_normal_) {
           throw SceneValueError(
-              "effects", fmt::format("elastic_skin: patch {} is too wide for elements {} and {}, {} apart; allowed: up to {}",
-                                     format_quantity(patch, Quantity::length), j, i, format_quantity(r, Quantity::length),
-                                     format_quantity(16.0 / (3.0 * std::sqrt(pi)) * r, Quantity::length)));
+              "effects",
+              fmt::format("elastic_skin: patch {} is too wide for the elements {} and {}, which are {} apart; allowed: up to {}",
+                          readable_quantity(patch, Quantity::length), j, i, readable_quantity(r, Quantity::length),
+                          readable_quantity(16.0 / (3.0 * std::sqrt(pi)) * r, Quantity::length)));
         }
         normal_(i, j) = i == j ? own_normal_ : c / r;
         xx_(i, j) = i == j ? own_tangential_ : seen(0, 0);
@@ -429,24 +433,25 @@ std::unique_ptr<Influence> make_influence(const PadLayout& layout, const Elastic
     if (std::max(grid->a, grid->b) > (1.0 + rounding) * body.thickness) {
       throw SceneValueError(
           "effects",
-          fmt::format("elastic_skin: cells of {} are wider than the layer is thick, {}; allowed: a pitch of up to that",
-                      format_quantity(std::max(grid->a, grid->b), Quantity::length),
-                      format_quantity(body.thickness, Quantity::length)));
+          fmt::format("elastic_skin: the cells are {} wide, more than the thickness of the layer, {}; use a smaller pitch",
+                      readable_quantity(std::max(grid->a, grid->b), Quantity::length),
+                      readable_quantity(body.thickness, Quantity::length)));
     }
     if (patch != 0.0) {
-      throw SceneValueError("effects",
-                            "elastic_skin: patch is for elements on no regular grid, and these are on one; allowed here: 0");
+      throw SceneValueError(
+          "effects",
+          "elastic_skin: patch applies only to elements that are not on a regular grid; this sensor has a grid, so set patch to 0");
     }
     return std::make_unique<GridInfluence>(*grid, body);
   }
   constexpr std::size_t most = 1024;
   if (layout.elements.size() > most) {
-    throw SceneValueError(
-        "effects", fmt::format("elastic_skin: {} elements on no regular grid; allowed: up to {}", layout.elements.size(), most));
+    throw SceneValueError("effects", fmt::format("elastic_skin: {} elements that are not on a regular grid; allowed: up to {}",
+                                                 layout.elements.size(), most));
   }
   if (std::isfinite(body.thickness)) {
     throw SceneValueError(
-        "effects", "elastic_skin: a layer needs elements on a regular grid that face one way; allowed here: thickness inf");
+        "effects", "elastic_skin: a layer needs elements on a regular grid that all face the same way; set thickness to inf");
   }
   return std::make_unique<MeshInfluence>(layout, body, patch > 0.0 ? patch : mean_distance(layout));
 }

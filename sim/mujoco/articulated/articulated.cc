@@ -30,7 +30,8 @@ bool is_positive(double x) { return std::isfinite(x) && x > 0.0; }
 void check(const PadLayout& layout, Friction friction) {
   if (layout.elements.empty()) throw std::invalid_argument("an articulated pad needs at least one element");
   if (layout.element_truth)
-    throw SceneValueError("fidelity", "articulated pads do not serve a sensor that reads between its units; allowed: field");
+    throw SceneValueError(
+        "fidelity", "the sensor reads the skin between its units, which articulated pads do not simulate; use fidelity: field");
   for (const Element& e : layout.elements) {
     if (!is_positive(e.k_normal) || !is_positive(e.k_tangential))
       throw std::invalid_argument("stiffness must be positive and finite");
@@ -38,7 +39,7 @@ void check(const PadLayout& layout, Friction friction) {
     if (!(std::abs(e.axis.norm() - 1.0) < 1e-9)) throw std::invalid_argument("an element's axis must be a unit vector");
   }
   if (!(friction.mu_static >= 0.0) || friction.mu_static != friction.mu_kinetic) {
-    throw std::invalid_argument("the articulated tier knows one coefficient of friction: mu_static must equal mu_kinetic");
+    throw std::invalid_argument("articulated pads have one coefficient of friction: mu_static must equal mu_kinetic");
   }
 }
 
@@ -88,18 +89,18 @@ Eigen::Vector3d contact_velocity(const mjContact& contact, const mjtNum* rows, b
 
 void refuse_without_field(const Scene& scene) {
   if (!scene.effects.empty()) {
-    throw SceneValueError("effects", "articulated pads have none; allowed: none, or fidelity: field");
+    throw SceneValueError("effects", "articulated pads support no effects; leave them out, or use fidelity: field");
   }
   if (scene.friction.static_coefficient != scene.friction.kinetic_coefficient) {
-    throw SceneValueError("friction", "articulated pads have one coefficient of friction; allowed: kinetic equal to static");
+    throw SceneValueError("friction", "articulated pads have one coefficient of friction, so kinetic must equal static");
   }
   for (const SensorScene& sensor : scene.sensors) {
     if (sensor.damping <= longest_dashpot_time) continue;
     throw SceneValueError(
         "sensors." + sensor.name + ".damping",
         format_quantity(sensor.damping, Quantity::time) +
-            ": articulated pads' dashpots are joint damping, which the labels contain and the friction cone does not hold; allowed: 0 to " +
-            format_quantity(longest_dashpot_time, Quantity::time) + ", or fidelity: field");
+            ": the dashpots of articulated pads are joint damping: the labels contain it, but the friction cone does not; allowed: 0 to " +
+            format_quantity(longest_dashpot_time, Quantity::time) + ", or use fidelity: field");
   }
 }
 

@@ -42,13 +42,13 @@ mjtIntegrator integrator_named(std::string_view name) {
         Name{"discrete", mjINT_DISCRETE}, Name{"RK4", mjINT_RK4}}) {
     if (known == name) return integrator;
   }
-  throw std::logic_error("no integrator " + std::string(name));
+  throw std::logic_error("unknown integrator " + std::string(name));
 }
 
 PillarSettings articulated_pillars(const ArticulatedSettings& recipe, double dt) {
   // A tiny excess over the longest step is rounding of a divided step.
   if (!(dt > 0.0 && dt <= recipe.longest_step * (1.0 + 1e-9))) {
-    throw std::invalid_argument("the articulated recipe holds for steps of at most " + std::to_string(recipe.longest_step) +
+    throw std::invalid_argument("the articulated recipe is valid for steps of at most " + std::to_string(recipe.longest_step) +
                                 " s");
   }
   mjsPair usual;
@@ -125,7 +125,7 @@ int steps_to_settle(const PillarSettings& settings, bool indented) {
   throw SceneValueError(
       "contact.solref",
       fmt::format(
-          "with {} tips that begin pressed in need {:.0f} steps of {} to come to rest before the run; allowed are up to {:.0f} steps: {}, or longer steps",
+          "with {} tips that start pressed in need {:.0f} steps of {} to come to rest before the run; allowed: up to {:.0f} steps; use {}, or longer steps",
           direct ? fmt::format("a damping of {} /s", format_number(-damping))
                  : "a time constant of " + format_quantity(time, Quantity::time),
           settings.settling_steps, format_quantity(settings.dt, Quantity::time), most_settling_steps,

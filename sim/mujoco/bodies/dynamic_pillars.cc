@@ -118,7 +118,7 @@ void DynamicSimulation::State::refuse_other_contacts(double time) const {
     throw SceneValueError(
         "fidelity",
         fmt::format(
-            "at {:.6g} s the bodies {} and {} touch by MuJoCo's own contact, whose friction would be wrong beside articulated pads; allowed: contacts of pads alone, or without friction (condim 1), or fidelity: field",
+            "at {:.6g} s the bodies {} and {} touch by MuJoCo's own contact, whose friction is wrong with the settings of articulated pads; make that contact frictionless (condim 1), or use fidelity: field",
             time, name(one), name(two)));
   }
 }

@@ -133,7 +133,7 @@ void DynamicSimulation::State::find_controls(const Scene& scene) {
 void DynamicSimulation::State::find_bodies(const Scene& scene) {
   const auto add = [this](const std::string& name, mjtObj type, int id, const std::string& path) {
     if (std::ranges::find(bodies, name, &NamedBody::name) != bodies.end()) {
-      throw SceneValueError(path, quote(name) + " names two bodies of the trial's record; allowed: another name");
+      throw SceneValueError(path, quote(name) + " would be the name of two recorded bodies; choose another name");
     }
     bodies.push_back({name, {}});
     recorded.push_back({type, id});
@@ -159,7 +159,7 @@ void DynamicSimulation::State::find_bodies(const Scene& scene) {
       throw SceneValueError(
           "model",
           fmt::format(
-              "its custom text {} names {}, and it has no body of that name; allowed: names of bodies, with spaces between them",
+              "its custom text {} names {}, which is not a body of the model; expected names of bodies separated by spaces",
               record_text, quote(name)));
     }
     add(name, mjOBJ_XBODY, body, "model");
@@ -235,10 +235,9 @@ void DynamicSimulation::State::check_limit(double time) {
   if (dt <= limit_slack * longest_right_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
   const double longest = limit_slack * longest_right_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
   if (dt > longest) {
-    throw SceneValueError(
-        "time_step",
-        fmt::format("{} has become too long for the pads' springs at {:.6g} s; allowed are up to {}",
-                    format_quantity(dt, Quantity::time), time, format_quantity(rounded_down(longest), Quantity::time)));
+    throw SceneValueError("time_step", fmt::format("{} is too long for the pads' springs from {:.6g} s on; allowed: up to {}",
+                                                   format_quantity(dt, Quantity::time), time,
+                                                   format_quantity(rounded_down(longest), Quantity::time)));
   }
 }
 
@@ -336,7 +335,7 @@ void DynamicSimulation::State::advance(std::size_t from) {
     find_field_force();
     if (!field_force.isZero(0.0)) {
       throw InputError(
-          fmt::format("the pads' implicit springs are not in MuJoCo's solver at {:.6g} s; allowed: field_solver explicit", time));
+          fmt::format("at {:.6g} s the pads' implicit springs are missing in MuJoCo's solver; use field_solver: explicit", time));
     }
   }
   if (articulated) {
@@ -407,7 +406,7 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
   if (!springs_known && options.hand_solver == FieldSolver::implicit_springs) {
     throw SceneValueError(
         "field_solver",
-        "implicit springs of a grasp go without effects that change their stiffness, as viscoelastic and lean do; allowed: auto, explicit");
+        "implicit springs of a grasp cannot be combined with effects that change their stiffness, such as viscoelastic and lean; allowed: auto, explicit");
   }
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;

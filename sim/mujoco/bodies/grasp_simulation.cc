@@ -32,9 +32,7 @@ void refuse_textures(const Scene& scene, const PadLayout& pad) {
   for (const Named& effect : scene.effects) {
     if (!install_effects({effect}, pad, Plane{}, scene.seed, 0).surface.empty()) {
       throw SceneValueError(
-          "effects",
-          effect.name +
-              " is on a top face only, and the fingers of a gripper touch the sides of the box; allowed: no effect on the height of the surface");
+          "effects", effect.name + " shapes a top face only, but a gripper touches the sides of the box; leave this effect out");
     }
   }
 }
@@ -66,7 +64,7 @@ constexpr std::size_t second_pad_index = 1, corners_index = 2;
 // and the box's corners, unless MuJoCo's own contact is between box and table.
 Scene laid_out(const Scene& scene, const Grasp& grasp) {
   if (std::ranges::find(scene.sensors, second_pad_name, &SensorScene::name) != scene.sensors.end()) {
-    throw SceneValueError("sensors", "'second_pad' names the pad on the other finger; allowed: another name");
+    throw SceneValueError("sensors", "'second_pad' is the name of the pad on the other finger; choose another name");
   }
   const Parameters &grip = scene.grasp->grip, &box = scene.grasp->box;
   Scene result = scene;
@@ -290,7 +288,7 @@ void GraspSimulation::State::observe(double time) {
     const double allowed = 2.0 * finger.most + finger.impact;
     if (truth.pad_force[k] > allowed) {
       throw WrongRun(fmt::format(
-          "the run has gone wrong at {:.6g} s: the {}'s normal force is {:.4g} N, and the finger's spring has reached {:.4g} N at most; allowed: {:.4g} N",
+          "the simulation has diverged at {:.6g} s: the {}'s normal force is {:.4g} N, but the finger's spring has carried {:.4g} N at most; allowed: {:.4g} N",
           time, k == 0 ? "sensor's pad" : "second pad", truth.pad_force[k], finger.most, allowed));
     }
   }

@@ -142,7 +142,7 @@ class Builder {
       throw SceneValueError(
           "model",
           fmt::format(
-              "its compiler makes a pillar's tip weigh {:.6g} kg, not {:.6g} kg; allowed with fidelity {}: no boundmass, no settotalmass",
+              "its compiler settings make a pillar's tip weigh {:.6g} kg instead of {:.6g} kg; with fidelity {} leave out boundmass and settotalmass",
               model->body_mass[body], settings.tip_mass, scene_.fidelity));
     }
     return model;
@@ -170,7 +170,7 @@ class Builder {
 
   ModelPointer compile(mjSpec* spec) {
     ModelPointer model(mj_compile(spec, &vfs_.vfs));
-    if (!model) throw SceneValueError(blamed(scene_), "MuJoCo cannot compile it: " + placed(mjs_getError(spec)));
+    if (!model) throw SceneValueError(blamed(scene_), "MuJoCo cannot compile the model: " + placed(mjs_getError(spec)));
     return model;
   }
 
@@ -252,9 +252,7 @@ class Builder {
     const auto refuse_flag = [](const std::string& flag, const std::string& setting) {
       throw SceneValueError(
           "model",
-          fmt::format(
-              "its flag {} is {}, and articulated pads would not be what they should; allowed: the default, or fidelity: field",
-              flag, setting));
+          fmt::format("its flag {} is {}, which breaks articulated pads; use the default, or fidelity: field", flag, setting));
     };
     using Flag = std::pair<int, const char*>;
     for (const auto& [bit, flag] : {Flag{mjDSBL_CONSTRAINT, "constraint"}, Flag{mjDSBL_CONTACT, "contact"},
@@ -271,7 +269,7 @@ class Builder {
         throw SceneValueError(
             "sensors." + scene_.sensors[i].name + ".touches",
             "the geom " + quote(name) +
-                " is a mesh or a field of heights or distances, which MuJoCo's own contact sees otherwise; allowed with fidelity " +
+                " is a mesh, a height field or a distance field, which MuJoCo's own contact treats differently; allowed with fidelity " +
                 scene_.fidelity + ": plane, box, sphere, cylinder, capsule, ellipsoid");
       }
     }
@@ -301,7 +299,7 @@ class Builder {
       mj_addBufferVFS(&vfs_.vfs, wrapper.c_str(), text.data(), static_cast<int>(text.size()));
       spec.reset(mj_parseXML(wrapper.c_str(), &vfs_.vfs, error.data(), size));
     }
-    if (!spec) throw SceneValueError(blamed(scene_), "MuJoCo cannot read it: " + placed(error.data()));
+    if (!spec) throw SceneValueError(blamed(scene_), "MuJoCo cannot read the model: " + placed(error.data()));
     return spec;
   }
 
@@ -344,7 +342,7 @@ class Builder {
   void add_body(mjSpec* spec, const BodyScene& scene) const {
     const Parameters& p = scene.shape.parameters;
     if (mjs_findBody(spec, scene.name.c_str()) != nullptr || mjs_findElement(spec, mjOBJ_GEOM, scene.name.c_str()) != nullptr) {
-      throw SceneValueError("bodies." + scene.name, "the model has a body or geom of this name already; allowed: another name");
+      throw SceneValueError("bodies." + scene.name, "the model already has a body or geom of this name");
     }
     mjsBody* body = mjs_addBody(mjs_findBody(spec, "world"), nullptr);
     mjs_setName(body->element, scene.name.c_str());
@@ -383,7 +381,7 @@ class Builder {
     if (p.flag("free")) {
       mjs_addFreeJoint(body);
     } else if (p.vector("velocity") != std::vector<double>(3, 0.0)) {
-      throw SceneValueError("bodies." + scene.name + ".velocity", "the body is not free; allowed: no velocity");
+      throw SceneValueError("bodies." + scene.name + ".velocity", "only a free body (free: true) has a velocity");
     }
   }
 
@@ -421,7 +419,7 @@ class Builder {
     if (centre.isZero(0.0) && bore == 0.0) return;
     if (!(bore < radius)) {
       throw SceneValueError("bodies." + scene.name + ".bore", format_quantity(bore, Quantity::length) +
-                                                                  " leaves no wall; allowed: below the radius, " +
+                                                                  " leaves no wall; allowed: less than the radius, " +
                                                                   format_quantity(radius, Quantity::length));
     }
     const double squares = radius * radius + bore * bore, length = cylinder.number("length");
@@ -456,7 +454,7 @@ class Builder {
     for (std::size_t k = 0; k < sensor.touches.size(); ++k)
       touch(spec, i, sensor.touches[k], fmt::format("{}.touches.{}", path, k), objects);
     if (objects.contains(pad_body)) {
-      throw SceneValueError(path + ".touches", "the pad is mounted on a body that it touches; allowed: other bodies");
+      throw SceneValueError(path + ".touches", "the pad is mounted on the body that it touches; name another body");
     }
     const std::string pad_name = name_of(pad_body->element, "slipbench/pad of " + sensor.name);
     for (mjsBody* object : in_order(spec, objects)) {
@@ -486,7 +484,7 @@ class Builder {
       geoms.push_back(geom);
     } else if (mjsBody* body = mjs_findBody(spec, name.c_str())) {
       for (mjsElement* e = mjs_firstChild(body, mjOBJ_GEOM, 0); e != nullptr; e = mjs_nextChild(body, e, 0)) geoms.push_back(e);
-      if (geoms.empty()) throw SceneValueError(path, "the body " + quote(name) + " has no geom; allowed: one that has");
+      if (geoms.empty()) throw SceneValueError(path, "the body " + quote(name) + " has no geom, so a pad cannot touch it");
     } else {
       std::vector<std::string> known = names_in(spec, mjOBJ_GEOM);
       for (const std::string& body_name : names_in(spec, mjOBJ_BODY)) {
@@ -497,10 +495,10 @@ class Builder {
     for (mjsElement* geom : geoms) {
       const std::string geom_name = name_of(geom, fmt::format("{}/geom{}", name, touched_[sensor].size()));
       if (geom_name.find_first_of(" \t\n") != std::string::npos) {
-        throw SceneValueError(path, "the geom " + quote(geom_name) + " has a blank in its name; allowed: a name without");
+        throw SceneValueError(path, "the geom " + quote(geom_name) + " has a space in its name; rename it");
       }
       if (std::ranges::find(touched_[sensor], geom_name) != touched_[sensor].end()) {
-        throw SceneValueError(path, "the geom " + quote(geom_name) + " is touched twice; allowed: once");
+        throw SceneValueError(path, "the geom " + quote(geom_name) + " is listed twice");
       }
       touched_[sensor].push_back(geom_name);
       objects.insert(mjs_getParent(geom));

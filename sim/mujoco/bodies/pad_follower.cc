@@ -73,7 +73,7 @@ void PadFollower::go_to(double time, bool arrives) {
   for (const Field& field : fields_) {
     if (!field.lost()) continue;
     throw InputError(fmt::format(
-        "a sensor that follows '{}': at {:.6g} s its element {} was {:.3g} mm deep in what it touches and has come through it, where its force would vanish; press less or make the body thicker",
+        "the sensor that follows '{}': at {:.6g} s its element {}, which was {:.3g} mm deep, passed through the touched body; press less or make the body thicker",
         followed_.config().name, time, field.lost()->element, 1e3 * field.lost()->depth));
   }
   labels_.update(fields_, time, dt);

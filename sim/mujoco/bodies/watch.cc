@@ -24,7 +24,7 @@ std::optional<std::string> WeightRule::check(const WatchedBody& body, double dt)
     const double missing = missing_.norm() / time_, share = limits_.weight_share * body.weight;
     if (missing > share + variation_ / static_cast<double>(steps_)) {
       wrong = fmt::format(
-          "the forces on it differ from its mass times its acceleration by {:.3g} N, over {:.3g} s; allowed: {} of its weight of {:.6g} N",
+          "over {1:.3g} s the forces on it differ from its mass times its acceleration by {0:.3g} N; allowed: {2} of its weight of {3:.6g} N",
           missing, time_, limits_.weight_share, body.weight);
     }
     steps_ = 0;
@@ -54,7 +54,7 @@ std::optional<std::string> EnergyRule::check(const WatchedEnergy& tick, double d
   time_ += dt;
   if (judge_fields_ && gain_ > limits_.energy_share * available_ + limits_.energy_floor) {
     return fmt::format(
-        "the pads have given {:.3g} J more than they took in the last {:.3g} s, with {:.3g} J at hand; allowed: {} of that",
+        "in the last {1:.3g} s the pads have delivered {0:.3g} J more than they took up; allowed: {3} of the {2:.3g} J that were available",
         gain_, time_, available_, limits_.energy_share);
   }
   if (time_ >= limits_.window) {
@@ -67,7 +67,7 @@ std::optional<std::string> EnergyRule::check(const WatchedEnergy& tick, double d
 std::optional<std::string> EnergyRule::check_body(double kinetic) const {
   if (kinetic <= limits_.ejection_factor * total_ + limits_.energy_floor) return std::nullopt;
   return fmt::format(
-      "has {:.3g} J of kinetic energy, and all that there was and that weight, motors and the stage have given is {:.3g} J; it was thrown out",
+      "has {:.3g} J of kinetic energy, more than the {:.3g} J from the start, weight, motors and stage together: the contact has thrown it out",
       kinetic, total_);
 }
 
@@ -175,7 +175,8 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
         mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m()->dof_armature).cwiseProduct(rate);
     if (const auto wrong = body.rule.check(now, dt)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body.body);
-      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}': {}", time, name == nullptr ? "" : name, *wrong));
+      throw WrongRun(
+          fmt::format("the simulation has diverged at {:.6g} s: body '{}': {}", time, name == nullptr ? "" : name, *wrong));
     }
   }
 }
@@ -217,14 +218,15 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
     now.kinetic = 0.5 * mean.dot(work_space);
   }
   if (const auto wrong = energy->check(now, dt)) {
-    throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: {}", time, *wrong));
+    throw WrongRun(fmt::format("the simulation has diverged at {:.6g} s: {}", time, *wrong));
   }
   for (const int body : moving) {
     const MjVector centre(d()->xipos + 3 * body);
     const double speed = (centre - MjVector(&centres[3 * static_cast<std::size_t>(body)])).norm() / dt;
     if (const auto wrong = energy->check_body(0.5 * m()->body_mass[body] * speed * speed)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body);
-      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
+      throw WrongRun(
+          fmt::format("the simulation has diverged at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
     }
   }
   weigh(time, velocity);

@@ -159,18 +159,18 @@ AttachedPad attach_pad(mjSpec* spec, const std::string& site, const std::vector<
   AttachedPad pad{options.name.empty() ? site : options.name, site, touch, options.solver == "implicit"};
   for (mjsElement* one : elements_of(spec, mjOBJ_PLUGIN)) {
     if (mjs_getString(mjs_asPlugin(one)->name) == pad.name) {
-      throw InputError(fmt::format("the spec has a plugin {} already; allowed: another name", quote(pad.name)));
+      throw InputError(fmt::format("the spec already has a plugin {}; choose another name", quote(pad.name)));
     }
   }
   if (mjs_findElement(spec, mjOBJ_SENSOR, pad.name.c_str()) != nullptr) {
-    throw InputError(fmt::format("the spec has a sensor {} already; allowed: another name", quote(pad.name)));
+    throw InputError(fmt::format("the spec already has a sensor {}; choose another name", quote(pad.name)));
   }
   if (options.check != "error" && options.check != "warn") {
     throw InputError(fmt::format("check={}; allowed: error, warn", quote(options.check)));
   }
   if (mjp_getPlugin(field_plugin_name, nullptr) == nullptr) {
     throw InputError(fmt::format(
-        "MuJoCo does not know the plugin {}; allowed: mj_loadPluginLibrary() before, with the path that `slipbench plugin-path` prints",
+        "MuJoCo does not know the plugin {}; call mj_loadPluginLibrary() first, with the path that `slipbench plugin-path` prints",
         field_plugin_name));
   }
 

@@ -105,13 +105,14 @@ std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads
                       std::to_string(m->opt.iterations));
   }
   if (m->opt.solver == mjSOL_PGS) missing.emplace_back("solver=\"Newton\" or \"CG\" (PGS does not see the pads)");
-  if ((m->opt.disableflags & mjDSBL_DAMPER) != 0) missing.emplace_back("the flag damper (without it no tendon is in the metric)");
+  if ((m->opt.disableflags & mjDSBL_DAMPER) != 0)
+    missing.emplace_back("the flag damper enabled (without it MuJoCo ignores tendons in its solver)");
   if (sleep_enabled(m)) missing.emplace_back("the flag sleep disabled");
   for (const ImplicitPad& pad : pads) {
     if (joined(m, pad.pad_body, pad.object_body)) continue;
     const std::string tendon =
         "a tendon between a site on body " + body_name(m, pad.pad_body) + " and a site on body " + body_name(m, pad.object_body) +
-        ", <spatial damping=\"1e-9\"><site site=\"...\"/><site site=\"...\"/></spatial> in <tendon> (without it MuJoCo leaves the pad out of its solver)";
+        ", <spatial damping=\"1e-9\"><site site=\"...\"/><site site=\"...\"/></spatial> in <tendon> (without it MuJoCo omits the pad from its solver)";
     if (std::ranges::find(missing, tendon) == missing.end()) missing.push_back(tendon);
   }
   std::string all;
@@ -149,7 +150,7 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
     mj_fwdPosition(copy.get(), d);
     mj_fwdVelocity(copy.get(), d);
     if (with_rows) {
-      if (!metric_is_on(d)) return "MuJoCo built no effective metric for this model";
+      if (!metric_is_on(d)) return " MuJoCo built no effective metric for this model";
       if (!rows.write(d)) return "MuJoCo's arena is full; raise <size memory=\"...\"/>";
       shift_by_metric(copy.get(), d);
     }
@@ -170,9 +171,9 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
   // h^2 K / m may be 1e6.
   const double difference = (with_rows - with_force).norm(), size = with_rows.norm() + v.norm() / h;
   if (std::isfinite(difference) && difference <= 1e-6 * size) return {};
-  return "self-test failed. With the pads in MuJoCo's metric the acceleration differs by " + std::to_string(difference) +
-         " from that under their force (size " + std::to_string(size) +
-         "): this model takes a path through MuJoCo that leaves them out. Use the explicit solver";
+  return "self-test failed: with the pads in MuJoCo's metric the acceleration differs by " + std::to_string(difference) +
+         " from the acceleration under their force (size " + std::to_string(size) +
+         "), because MuJoCo omits the pads for this model; use the explicit solver";
 }
 
 // Steps the field to the pad's pose after a step with w, the surface at rest; returns that pose.

@@ -11,7 +11,7 @@ namespace slipbench {
 
 std::string implicit_refusal(const mjModel* /*m*/, std::span<const ImplicitPad> /*pads*/) {
   return std::string("needs the integrator discrete, which MuJoCo ") + mj_versionString() +
-         " lacks: use 4.0.1, or the explicit solver";
+         " does not have; use MuJoCo 4.0.1, or the explicit solver";
 }
 
 std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pads) { return implicit_refusal(m, pads); }

@@ -36,7 +36,7 @@ double number_of(const YamlNode& node, const std::string& subject, Quantity quan
 
 Element read_row(const YamlNode& row, const std::string& subject) {
   const std::size_t columns = row.kind == YamlNode::Kind::sequence ? row.children.size() : 0;
-  if (columns != 5 && columns != 8) fail(row.origin, subject + " is no row; allowed: " + allowed_row);
+  if (columns != 5 && columns != 8) fail(row.origin, subject + " is not a row; allowed: " + allowed_row);
   const auto entry = [&](std::size_t k, Quantity quantity) {
     return number_of(row.children[k], subject + ", entry " + std::to_string(k), quantity);
   };
@@ -49,7 +49,7 @@ Element read_row(const YamlNode& row, const std::string& subject) {
   }
   if (columns == 8) {
     for (std::size_t k = 0; k < 3; ++k) element.axis[static_cast<Eigen::Index>(k)] = entry(5 + k, Quantity::none);
-    if (!(element.axis.norm() > 0.0)) fail(row.origin, subject + ": the axis has no length");
+    if (!(element.axis.norm() > 0.0)) fail(row.origin, subject + ": the axis has length 0");
     element.axis.normalize();
   }
   return element;
@@ -147,8 +147,8 @@ PadLayout read_element_table(const YamlNode& rows, const YamlNode* units) {
     first += layout.units.back().count;
   }
   if (first != layout.elements.size()) {
-    fail(units->origin, "the units have " + std::to_string(first) + " elements; allowed: as many as there are, " +
-                            std::to_string(layout.elements.size()));
+    fail(units->origin,
+         "the units have " + std::to_string(first) + " elements, but the pad has " + std::to_string(layout.elements.size()));
   }
   return layout;
 }
@@ -164,14 +164,15 @@ std::unique_ptr<Sensor> make_table_sensor(const PadLayout& layout, double rate, 
 constexpr const char* table_type = "elements";
 
 const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "free");
-const ParameterSpec truth_spec = flag_spec("truth", "false", "Whether the truth follows the sensor's values.", "free");
+const ParameterSpec truth_spec = flag_spec("truth", "false", "True: the truth follows the sensor's values.", "free");
 const ParameterSpec element_truth_spec =
-    choice_spec("element_truth", "false", {"false", "true", "read"}, "Whether the truth lists each element, too.", "free");
-const ParameterSpec solver_spec =
-    choice_spec("solver", "explicit", {"explicit", "implicit"}, "How the springs enter the step.", "free");
+    choice_spec("element_truth", "false", {"false", "true", "read"}, "True: the truth lists each element too.", "free");
+const ParameterSpec solver_spec = choice_spec("solver", "explicit", {"explicit", "implicit"},
+                                              "How the time step treats the springs: explicitly or implicitly.", "free");
 const ParameterSpec check_spec =
-    choice_spec("check", "error", {"error", "warn", "off"}, "What a mistake in the model is.", "free");
-const ParameterSpec unloaded_spec = choice_spec("unloaded", "1", {"1", "nan"}, "Margin of what does not touch.", "free");
+    choice_spec("check", "error", {"error", "warn", "off"}, "Whether a mistake in the model is an error or a warning.", "free");
+const ParameterSpec unloaded_spec =
+    choice_spec("unloaded", "1", {"1", "nan"}, "Margin reported for units without contact.", "free");
 
 // The attributes of one instance.
 class Attributes {
@@ -355,16 +356,14 @@ std::vector<int> geoms_of(const Attributes& attributes, const std::string& word,
       if (std::to_string(model->geom_group[geom]) != rest) continue;
       if (!welded(model, model->geom_bodyid[geom], model->site_bodyid[site])) all.push_back(geom);
     }
-    if (all.empty())
-      attributes.refuse("touch: no geom in group " + quote(rest) +
-                        " but what moves with the pad; allowed: the number of a group that has");
+    if (all.empty()) attributes.refuse("touch: no geom in group " + quote(rest) + " except geoms that move with the pad");
     return all;
   }
   const int body = attributes.object(mjOBJ_BODY, "body", rest, static_cast<int>(model->nbody));
   for (int geom = 0; geom < static_cast<int>(model->ngeom); ++geom) {
     if (kind == "body" ? model->geom_bodyid[geom] == body : below(model, model->geom_bodyid[geom], body)) take(geom);
   }
-  if (all.empty()) attributes.refuse("touch: the " + kind + " " + quote(rest) + " has no geom; allowed: one that has");
+  if (all.empty()) attributes.refuse("touch: the " + kind + " " + quote(rest) + " has no geom");
   return colliding.empty() ? all : colliding;
 }
 
@@ -381,7 +380,7 @@ std::vector<int> touched_geoms(const Attributes& attributes, int site) {
     }
   }
   if (geoms.empty())
-    attributes.refuse("no attribute touch; allowed: names of geoms, body:NAME, subtree:NAME or group:N, with blanks between");
+    attributes.refuse("no attribute touch; expected names of geoms, body:NAME, subtree:NAME or group:N, separated by spaces");
   return geoms;
 }
 
@@ -402,8 +401,8 @@ PadLayout table_of(const Attributes& attributes) {
     const std::lock_guard lock(handed().mutex);
     const auto known = handed().layouts.find(name);
     if (known == handed().layouts.end())
-      attributes.refuse("elements " + quote(name) + " is of a model whose program has let it go");
-    if (attributes.has("units")) attributes.refuse("units has no place beside elements " + quote(name));
+      attributes.refuse("elements " + quote(name) + " belongs to a model that has been deleted");
+    if (attributes.has("units")) attributes.refuse("units cannot be combined with elements " + quote(name));
     return known->second;
   }
   thread_local LastRead<PadLayout> tables;
@@ -446,20 +445,18 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
   const Attributes attributes(model, instance);
   PadConfig config;
   config.name = attributes.name();
-  if (!attributes.has("pad")) attributes.refuse("no attribute pad; allowed: the name of a site");
+  if (!attributes.has("pad")) attributes.refuse("no attribute pad; expected the name of a site");
   config.site = attributes.object(mjOBJ_SITE, "site", attributes.text("pad"), static_cast<int>(model->nsite));
   config.geoms = touched_geoms(attributes, config.site);
   if (attributes.has("sensor") == attributes.has("elements")) {
-    attributes.refuse("the pad is given by one of the attributes sensor and elements; found: " +
+    attributes.refuse("expected one of the attributes sensor and elements; found: " +
                       std::string(attributes.has("sensor") ? "both" : "neither"));
   }
-  if (attributes.has("units") && !attributes.has("elements"))
-    attributes.refuse("units belongs to elements; allowed: both or neither");
+  if (attributes.has("units") && !attributes.has("elements")) attributes.refuse("units needs the attribute elements");
   if (attributes.has("element_truth") && !attributes.has("elements"))
-    attributes.refuse("element_truth belongs to elements; allowed: both or neither");
+    attributes.refuse("element_truth needs the attribute elements");
   if (attributes.has("material") && attributes.has("friction"))
-    attributes.refuse(
-        "material and friction are both given, and friction would replace that of the material; allowed: one of them");
+    attributes.refuse("material and friction are both given, but friction would replace that of the material; give one of them");
   if (attributes.has("elements")) {
     config.table = {table_of(attributes)};
     const auto element_truth = std::get<std::string>(attributes.value(element_truth_spec));
@@ -485,7 +482,7 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
 void PadConfig::report(const std::string& mistake) const {
   if (unchecked) return;
   const std::string text = "plugin '" + name + "': " + mistake;
-  if (!warn) throw InputError(text + ". The key check='warn' makes this a warning");
+  if (!warn) throw InputError(text + "; check='warn' makes this error a warning");
   mju_warning("slipbench: %s", text.c_str());
 }
 

@@ -85,7 +85,7 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
     for (std::size_t k = 0; k < i; ++k) {
       if (pads[k]->config().site != pads[i]->config().site) continue;
       pads[i]->config().report(
-          fmt::format("it is on the site '{}' of plugin '{}', so that their forces would add up; allowed: a site for each",
+          fmt::format("it is on the same site '{}' as plugin '{}', so their forces would add up; use one site for each",
                       mj_id2name(model, mjOBJ_SITE, pads[i]->config().site), pads[k]->config().name));
     }
   }
@@ -93,7 +93,7 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
 
   for (const PadInstance* pad : implicit_) {
     if (pad->config().damping != implicit_.front()->config().damping) {
-      throw InputError(fmt::format("plugins {}: implicit pads of one model have one damping; found {} and {}",
+      throw InputError(fmt::format("plugins {}: all implicit pads of a model need the same damping; found {} and {}",
                                    names_of(implicit_), format_quantity(implicit_.front()->config().damping, Quantity::time),
                                    format_quantity(pad->config().damping, Quantity::time)));
     }
@@ -194,7 +194,7 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
     const double longest = bearable * longest_explicit_step(vibration);
     if (!(model->opt.timestep <= longest)) {
       pending_ = fmt::format(
-          "plugins {}: the time step {} is too long for what touches at {}: its fastest vibration is {:.3g} rad/s; allowed: up to {:.3g} ms now, up to {:.3g} ms with all elements touching at once, or solver='implicit'",
+          "plugins {}: the time step {} is too long for the pads in contact at {}, whose fastest vibration is {:.3g} rad/s; allowed: up to {:.3g} ms now, up to {:.3g} ms with all elements in contact, or any step with solver='implicit'",
           names_of(explicit_), short_time(model->opt.timestep), short_time(data->time), vibration.omega, 1e3 * longest,
           1e3 * std::min(longest, longest_step(model, data)));
       if (placed) throw InputError(std::exchange(pending_, ""));
@@ -240,7 +240,7 @@ std::string possible_contact(const mjModel* model, const PadConfig& config) {
   if (shown > most_shown) excludes += fmt::format(" and {} more", bodies.size() - most_shown);
   if (!excludes.empty()) excludes += " in <contact>, or ";
   return fmt::format(
-      "MuJoCo's own contact is possible between {}: it would take the pad's load, or count it twice; allowed: {}contype and conaffinity that do not match",
+      "MuJoCo's own contact between {} would take the pad's load or count it twice; disable it by {}contype and conaffinity that do not match",
       first, excludes);
 }
 

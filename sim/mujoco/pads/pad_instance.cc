@@ -80,12 +80,12 @@ Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& l
   // Bodies that move by forces accelerate below the tips, and are solved with springs that have no
   // state of their own.
   if (effects.tip) {
-    throw InputError(fmt::format(
-        "plugin '{}': effects: inertia needs pads that move as prescribed; allowed here: effects without", config.name));
+    throw InputError(
+        fmt::format("plugin '{}': effects: inertia works only for pads with a prescribed motion; leave it out", config.name));
   }
   if (effects.skin && config.implicit) {
     throw InputError(fmt::format(
-        "plugin '{}': effects: elastic_skin has no springs for the implicit solver; allowed here: solver explicit", config.name));
+        "plugin '{}': effects: elastic_skin does not work with the implicit solver; use solver='explicit'", config.name));
   }
   return {layout, surface, config.friction, std::move(effects)};
 }
@@ -208,7 +208,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   readings_ = channel_values(*sensor_) + truth_;
   for (const Touched& touched : touched_) {
     if (model->body_weldid[touched.body] == model->body_weldid[model->site_bodyid[config_.site]]) {
-      throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; allowed: a geom of another body",
+      throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; name a geom of another body",
                                    config_.name, name_of_geom(model, touched.geom)));
     }
   }
@@ -292,7 +292,7 @@ void PadInstance::evaluate(const Parts& state, double time) {
   const double dt = is_placed(state.fields) ? time - state.header[committed_time] : 0.0;
   if (dt < 0.0) {
     throw InputError(fmt::format(
-        "plugin '{}': the time went back from {:.9g} s to {:.9g} s without a reset; allowed: mj_resetData, or a whole state by mj_setState",
+        "plugin '{}': the time went back from {:.9g} s to {:.9g} s without a reset; call mj_resetData, or restore the whole state with mj_setState",
         config_.name, state.header[committed_time], time));
   }
   if (keeps_state_) {
@@ -404,25 +404,24 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
   // One reading per step: at a longer step a multiplexed sensor would miss electrodes, not only
   // samples.
   if (sensor_->scans() > 1 && step_ > sample_time_ * (1.0 + rounding)) {
-    throw InputError(fmt::format(
-        "plugin '{}': the time step {} is longer than the {} between two readings of the sensor, which needs each; allowed: at most that",
-        config_.name, format_quantity(std::stod(fmt::format("{:.3g}", step_)), Quantity::time),
-        format_quantity(std::stod(fmt::format("{:.3g}", sample_time_)), Quantity::time)));
+    throw InputError(fmt::format("plugin '{}': the time step {} must not be longer than the sampling time of the sensor, {}",
+                                 config_.name, format_quantity(std::stod(fmt::format("{:.3g}", step_)), Quantity::time),
+                                 format_quantity(std::stod(fmt::format("{:.3g}", sample_time_)), Quantity::time)));
   }
   const int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
   if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
     throw InputError(fmt::format(
-        "plugin '{}': the flags spring and damper are both disabled, so that MuJoCo leaves out every passive force, the pad's too; allowed: at most one of them",
+        "plugin '{}': the flags spring and damper are both disabled, so MuJoCo omits all passive forces, including the pad's; enable at least one",
         config_.name));
   }
   if (sleep_enabled(model)) {
     throw InputError(fmt::format(
-        "plugin '{}': the flag sleep is enabled, and MuJoCo does not see that a pad joins two bodies: one that sleeps would stay where it is when the other lets go; allowed: sleep off",
+        "plugin '{}': the flag sleep is enabled, but MuJoCo does not know that a pad connects two bodies, so a sleeping body would hang in the air when the other releases it; disable sleep",
         config_.name));
   }
   if (const double step = model->opt.timestep; step != step_) {
     throw InputError(
-        fmt::format("plugin '{}': the time step has changed from {:.9g} s to {:.9g} s; allowed: mj_makeData after the change",
+        fmt::format("plugin '{}': the time step has changed from {:.9g} s to {:.9g} s; call mj_makeData after the change",
                     config_.name, step_, step));
   }
 }
@@ -442,14 +441,14 @@ void PadInstance::check_site(const mjModel* model, bool placed) {
     if (touched.watch.looks_out(touched.shape, touched.pad_in_surface, touching)) {
       mistake(
           "inside",
-          " and look out of it: the site looks the wrong way, or lies inside; allowed: +Z from the touched object into the pad");
+          " and point out of it: the site points the wrong way or lies inside; its +Z must point from the touched object into the pad");
     }
     if (placed || fields_[k].touching() == 0) continue;
     double deepest = 0.0;
     for (std::size_t i = 0; i < fields_[k].size(); ++i) deepest = std::max(deepest, fields_[k].penetration(i));
     if (deepest > touched.watch.deepest_start()) {
       mistake(fmt::format("{:.3g} mm inside", 1e3 * deepest),
-              fmt::format(" in the beginning; allowed: up to {:.3g} mm", 1e3 * touched.watch.deepest_start()));
+              fmt::format(" at the start; allowed: up to {:.3g} mm", 1e3 * touched.watch.deepest_start()));
     }
   }
 }
@@ -572,9 +571,9 @@ void PadInstance::refuse_lost(const mjModel* model) const {
     const char* const body = mj_id2name(model, mjOBJ_BODY, touched_[k].body);
     const double thickness = thickness_of(touched_[k].shape);
     throw InputError(fmt::format(
-        "plugin '{}': at {:.6g} s element {} was {:.3g} mm deep in geom '{}' of body '{}'{} and now looks out of another side of it, where its force would vanish; press less or make the body thicker",
+        "plugin '{}': at {:.6g} s element {}, which was {:.3g} mm deep in geom '{}' of body '{}'{}, passed through it; press less or make the body thicker",
         config_.name, time_, lost->element, 1e3 * lost->depth, name_of_geom(model, geom), body == nullptr ? "" : body,
-        std::isfinite(thickness) ? fmt::format(", which is {:.3g} mm thick,", 1e3 * thickness) : ""));
+        std::isfinite(thickness) ? fmt::format(" ({:.3g} mm thick)", 1e3 * thickness) : ""));
   }
 }
 

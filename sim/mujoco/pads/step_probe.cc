@@ -63,7 +63,7 @@ StepProbe::StepProbe(const std::string& model, std::span<const double> kick, con
   call_mujoco([&] { state_->model.reset(mj_compile(spec.get(), nullptr)); });
   if (!state_->model) throw InputError(fmt::format("the probed model: {}", mjs_getError(spec.get())));
   if (kick.size() != static_cast<std::size_t>(state_->model->nv)) {
-    throw InputError(fmt::format("the probed model has {} degrees of freedom, its kick {}; allowed: as many",
+    throw InputError(fmt::format("the probed model has {} degrees of freedom, but its kick has {} values",
                                  static_cast<int>(state_->model->nv), kick.size()));
   }
   state_->model->opt.disableflags |= mjDSBL_AUTORESET;

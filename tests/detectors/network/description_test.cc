@@ -100,7 +100,7 @@ TEST(Description, AFrameIsTheWindowsValuesOrBins) {
 TEST(Description, SaysWhatIsWrong) {
   const std::vector<Refused<>> wrong{
       {"[]", "net.onnx", {"array of 0", "object"}},
-      {"{", "net.onnx", {"no JSON"}},
+      {"{", "net.onnx", {"not valid JSON"}},
       {with("\"format\": 1", "\"format\": 2"), "net.onnx", {"format", "2", "1"}},
       {with("\"format\": 1,", ""), "net.onnx", {"format", "no key"}},
       {with("\"stride\"", "\"strid\""), "net.onnx", {"input", "strid", "stride"}},

@@ -201,7 +201,7 @@ TEST(Engine, RefusesWhatIsRandom) {
       add_scalar(m, "training", onnx::TensorProto::BOOL, training);
     });
   };
-  EXPECT_THAT(dropout(std::string(1, '\1')), HasSubstr("uses the operator 'Dropout' as in training"));
+  EXPECT_THAT(dropout(std::string(1, '\1')), HasSubstr("uses the operator 'Dropout' in training mode"));
   EXPECT_EQ(dropout(std::string(1, '\0')), "accepted");
   EXPECT_EQ(refusal_of_hidden("Dropout"), "accepted");
 }

@@ -114,11 +114,11 @@ TEST(Features, HandOnForcesAndTheMoment) {
 TEST(Features, RefuseWhatTheyCannotBeMadeOf) {
   FrameSource other = nib_source();
   other.channels[1].name = "force";
-  EXPECT_NE(refusal(other).find("reads the channel 'fl' of a nib pad"), std::string::npos) << refusal(other);
-  EXPECT_NE(refusal(nib_source(), "window", 0.501).find("no whole number"), std::string::npos);
-  EXPECT_NE(refusal(nib_source(), "hop", 1e-3).find("no whole number"), std::string::npos);
+  EXPECT_NE(refusal(other).find("needs the channel 'fl' of a nib_pad"), std::string::npos) << refusal(other);
+  EXPECT_NE(refusal(nib_source(), "window", 0.501).find("must be a whole multiple"), std::string::npos);
+  EXPECT_NE(refusal(nib_source(), "hop", 1e-3).find("must be a whole multiple"), std::string::npos);
   EXPECT_NE(refusal(nib_source(), "window", 0.3).find("wider than the band"), std::string::npos);
-  EXPECT_NE(refusal(nib_source(10.0)).find("at least twice"), std::string::npos);
+  EXPECT_NE(refusal(nib_source(10.0)).find("it must sample at least at twice"), std::string::npos);
 }
 
 // A field as a function of position, in taxel distances east and north of the centre.

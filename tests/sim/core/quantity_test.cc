@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/core/random.h"
+#include "sim/core/readable_quantity.h"
 #include "tests/expect.h"
 
 namespace slipbench {
@@ -145,6 +146,16 @@ TEST(FormatQuantity, ReadsBackAtTheEndsOfTheRange) {
     }
   }
   EXPECT_EQ(format_quantity(1e308, Quantity::speed), "1e+308 m/s");  // in mm/s it would be 1e311
+}
+
+TEST(ReadableQuantity, HasFourDigitsAndLengthsInMillimetres) {
+  EXPECT_EQ(readable_quantity(452.00000000000006e-6, Quantity::length), "0.452 mm");
+  EXPECT_EQ(readable_quantity(-0.0301, Quantity::length), "-30.1 mm");
+  EXPECT_EQ(readable_quantity(2e-6, Quantity::length), "2 um");
+  EXPECT_EQ(readable_quantity(0.0, Quantity::length), "0 m");
+  EXPECT_EQ(readable_quantity(1.0 / 3000.0, Quantity::time), "333.3 us");
+  EXPECT_EQ(readable_quantity(30.0 * degree, Quantity::angle), "30 deg");
+  EXPECT_EQ(readable_quantity(std::numeric_limits<double>::infinity(), Quantity::time), "inf");
 }
 
 }  // namespace

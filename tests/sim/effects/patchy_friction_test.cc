@@ -138,8 +138,8 @@ TEST(PatchyFriction, RefusesCurvedSurfacesAndWavesOutOfOrder) {
     EXPECT_THAT(refusal_of([&] {
                   installed(pad, {{"patchy_friction", {{"shortest", 2e-3}, {"longest", longer}}}});
                 }),
-                AllOf(HasSubstr("longest of patchy_friction is " + format_quantity(longer, Quantity::length)),
-                      HasSubstr("allowed is shortest (2 mm) to ten times that")));
+                AllOf(HasSubstr("the longest wavelength of patchy_friction is " + format_quantity(longer, Quantity::length)),
+                      HasSubstr("allowed: `shortest` (2 mm) to ten times `shortest`")));
   }
   for (const double longer : {2e-3, 20e-3}) {
     EXPECT_EQ(refusal_of([&] { installed(pad, {{"patchy_friction", {{"shortest", 2e-3}, {"longest", longer}}}}); }), "accepted");

@@ -171,7 +171,7 @@ TEST(StageSimulation, RefusesToPressThroughARoundShape) {
   EXPECT_THAT(refusal_of([&] {
                 for (std::size_t tick = 0; tick < thin.ticks(0); ++tick) thin.step();
               }),
-              AllOf(HasSubstr("deep in a shape that is 1.4 mm thick"), HasSubstr("less motion.compression")));
+              AllOf(HasSubstr("passed through the shape, which is 1.4 mm thick"), HasSubstr("less motion.compression")));
 }
 
 TEST(StageSimulation, PressesOnAThinPlateByDepthTimesStiffness) {

@@ -89,7 +89,7 @@ TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
   EXPECT_FALSE(result.contains("transfer"));
   const ChildResult twice = run(words, {"--real", folder_ / "real.h5", "--real", folder_ / "./real.h5"});
   EXPECT_EQ(twice.status, 2);
-  EXPECT_THAT(twice.err, mentions({"./real.h5: was given before; allowed: each dataset once"}));
+  EXPECT_THAT(twice.err, mentions({"./real.h5: was given twice; give each dataset once"}));
   const ChildResult simulated = run(words, {"--real", folder_ / "sim.h5"});
   EXPECT_EQ(simulated.status, 2);
   EXPECT_THAT(simulated.err, mentions({"simulation"}));

@@ -106,7 +106,7 @@ TEST(ReadRecordings, AreGivenOnce) {
   EXPECT_THAT(slipbench::refusal_of([] {
                 return read_recordings({"a.h5", "b.h5", "a.h5"}, nullptr);
               }),
-              mentions({"a.h5: was given before; allowed: each recording once"}));
+              mentions({"a.h5: was given twice; give each recording once"}));
 }
 
 using Eigen::MatrixXd;

@@ -50,14 +50,14 @@ TEST(ClockText, NamesSecondsMinutesHours) {
   EXPECT_EQ(clock_text(3725.0), "1:02:05");
 }
 
-// 100 of 200 trials of 4 s in 5 s: 400/5 = 80 x real time, 100/5 = 20 trials/s, another 5 s to go.
+// 100 of 200 trials of 4 s in 5 s: 400/5 = 80 times real time, 100/5 = 20 trials/s, another 5 s to go.
 constexpr ProgressState half{100, 200, 400.0, 5.0};
 
 TEST(ProgressBarText, ShowsShareRatesAndTimeLeft) {
   const std::string text = progress_bar_text(half, 120);
   // The bar is at most 30 long; half of it is filled.
   EXPECT_THAT(text, StartsWith("[" + std::string(15, '#') + std::string(15, '-') + "] "));
-  EXPECT_THAT(text, EndsWith(" 50 % 100/200  80 x real time  20 trials/s  ETA 5 s"));
+  EXPECT_THAT(text, EndsWith(" 50 % 100/200  80 times real time  20 trials/s  ETA 5 s"));
 }
 
 TEST(ProgressBarText, FitsEveryWidth) {
@@ -73,12 +73,12 @@ TEST(ProgressBarText, FullBarShowsTimeTaken) {
 }
 
 TEST(ProgressLineText, IsOneSentence) {
-  EXPECT_EQ(progress_line_text(half), "100/200 trials (50 %), 80 x real time, 20 trials/s, ETA 5 s");
+  EXPECT_EQ(progress_line_text(half), "100/200 trials (50 %), 80 times real time, 20 trials/s, ETA 5 s");
   EXPECT_EQ(progress_line_text({100, 200, {}, 5.0}), "100/200 trials (50 %), 20 trials/s, ETA 5 s");  // nothing is simulated
 }
 
 TEST(ProgressLineText, NothingDoneYetHasNoEta) {
-  EXPECT_EQ(progress_line_text({0, 200, 0.0, 0.0}), "0/200 trials (0 %), 0.0 x real time, 0.0 trials/s, ETA ?");
+  EXPECT_EQ(progress_line_text({0, 200, 0.0, 0.0}), "0/200 trials (0 %), 0.0 times real time, 0.0 trials/s, ETA ?");
 }
 
 TEST_F(ProgressTest, LinesComeEveryFewSecondsAndAtTheEnd) {
@@ -88,9 +88,9 @@ TEST_F(ProgressTest, LinesComeEveryFewSecondsAndAtTheEnd) {
     progress.update(done, 12, 4.0 * static_cast<double>(done));
   }
   EXPECT_EQ(written(),
-            "5/12 trials (42 %), 4.0 x real time, 1.0 trials/s, ETA 7 s\n"
-            "10/12 trials (83 %), 4.0 x real time, 1.0 trials/s, ETA 2 s\n"
-            "12/12 trials (100 %), 4.0 x real time, 1.0 trials/s, 12 s\n");
+            "5/12 trials (42 %), 4.0 times real time, 1.0 trials/s, ETA 7 s\n"
+            "10/12 trials (83 %), 4.0 times real time, 1.0 trials/s, ETA 2 s\n"
+            "12/12 trials (100 %), 4.0 times real time, 1.0 trials/s, 12 s\n");
 }
 
 TEST_F(ProgressTest, BarIsRedrawnInPlaceAtMostTenTimesASecond) {

@@ -27,24 +27,24 @@ TEST(CostReading, ARunInWhichOtherThingsHappenMeetsNoWish) {
   EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2, "contact")->setting.label, "noslip 3");
 }
 
-// 5 ms: 0.004 s for 2 s, 1/500 of real time. noslip 3: 1.6 s for 2 s, 1/1.25, 400 times as much.
-// 0.1 %: the scene itself, 0.02 s, 1/100. One of the three settings of MuJoCo's contact ended in a
+// 5 ms: 0.004 s for 2 s, 500 times real time. noslip 3: 1.6 s for 2 s, 1.25 times, 400 times slower.
+// 0.1 %: the scene itself, 0.02 s, 100 times. One of the three settings of MuJoCo's contact ended in a
 // warning.
 TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
   EXPECT_THAT(
       sentences(example()),
       ElementsAre(
-          "1 % slip onset error costs 1/500 of real time: element field, 5 ms; MuJoCo's own contact needs 1/1.25 of real time for it (noslip 3): 400 times as much.",
-          "0.1 % slip onset error costs 1/100 of real time: the scene as it is, 1 ms; MuJoCo's own contact reaches it with none of 2 settings: 0.8 % at best (noslip 3, 1/1.25 of real time).",
-          "Of 3 settings of MuJoCo's own contact 1 could not count: 1 went wrong."));
+          "slip onset, error up to 1 %: 500 times real time (element field, 5 ms); MuJoCo's own contact: 1.25 times real time (noslip 3), 400 times slower.",
+          "slip onset, error up to 0.1 %: 100 times real time (the scene as it is, 1 ms); MuJoCo's own contact: not reached by its 2 settings, 0.8 % at best (noslip 3, 1.25 times real time).",
+          "1 of 3 settings of MuJoCo's own contact are not counted: 1 diverged."));
 }
 
 TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {
   Exploration exploration = example();
   exploration.reference.converged = false;
   exploration.reference.own_error = onset_error(0.02);
-  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("has not converged by: slip onset (2 %)")));
-  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("1 % slip onset error: cannot be shown")));
+  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("has not converged: slip onset (2 %)")));
+  EXPECT_THAT(sentences(exploration), Contains(HasSubstr("slip onset, error up to 1 %: the reference itself is less accurate")));
 }
 
 // A row with fewer outputs is cheaper because it computes less.
@@ -64,11 +64,11 @@ TEST(CostReading, ContactThatWasNotTriedHasNotFailed) {
     row.status = Status::refused;
     row.why = "no such thing";
   }
-  EXPECT_THAT(sentences(exploration).front(), HasSubstr("MuJoCo's own contact could not be tried (no such thing)"));
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("MuJoCo's own contact: not possible (no such thing)"));
   for (Row& row : exploration.rows) {
     if (row.setting.series == "contact") row.status = Status::over_budget;
   }
-  EXPECT_THAT(sentences(exploration).front(), HasSubstr("the budget left no time to try MuJoCo's own contact"));
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("MuJoCo's own contact: not tried, because the budget was used up"));
 }
 
 // One of three has failed; then noslip 3 has fewer outputs; then the last, impratio 100, is out of
@@ -77,23 +77,23 @@ TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
   Exploration exploration = example();
   for (Row& row : exploration.rows) row.rate = 1000.0;
   exploration.rows[5].rate = 250.0;
-  EXPECT_THAT(sentences(exploration).front(), HasSubstr("reaches it with none of 1 setting: 3 % at best (impratio 100"));
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("not reached by its 1 setting, 3 % at best (impratio 100"));
   EXPECT_THAT(
       sentences(exploration),
-      Contains("Of 3 settings of MuJoCo's own contact 2 could not count: 1 went wrong, 1 put out less often than the scene."));
+      Contains("2 of 3 settings of MuJoCo's own contact are not counted: 1 diverged, 1 had a lower output rate than the scene."));
   exploration.rows[4].status = Status::over_budget;
-  EXPECT_THAT(sentences(exploration).front(), HasSubstr("of MuJoCo's own contact no run can be compared"));
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("MuJoCo's own contact: no run can be compared"));
   EXPECT_THAT(
       sentences(exploration),
       Contains(
-          "Of 3 settings of MuJoCo's own contact 3 could not count: 1 went wrong, 1 put out less often than the scene, 1 not run for want of time."));
+          "3 of 3 settings of MuJoCo's own contact are not counted: 1 diverged, 1 had a lower output rate than the scene, 1 not run, because the budget was used up."));
 }
 
 // In both remaining rows the outcome differs.
 TEST(CostReading, OtherThingsHappenOnlyWhereSomethingWasCompared) {
   Exploration exploration = example();
   for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(0.0, true);
-  EXPECT_THAT(sentences(exploration).front(), HasSubstr("with none of 2 settings: in every run other things happen"));
+  EXPECT_THAT(sentences(exploration).front(), HasSubstr("not reached by its 2 settings, in which other events occur"));
   for (const std::size_t contact : {4, 5}) exploration.rows[contact].status = Status::diverged;
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("no run can be compared"));
 }
@@ -125,7 +125,7 @@ TEST(CostReading, AnEffectThatCostsAndChangesNothingIsPointedOut) {
   EXPECT_TRUE(exploration.prices[0].idle());
   EXPECT_FALSE(exploration.prices[1].idle());
   EXPECT_FALSE(exploration.prices[2].idle()) << "what it costs is within the scatter";
-  EXPECT_THAT(sentences(exploration), Contains("ageing costs 25 % of the time and changes nothing that is measured here."));
+  EXPECT_THAT(sentences(exploration), Contains("ageing costs 25 % of the time and changes no measured quantity."));
 }
 
 // A share of 0.25 is 25 %, a change of 1e-3 is 0.1 %.

@@ -83,7 +83,8 @@ TEST(StabilityMap, TellsItselfAsJsonAndAsText) {
   EXPECT_THAT(text, HasSubstr("two pads hold a box"));
   EXPECT_THAT(
       text,
-      HasSubstr("2 combinations: the predicted largest stable step is 0.7500 of the measured one or more, and above it in 1."));
+      HasSubstr(
+          "2 combinations: the predicted longest stable step is at least 0.7500 of the measured one, and longer than it in 1 cases."));
 }
 
 }  // namespace

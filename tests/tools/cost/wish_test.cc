@@ -17,14 +17,14 @@ TEST(Wish, IsSettledOnceForRunSweepAndCheck) {
   std::ofstream(folder / "wish.yaml") << wishing;
   const ChildResult run = run_program_file({"run", folder / "wish.yaml"});
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("accuracy: looking once for the cheapest setting that meets the wish of "));
-  EXPECT_THAT(run.err, HasSubstr("against closed form, in one trial; " + (folder / "wish.yaml.accuracy.json")));
+  EXPECT_THAT(run.err, HasSubstr("accuracy: searching for the cheapest setting that meets the accuracy of "));
+  EXPECT_THAT(run.err, HasSubstr("compared with closed form in one trial; " + (folder / "wish.yaml.accuracy.json")));
   const ChildResult all = run_program_file({"run", folder / "wish.yaml", "--trials", "2"});
   EXPECT_EQ(all.status, 0) << all.err;
-  EXPECT_THAT(all.err, HasSubstr("against closed form, in 2 trials; "));
+  EXPECT_THAT(all.err, HasSubstr("compared with closed form in 2 trials; "));
   const ChildResult sweep = run_program_file({"sweep", folder / "wish.yaml", "-o", folder / "first.h5"});
   EXPECT_EQ(sweep.status, 0) << sweep.err;
-  EXPECT_EQ(sweep.err.find("looking once"), std::string::npos) << sweep.err;
+  EXPECT_EQ(sweep.err.find("(only once)"), std::string::npos) << sweep.err;
   const ChildResult check = run_program_file({"check", folder / "wish.yaml", "--json"});
   EXPECT_EQ(check.status, 0) << check.err;
   EXPECT_THAT(check.err, IsEmpty());

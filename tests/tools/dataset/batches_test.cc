@@ -133,11 +133,11 @@ TEST_F(BatchesTest, NothingLeftIsNothingKept) {
 TEST_F(BatchesTest, FinishedTrialsAreNotThrownAway) {
   run(3, &keep);
   const auto refusal = [&] { return refusal_of([&] { SweepWriter(path("out.h5"), header).refuse_left(); }); };
-  EXPECT_EQ(refusal(),
-            "cannot write " + path("out.h5") + ": " + path("out.h5.partial") +
-                " holds 2 batches of finished trials of a sweep that did not come to its end; allowed: --resume, which "
-                "goes on with them, a new name, or " +
-                path("out.h5.partial") + " moved away");
+  EXPECT_EQ(
+      refusal(),
+      "cannot write " + path("out.h5") + ": " + path("out.h5.partial") +
+          " contains 2 batches of finished trials of an unfinished sweep; continue it with --resume, choose a new name, or move " +
+          path("out.h5.partial") + " away");
   EXPECT_THAT(refusal_of([&] { DatasetWriter(path("out.h5"), header); }), HasSubstr("holds 2 batches"));
   EXPECT_EQ(run(3, &keep), 3U);
 }

@@ -60,7 +60,7 @@ TEST_F(CheckedDataset, ReaderThatCannotRunSaysNothingOfTheFile) {
     std::ofstream(path("message")) << refusal_of([&] { check_readable(FileKind::dataset, path("a.h5")); });
   });
   EXPECT_EQ(status, 0);
-  EXPECT_THAT(bytes_of(path("message")), StartsWith(path("a.h5") + ": cannot be read: slipbench-reader was ended"));
+  EXPECT_THAT(bytes_of(path("message")), StartsWith(path("a.h5") + ": cannot be read: slipbench-reader was stopped"));
 }
 
 // A crash is damage.

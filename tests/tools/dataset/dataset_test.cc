@@ -283,7 +283,7 @@ TEST_F(DatasetTest, ReaderSaysWhatAFileIs) {
   using namespace std::string_literals;
   const std::string whole = bytes_of(write("whole.h5", 2, 10, DatasetWriter::default_shard_limit));
   const auto cut = [&](std::size_t bytes) {
-    return std::pair(whole.substr(0, bytes), fmt::format("is cut short: it has {} ", bytes));
+    return std::pair(whole.substr(0, bytes), fmt::format("is truncated: it has {} ", bytes));
   };
   const std::vector<std::pair<std::string, std::string>> files{
       {"", "is empty"},

@@ -30,7 +30,7 @@ TEST(ChosenDetector, IsANameAFileOrAFolder) {
 
 TEST(LearntLabels, AreThoseOfTheTraining) {
   EXPECT_EQ(learnt_labels("{}"), TruthRule::strict);
-  EXPECT_EQ(learnt_labels("no JSON"), TruthRule::strict);
+  EXPECT_EQ(learnt_labels("not valid JSON"), TruthRule::strict);
   EXPECT_EQ(learnt_labels(R"({"labels": "masked"})"), TruthRule::masked);
   EXPECT_EQ(learnt_labels(R"({"labels": "tightened"})"), TruthRule::masked);
   EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": "micra"})"); }), mentions({"trained.labels", "micra", "micro"}));
@@ -127,7 +127,7 @@ TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   trained.all = true;
   const Json with_all = evaluate(trained);
   EXPECT_EQ(with_all.at("all").at("trials"), 24);
-  EXPECT_THAT(with_all.at("warnings")[0].get<std::string>(), HasSubstr("trained on 4 of the 24 trials judged"));
+  EXPECT_THAT(with_all.at("warnings")[0].get<std::string>(), HasSubstr("trained on 4 of the 24 evaluated trials"));
   trained.all = false;
   trained.trained = R"({"sha256_seen": ["12"]})";
   EXPECT_THAT(refusal_of([&] { evaluate(trained); }), mentions({"trained.sha256_seen"}));
@@ -153,7 +153,7 @@ TEST_F(Evaluated, LeavesOutWhatMemoriesWereTrainedOn) {
   const Json unknown = judged_with(path("old"));
   EXPECT_EQ(unknown.at("all").at("trials"), 24);
   EXPECT_THAT(unknown.at("warnings")[0].get<std::string>(),
-              AllOf(HasSubstr("old does not record the trials on which it was trained"), HasSubstr(saved.trained)));
+              AllOf(HasSubstr("old does not record the trials of its training"), HasSubstr(saved.trained)));
   std::ofstream(path("own") + "/seen.txt") << "12\n";
   EXPECT_THAT(refusal_of([&] { judged_with(path("own")); }), mentions({"seen.txt:1", "12"}));
 }
@@ -183,7 +183,7 @@ TEST_F(Evaluated, SaysThatThereIsNoTruth) {
   EXPECT_EQ(truth_note(result), "");
   EXPECT_THAT(page_of(result), AllOf(Not(HasSubstr("imported")), HasSubstr("slipbench report ")));
   result["truth"] = "none: imported from bts3v2";
-  EXPECT_EQ(truth_note(result), "truth none: imported from bts3v2: where a name here says true, it is the recorded label");
+  EXPECT_EQ(truth_note(result), "truth none: imported from bts3v2: 'true' below means the recorded label");
   EXPECT_THAT(page_of(result), HasSubstr("<p class=\"note\">truth none: imported from bts3v2"));
 }
 

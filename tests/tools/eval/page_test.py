@@ -40,7 +40,7 @@ def main():
         browser.open(page)
         assert not browser.complaints(), browser.complaints()
         dom = browser.dom()
-        for heading in ("Figures", "What was called what", "Curves", "By speed", "By mask", "Look first at"):
+        for heading in ("Figures", "Confusion matrix", "Curves", "By speed", "By mask", "Worst trials"):
             assert f"<h2>{heading}</h2>" in dom, heading
         assert "<script" not in text
         assert not re.search(r"(?:src|href)=\"(?:https?:)?//", text), "it loads something"

@@ -35,7 +35,7 @@ TEST(Timeline, NamesAxesWithUnitsAndValuesInAKey) {
     EXPECT_THAT(html, HasSubstr(text));
   EXPECT_THAT(html, Not(HasSubstr(">f0</text>"))) << "it does not change";
   EXPECT_THAT(html, Not(AnyOf(HasSubstr("States"), HasSubstr("Probability"), HasSubstr("bar alarm"))));
-  EXPECT_THAT(timeline_html(sensor_from(0.0), {}, 1), HasSubstr("Further channels: level"));
+  EXPECT_THAT(timeline_html(sensor_from(0.0), {}, 1), HasSubstr("Other channels: level"));
 }
 
 // 16 letters of two bytes each: 14 are kept, and none is split.
@@ -97,7 +97,7 @@ TEST(Timeline, CountsTheTimeOfAClockFromTheFirstSample) {
   EXPECT_EQ(time_origin({5.0, 6.0}), 0.0);
   EXPECT_EQ(time_origin({1.5e9, 1.5e9 + 1.0}), 1.5e9);
   EXPECT_THAT(timeline_html(sensor_from(1.5e9), {}, 1),
-              AllOf(HasSubstr(">time after the first sample, which is at 1500000000 s [s]</text>"), HasSubstr(">10</text>")));
+              AllOf(HasSubstr(">time after the first sample (at 1500000000 s) [s]</text>"), HasSubstr(">10</text>")));
 }
 
 TEST(Timeline, ShowsOneSampleAsATable) {

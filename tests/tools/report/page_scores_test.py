@@ -47,7 +47,7 @@ def three_digits(value):
 
 
 def scores(trials):
-    """Returns recall of slip, balanced accuracy, accuracy and that of the best constant answer,
+    """Returns recall of slip, balanced accuracy, accuracy and that of the best constant detector,
     over all trials' samples in contact.
     """
     truth = numpy.concatenate([trial[f"labels/{trial['control'].attrs['sensor']}/state"][:] for trial in trials])
@@ -57,9 +57,9 @@ def scores(trials):
     return {
         "recall of slip": percent((seen[truth > 1] > 1).mean()),
         "balanced accuracy": percent(numpy.mean(recalls)),
-        "of any constant answer": percent(1 / len(recalls)),
+        "of a constant detector": percent(1 / len(recalls)),
         "accuracy": percent((seen == truth).mean()),
-        "of the best constant answer": percent(max((truth == state).mean() for state in numpy.unique(truth))),
+        "of the best constant detector": percent(max((truth == state).mean() for state in numpy.unique(truth))),
     }
 
 
@@ -83,7 +83,7 @@ class PageScoresTest(unittest.TestCase):
         (row,) = page.table(["recall of slip", "balanced accuracy"])
         for name, text in scores(self.trials).items():
             self.assertEqual(row[name], text, name)
-        self.assertEqual([*row][-2:], ["accuracy", "of the best constant answer"], "accuracy is no headline")
+        self.assertEqual([*row][-2:], ["accuracy", "of the best constant detector"], "accuracy is no headline")
         return row
 
     # The ratio is exceeded long before slip, and the alarm is on when slip begins: the 1 ms after
@@ -94,17 +94,17 @@ class PageScoresTest(unittest.TestCase):
         self.assertLess(outcome["false_alarm_time_s"], outcome["judged_slip_time_s"])
         value, note = page.figures["Early alarm"]
         self.assertEqual(value, f"{outcome['false_alarm_time_s']:.3f} s")
-        self.assertNotIn("after it began", note)
-        self.assertFalse([name for name in page.figures if name.startswith("Slip seen")])
+        self.assertNotIn("after the onset", note)
+        self.assertFalse([name for name in page.figures if name.startswith("Slip detected")])
         row = self.look_at_scores(page)
-        self.assertEqual((row["median delay"], row["seen"], row["early"]), ("–", "0 of 1", "1 of 1"))
+        self.assertEqual((row["median delay"], row["detected"], row["early"]), ("–", "0 of 1", "1 of 1"))
 
     def test_a_slip_seen_has_its_delay(self):
         page = self.page(ROOT / "scenes/papillarray/stage.yaml", "--set", "detector={type: shear_rate}")
         (outcome,) = self.outcomes
         self.assertEqual(outcome["detection"], "seen")
         delay = f"{1e3 * outcome['detection_delay_s']:.1f} ms"
-        self.assertEqual(page.figures["Slip seen after"][0], delay)
+        self.assertEqual(page.figures["Slip detected after"][0], delay)
         self.assertEqual(self.look_at_scores(page)["median delay"], delay)
 
     # The detector shipped with the scene detects hardly any slip, yet its accuracy is above 90 %.
@@ -115,7 +115,7 @@ class PageScoresTest(unittest.TestCase):
         self.assertLess(float(row["recall of slip"].split(" ")[0]), 50)
         delays = [outcome["detection_delay_s"] for outcome in self.outcomes if outcome["detection"] == "seen"]
         median = "–" if not delays else numpy.median(delays)
-        self.assertEqual(re.sub(r" .*", "", row["seen"]), str(len(delays)))
+        self.assertEqual(re.sub(r" .*", "", row["detected"]), str(len(delays)))
         if delays:
             self.assertIn(row["median delay"], (f"{1e3 * median:.1f} ms", f"{1e3 * median:.0f} ms"))
         (grasps,) = page.table(["", "held", "share"])
@@ -138,7 +138,7 @@ class PageScoresTest(unittest.TestCase):
         self.assertEqual(grasps["delay, ms"], three_digits(1e3 * self.outcomes[0]["detection_delay_s"]))
         self.assertEqual(grasps["reaction, ms"], three_digits(1e3 * self.outcomes[0]["reaction_time_s"]))
         self.assertIn("balanced accuracy of the detector, %", page.source)
-        self.assertIn("share of slips seen, without an early alarm", page.source)
+        self.assertIn("share of slips detected without an early alarm", page.source)
         self.assertNotIn("detector right", page.source.split("<main")[1])
 
 

@@ -57,7 +57,7 @@ TEST_F(Recordings, ShowsWhatThereIsAndSaysWhatThereIsNot) {
 
 TEST_F(Recordings, ShowsRecordedLabels) {
   const std::string page = page_of({recording(0, {1, 1, 1, 3, 3}), recording(1, {1, 1, 1, 1, 1})});
-  EXPECT_THAT(page, HasSubstr("Recorded labels go by: a button held by hand"));
+  EXPECT_THAT(page, HasSubstr("Recorded labels: a button held by hand"));
   EXPECT_THAT(page, AllOf(HasSubstr("<td>40.0 %, from 0.3 s on</td>"), HasSubstr("<td>none</td>")));  // 2 of 5 samples
   EXPECT_THAT(page, AllOf(HasSubstr(">labels</text>"), HasSubstr("class=\"bar gross\"")));
 }
@@ -66,9 +66,9 @@ TEST_F(Recordings, DrawsOneRecordingInFullOrAFew) {
   const std::vector<TrialRecord> records{recording(0, {}), recording(1, {}), recording(2, {})};
   const std::string one = page_of(records, {.trial = 1});
   EXPECT_THAT(one, AllOf(HasSubstr("<h2>Trial 1, cup</h2>"), Not(HasSubstr("<h2>Trial 0, cup</h2>")),
-                         HasSubstr("<td>trial 2</td>"), HasSubstr("Signals of 1 of the 3 recordings")));
+                         HasSubstr("<td>trial 2</td>"), HasSubstr("The signals of 1 of the 3 recordings")));
   const std::string few = page_of(records, {.trial = {}, .max_trials = 2, .max_rows = 2});
-  EXPECT_THAT(few, AllOf(HasSubstr("Signals of 2 of the 3 recordings"), HasSubstr("The table lists 2 of the 3 recordings")));
+  EXPECT_THAT(few, AllOf(HasSubstr("The signals of 2 of the 3 recordings"), HasSubstr("The table lists 2 of the 3 recordings")));
 }
 
 TEST_F(Recordings, RefusesWhatIsNotThere) {
@@ -79,7 +79,7 @@ TEST_F(Recordings, RefusesWhatIsNotThere) {
   EXPECT_THAT(refusal_of([&] { page_of({unnamed}); }),
               mentions({"a.h5", "demo_2", "sensors/tip", "names 1 channels", "2 values"}));
   EXPECT_THAT(refusal_of([&] { page_of({never}); }), mentions({"a.h5", "demo_3", "sensors/tip", "time", "finite"}));
-  EXPECT_THAT(refusal_of([&] { page_of({}); }), mentions({path("a.h5"), "holds no trial"}));
+  EXPECT_THAT(refusal_of([&] { page_of({}); }), mentions({path("a.h5"), "contains no trial"}));
 }
 
 }  // namespace

@@ -314,7 +314,7 @@ TEST(Report, OfManyTrialsShowsSomeAndSaysSo) {
   std::vector<int> shown;
   for (const Json& row : data.at("trials")) shown.push_back(row.at("index").get<int>());
   EXPECT_THAT(shown, ElementsAre(0, 2, 5, 8, 10));  // every 11/4th, plus 0 and 10, which have curves
-  EXPECT_THAT(data.at("warnings").dump(), HasSubstr("this page is made of 5 of the dataset's 11 trials"));
+  EXPECT_THAT(data.at("warnings").dump(), HasSubstr("this page uses 5 of the 11 trials of the dataset"));
   write_report(dataset, page_path("report_many.html"), {.trial = {}, .max_trials = 2, .max_rows = 11});
   EXPECT_EQ(data_of(page_path("report_many.html")).at("trials").size(), 11U);
   EXPECT_THAT(data_of(page_path("report_many.html")).at("warnings").dump(), Not(HasSubstr("this page")));

@@ -110,7 +110,7 @@ class Catalogue(unittest.TestCase):
         check_options(table3, Options(trials=3, only=("felt",), seed=0, jobs=2, output="page.html"))
         for study, options, message in ((latency, Options(data="a.h5"), "latency does not take --data; allowed: --output, --json, --quiet"),
                                         (table3, Options(full=True), "table3 does not take --full; allowed: --trials, --only, --seed, --jobs"),
-                                        (find_study("piezo-fft-gru/table1"), Options(resume=True), "allowed: with -o")):
+                                        (find_study("piezo-fft-gru/table1"), Options(resume=True), "needs -o")):
             with self.assertRaisesRegex(InputError, message):
                 check_options(study, options)
 

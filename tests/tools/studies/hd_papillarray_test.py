@@ -38,13 +38,13 @@ class CoreFigures(unittest.TestCase):
 
     def test_what_is_missing_is_named(self):
         big = {key: BIG[key] for key in ("latency_cycles", "interval_cycles")}
-        for content, named in [("not json", r"results\.json: is no JSON object"), ([], r"results\.json: is no JSON object"),
-                               ({}, "tools is no object"), ({"tools": {}}, "tools: yosys is no text"),
-                               ({"tools": TOOLS, "unrollings": {}}, "unrollings is no object"),
-                               ({"tools": TOOLS, "unrollings": {"big": 3}}, "unrolling 'big': is no JSON object"),
+        for content, named in [("not json", r"results\.json: is not a JSON object"), ([], r"results\.json: is not a JSON object"),
+                               ({}, "tools is not an object"), ({"tools": {}}, "tools: yosys is not a text"),
+                               ({"tools": TOOLS, "unrollings": {}}, "unrollings is not an object"),
+                               ({"tools": TOOLS, "unrollings": {"big": 3}}, "unrolling 'big': is not a JSON object"),
                                ({"tools": TOOLS, "unrollings": {"big": big}}, "unrolling 'big': lut is missing"),
                                ({"tools": TOOLS, "unrollings": {"big": BIG | {"lut": True}}}, "lut is true; allowed: a number"),
-                               ({"tools": TOOLS, "unrollings": {"big": {"latency_cycles": -1}}}, "latency_cycles is -1; allowed: a number from 0 on")]:
+                               ({"tools": TOOLS, "unrollings": {"big": {"latency_cycles": -1}}}, "latency_cycles is -1; expected a number of 0 or more")]:
             with self.subTest(named), self.assertRaisesRegex(InputError, named):
                 read(content)
         with self.assertRaisesRegex(InputError, r"none\.json: cannot be read"):

@@ -67,7 +67,7 @@ class Kept(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in kept.iterdir()), ["0.json", "1.json", "identity.txt"])
         with self.assertRaisesRegex(InputError, "holds 2 networks.*--resume"):
             train_all(NAME, ["a"] * 3, self.options, fails)
-        with self.assertRaisesRegex(InputError, "of other options"):
+        with self.assertRaisesRegex(InputError, "belongs to other options"):
             train_all(NAME, ["a"] * 3, replace(self.options, resume=True, seed=2), fails)
         said = train_all(NAME, ["a"] * 3, replace(self.options, resume=True), lambda index: {"index": -index})
         self.assertEqual(said, [{"index": 0}, {"index": 1}, {"index": -2}])
@@ -89,7 +89,7 @@ class Kept(unittest.TestCase):
         kept = kept_path(self.options.output)
         kept.mkdir()
         (kept / "letter.txt").write_text("dear")
-        with self.assertRaisesRegex(InputError, "holds no networks of a study"):
+        with self.assertRaisesRegex(InputError, "does not contain networks of a study"):
             KeptNetworks(self.options, NAME)
         remove_kept(self.options.output)
         self.assertEqual((kept / "letter.txt").read_text(), "dear")

@@ -184,7 +184,7 @@ class Reorientation(unittest.TestCase):
 
     def test_the_same_on_any_number_of_threads(self):
         one, two = (table3.study(Options(trials=1, jobs=jobs, only=("com_low", "fl_slip_x0.5"))) for jobs in (1, 2))
-        self.assertEqual(one.charts[0].places, ["200 g, centre of mass at L/3 from the end it stands on", "200 g, FL of slip 0.5 times, 12.5 counts"])
+        self.assertEqual(one.charts[0].places, ["200 g, centre of mass at L/3 from its foot", "200 g, FL of slip 0.5 times, 12.5 counts"])
         self.assertEqual(one.figures, two.figures)
         for table in one.tables:
             self.assertTrue(all(len(row) == len(table.head) for row in table.rows))

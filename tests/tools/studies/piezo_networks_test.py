@@ -170,7 +170,7 @@ class Refusals(unittest.TestCase):
         for table in (table1, table4):
             with self.assertRaisesRegex(InputError, "did you mean 'gru_32'"):
                 table.study(Options(only=("gru_23",)))
-        with self.assertRaisesRegex(InputError, "gru_32_tip needs recordings of its own"):
+        with self.assertRaisesRegex(InputError, "gru_32_tip needs its own recordings"):
             table4.study(Options(only=("gru_32_tip",), data="a.h5"))
 
 

@@ -79,7 +79,7 @@ class Choice(unittest.TestCase):
     def test_recordings_choose_their_study(self):
         only = ("biotac-stability-slip/table2",)
         self.assertEqual(realism.asked_for(Options(only=only, real="r.h5"), "imported from bts3v2")[0], list(only))
-        with self.assertRaisesRegex(InputError, "no study"):
+        with self.assertRaisesRegex(InputError, "no selected study"):
             realism.asked_for(Options(only=only, real="r.h5"), "imported from biotacsp-dos")
         with self.assertRaisesRegex(InputError, "did you mean 'hexapod'"):
             realism.asked_for(Options(only=("hexapods",)), "")

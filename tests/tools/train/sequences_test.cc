@@ -123,7 +123,8 @@ TEST_F(SequencesTest, MotionIsThatOfTheFramesOwnTime) {
 TEST_F(SequencesTest, OtherRatesOfTheDevice) {
   EXPECT_EQ(read_sequences(dataset({{"sensors.pad.rate", "500 Hz"}}), {}).sequences[0].time.size(), 40U);
   EXPECT_THAT(refusal(dataset({{"sensors.pad.rate", "250 Hz"}}, "b.h5")),
-              AllOf(HasSubstr("b.h5: trial 0: sensor pad samples at 250 Hz"), HasSubstr("a multiple of the detector's 100 Hz")));
+              AllOf(HasSubstr("b.h5: trial 0: sensor pad samples at 250 Hz"),
+                    HasSubstr("a multiple of 100 Hz, the rate of the detector")));
 }
 
 // Two pads with 4 N at mu 0.12 hold 2 4 0.12 = 0.96 N of the 1.96 N that the box weighs: it slips

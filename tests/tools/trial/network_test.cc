@@ -63,7 +63,7 @@ TEST(NetworkInTrial, AModelOfAnotherSensorIsRefusedAtItsKey) {
   const Scene scene = parsed(shipped("piezo_skin/slide.yaml", {{"detector", network_of("gru21.onnx")}}));
   EXPECT_THAT(scene_refusal_of([&] { run_trial(scene, 0, Recording::full); }),
               AllOf(StartsWith("detector.model | "),
-                    HasSubstr("the network reads a 'papillarray' by its metadata, this sensor is a 'piezo_skin'")));
+                    HasSubstr("the network reads a 'papillarray' according to its metadata, but this sensor is a 'piezo_skin'")));
 }
 
 }  // namespace

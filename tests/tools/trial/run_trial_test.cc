@@ -73,7 +73,7 @@ TEST(RunTrial, WhatIsNotFiniteIsRefused) {
   for (const Recording recording : {Recording::full, Recording::outcome}) {
     const std::string said = refusal_of([&] { run_trial(scene, 0, recording); });
     EXPECT_THAT(said, HasSubstr(" is not finite at "));
-    EXPECT_THAT(said, HasSubstr(": the scene's values are beyond what the bench can compute"));
+    EXPECT_THAT(said, HasSubstr(": the simulation has overflowed with the values of the scene"));
   }
 }
 
@@ -238,7 +238,7 @@ std::string answer(const Arguments&... arguments) {
 }
 
 std::string refusal(const std::string& what, const std::string& when) {
-  return what + " is not finite at " + when + ": the scene's values are beyond what the bench can compute";
+  return what + " is not finite at " + when + ": the simulation has overflowed with the values of the scene";
 }
 
 // Two units over three samples, of which the second never touches; one body.

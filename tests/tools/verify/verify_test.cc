@@ -110,12 +110,12 @@ TEST(VerifyContact, AnElementPressesOnOneSurface) {
   EXPECT_THAT(contact_failures([](LabelRecord& labels) { EXPECT_NEAR(labels.force[3 * middle + 2], 7100.0 * 0.3e-3, 1e-6); }),
               IsEmpty());
   EXPECT_THAT(contact_failures([](LabelRecord& labels) { labels.force[3 * middle + 2] *= 2.0F; }),
-              ElementsAre(AllOf(HasSubstr("unit 4: presses with 4.26 N and is 0.3 mm deep"), HasSubstr("2.201 N at most"))));
+              ElementsAre(AllOf(HasSubstr("unit 4: presses with 4.26 N at a depth of 0.3 mm"), HasSubstr("2.201 N at most"))));
   EXPECT_THAT(contact_failures([](LabelRecord& labels) {
                 labels.force[3 * middle + 2] = 0.0F;
                 labels.unit_state[middle] = 0;
               }),
-              ElementsAre(HasSubstr("unit 4: has let go, and element 4 is still 0.3 mm deep in what it touched")));
+              ElementsAre(HasSubstr("unit 4: is detached, but element 4 is still 0.3 mm deep in the touched body")));
 }
 
 // Verifies a dataset of one trial of the scene.
@@ -152,10 +152,10 @@ TEST_F(VerifyTest, SlipWithoutTranslationHasNoDirection) {
     return failures([=](TrialRecord& record) { labels_of(record).slip_direction[sample] = static_cast<float>(direction); });
   };
   EXPECT_THAT(with_direction(sliding, nan).at(0),
-              HasSubstr("values: labels/pad/slip_direction 88: is nan, and the units that slip have a mean velocity of 0.008"));
+              HasSubstr("values: labels/pad/slip_direction 88: is nan, but the slipping units have a mean velocity of 0.008"));
   EXPECT_THAT(
       with_direction(pressed, 0.5).at(0),
-      HasSubstr("values: labels/pad/slip_direction 48: is 0.5 rad, and the units that slip have a mean velocity of 0 m/s"));
+      HasSubstr("values: labels/pad/slip_direction 48: is 0.5 rad, but the slipping units have a mean velocity of 0 m/s"));
 }
 
 // A unit's points touch a sphere in several directions, and their margins do not combine to a
@@ -184,17 +184,17 @@ TEST_F(VerifyTest, ConeIsHeldForEveryUnit) {
 
 TEST_F(VerifyTest, EventsAreHeldAgainstOnsetsAndStates) {
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).onset_time.assign(9, 1.2345); }).at(0),
-              HasSubstr("events: labels/pad/events/t: unit 0: onset_time_s is 1.2345 s, its first such event is at "));
+              HasSubstr("events: labels/pad/events/t: unit 0: onset_time_s is 1.2345 s, but its first such event is at "));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).unit_state[9 * sliding + 3] = 3; }),
               Contains(HasSubstr("events: labels/pad/unit_state 88: unit 3: is 3 at 0.88 s")));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).state[sliding] = 2; }).at(0),
-              HasSubstr("events: labels/pad/state 88: is 2, by unit_state 3"));
+              HasSubstr("events: labels/pad/state 88: is 2, but 3 by unit_state"));
   EXPECT_THAT(failures([](TrialRecord& record) {
                 std::swap(labels_of(record).event_time.front(), labels_of(record).event_time.back());
               }).at(0),
               HasSubstr("events: labels/pad/events/t "));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).event_unit[2] = 9; }).at(0),
-              HasSubstr("events: labels/pad/events/unit 2: 9 is no unit"));
+              HasSubstr("events: labels/pad/events/unit 2: 9 is not a unit"));
 }
 
 TEST_F(VerifyTest, ValuesAreFinite) {
@@ -247,7 +247,7 @@ TEST_F(VerifyTest, KilledRunHasItsTrialsVerified) {
   EXPECT_TRUE(verified.holds);
   const auto checks = verified.datasets.at(0).at("checks");
   EXPECT_EQ(checks.at(0).at("checked"), 2U);
-  EXPECT_THAT(checks.dump(), HasSubstr("missing trials: the run was killed before it wrote which failed"));
+  EXPECT_THAT(checks.dump(), HasSubstr("missing trials: the run was killed before it listed the failed trials"));
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ class Rerun(unittest.TestCase):
         for subject in ("a.h5", "scene.yaml"):
             done = self.run_program("view", subject, "--rerun")
             self.assertEqual(done.returncode, 2)
-            self.assertEqual(done.stderr, f"slipbench: view: --rerun needs rerun-sdk, which {sys.executable} has not; install it: "
+            self.assertEqual(done.stderr, f"slipbench: view: --rerun needs rerun-sdk, which {sys.executable} does not have; install it: "
                                           f"{sys.executable} -m pip install rerun-sdk\n")
             self.assertEqual(done.stdout, "")
         self.assertFalse((self.folder / "scene.h5").exists(), "simulated before it looked for rerun-sdk")

@@ -47,7 +47,8 @@ constexpr std::size_t most_import_warnings = 10;
 void say_failed(const std::string& dataset) {
   const DatasetReader reader = dataset_header_at(dataset);
   const std::string text = failures_text(reader.failed(), reader.trials().size() + reader.failed().size());
-  if (!text.empty()) say(stderr, fmt::format("slipbench: {}: {}; the dataset says why in its attribute failed\n", dataset, text));
+  if (!text.empty())
+    say(stderr, fmt::format("slipbench: {}: {}; the attribute `failed` of the dataset gives the reasons\n", dataset, text));
 }
 
 // "318 MB"
@@ -87,32 +88,35 @@ std::string place_of(const Json& failure) {
 std::string report_of(const Json& dataset, const Style& style) {
   const bool holds = dataset["holds"].get<bool>();
   std::string text =
-      fmt::format("{} {}: {} in {}{}\n", holds ? style.good("holds:") : style.error("does not hold:"), text_of(dataset["file"]),
+      fmt::format("{} {}: {} in {}{}\n", holds ? style.good("ok:") : style.error("failed:"), text_of(dataset["file"]),
                   counted(dataset["trials"].get<std::size_t>(), "trial"), counted(dataset["files"].size(), "file"),
-                  dataset["complete"].get<bool>() ? "" : ", of a run that did not come to its end");
+                  dataset["complete"].get<bool>() ? "" : ", of an unfinished run");
   for (const Json& check : dataset["checks"]) {
     const std::string name = check["check"].get<std::string>();
     const auto failed = check["failed"].get<std::size_t>();
-    text += fmt::format("  {:<8} {:>12} {}{}\n", name, check["checked"].get<std::size_t>(), check["of"].get<std::string>(),
+    const auto checked = check["checked"].get<std::size_t>();
+    std::string of = check["of"].get<std::string>();  // such as "samples of units"
+    if (checked == 1) of.erase(std::min(of.find(' '), of.size()) - 1, 1);
+    text += fmt::format("  {:<8} {:>12} {}{}\n", name, checked, of,
                         failed == 0 ? "" : ", " + style.error(fmt::format("{} failed", failed)));
     for (const Json& failure : dataset["failures"]) {
       if (failure["check"] == name) text += fmt::format("    {}{}\n", place_of(failure), text_of(failure["what"]));
     }
-    for (const Json& reason : check["left_out"]) text += fmt::format("    {} {}\n", style.dim("left out:"), text_of(reason));
+    for (const Json& reason : check["left_out"]) text += fmt::format("    {} {}\n", style.dim("skipped:"), text_of(reason));
   }
   return text;
 }
 
 std::string sweep_report(const Json& sweep, const Style& style) {
   std::string text =
-      fmt::format("{} the {} shards together", sweep["holds"].get<bool>() ? style.good("holds:") : style.error("does not hold:"),
+      fmt::format("{} {} shards of one sweep", sweep["holds"].get<bool>() ? style.good("ok:") : style.error("failed:"),
                   sweep["shards"].get<std::size_t>());
   if (!sweep["trials"].is_null()) text += fmt::format(": {} trials", sweep["trials"].get<std::size_t>());
   if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
     const auto duplicates = sweep["duplicates"].get<std::size_t>(), within = sweep["within_rounding"].get<std::size_t>();
-    text += fmt::format(", {} of them twice, which is harmless", duplicates);
-    if (within < duplicates) text += fmt::format("; {} compared bit by bit", duplicates - within);
-    if (within > 0) text += fmt::format("; {} compared within 1e-9, since libraries of others computed them", within);
+    text += fmt::format(", {} of them in several files", duplicates);
+    if (within < duplicates) text += fmt::format("; {} are bit-identical", duplicates - within);
+    if (within > 0) text += fmt::format("; {} agree within 1e-9 (computed by MuJoCo, FFTW or a network)", within);
   }
   text += "\n";
   for (const Json& failure : sweep["failures"]) text += fmt::format("  {}\n", text_of(failure));
@@ -123,16 +127,17 @@ std::string sweep_report(const Json& sweep, const Style& style) {
 
 void ReportCommand::declare(Arguments& arguments) {
   arguments.about("report", "Turn a dataset into an HTML page", R"(
-One self-contained HTML file that opens in any browser, without a network. The page of recordings without truth
-(slipbench import) shows their signals over time, a table of them with rates and gaps, and their recorded labels.
+Writes a self-contained HTML file that opens in any browser, without a network. The page of
+recordings without truth (slipbench import) shows their signals over time, a table with rates and
+gaps, and their recorded labels.
 
 Examples:
   slipbench report hexapod.h5
   slipbench report hexapod.h5 --trial 17 -o trial17.html)");
   arguments.input("FILE", dataset, "Dataset (HDF5)", ".h5").required();
   arguments.output("-o,--output FILE.html", output,
-                   "Page to write, - for standard output (default: the dataset's name with .html)");
-  arguments.number("--trial K", options.trial, "Trial to show in full (default: the first)", 0);
+                   "Page to write, or - for standard output (default: name of the dataset with .html)");
+  arguments.number("--trial K", options.trial, "Trial to show in detail (default: the first)", 0);
 }
 
 int ReportCommand::run() {
@@ -149,23 +154,28 @@ int ReportCommand::run() {
 void ExportCommand::declare(Arguments& arguments) {
   arguments.about("export", "Write a dataset in another format", R"(
 Formats of any sensor:
-  csv           one table a trial and sensor, with a header: time, every channel, the true state by each rule
-  npz           one numpy archive a trial, with every array of the dataset under its path there
+  csv           one table per trial and sensor, with a header: time, all channels, true state by each rule
+  npz           one NumPy archive per trial, with every array of the dataset under its path
   robomimic     one HDF5 file of demonstrations at one rate: observations, actions, rewards, masks
-  lerobot       a LeRobotDataset v3.0 a sensor rate: observations, actions, labels as features beside them
-  parquet       a table of columns a sensor, with all trials, for pandas, polars and DuckDB
-  mcap          one recording a trial, every sensor, label, pose and command at its own rate, for Foxglove and Lichtblick
-  rosbag2       one ROS 2 bag a trial, with the messages of the PapillArray's driver and the truth on topics of its own
+  lerobot       one LeRobotDataset v3.0 per sensor rate: observations, actions, and labels as features
+  parquet       one table of columns per sensor, with all trials, for pandas, polars and DuckDB
+  mcap          one recording per trial, with each sensor, label, pose and command at its own rate,
+                for Foxglove and Lichtblick
+  rosbag2       one ROS 2 bag per trial, with the messages of the PapillArray's driver, and the truth
+                on separate topics
 Formats of the PapillArray:
-  vendor-csv    the log layout of the sensor vendor's own software, one file a trial
-  training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
+  vendor-csv    the log format of the vendor's software, one file per trial
+  training-csv  73 columns, no header, 1000 Hz, one file per trial: time, then contact, slip,
+                displacement and force of each pillar
 Formats of the Myrmex:
-  myrmex-csv    counts alone, an image a line, one file a trial and sensor
-  myrmex-rotated npz with the images turned in steps of 30 degrees, as the published training augments them
+  myrmex-csv    only counts, one image per line, one file per trial and sensor
+  myrmex-rotated npz with the images rotated in steps of 30 degrees, as in the published training
 Format of grasps with three BioTac SP:
-  grasp-csv     one file, a row a grasp: object, whether it slipped, the 72 electrodes before the lift
+  grasp-csv     one file with one row per grasp: object, whether it slipped, and the 72 electrodes
+                before the lift
 Format of a BioTac SP that slides, turns or rests:
-  slip-csv      the layout of the public recordings, CLASS/OBJECT<trial>.csv: 24 electrodes, no time, 100 rows a second
+  slip-csv      the format of the public recordings, CLASS/OBJECT<trial>.csv: 24 electrodes without
+                time, 100 rows per second
 
 Examples:
   slipbench export hexapod.h5 --format npz --trial 3 -o arrays
@@ -177,31 +187,32 @@ Examples:
             [this](const std::string& name) { options.format = parse_export_format(name); })
       .offers(export_format_names)
       .required();
-  arguments.folder("-o,--output DIR", output, "Folder to write into; always needed").required();
+  arguments.folder("-o,--output DIR", output, "Folder to write into (required)").required();
   arguments.read(
       "--labels,--slip RULE",
       fmt::format(
-          "When a unit counts as slipping: {}, or recorded: the labels of recordings (default: every rule's state; of a PapillArray's formats strict)",
+          "Rule by which a unit slips: {}, or recorded (labels of recordings) (default: all rules; formats of the PapillArray: strict)",
           fmt::join(slip_rule_names(), ", ")),
       [this](const std::string& name) {
         options.recorded = name == "recorded";
         if (!options.recorded) options.slip_rule = parse_slip_rule(name);
       });
   arguments.quantity("--label-speed SPEED", options.label_speed,
-                     "Tip speed above which paper and has_slipped say slip (default: 0.1 mm/s)", Quantity::speed);
-  arguments.texts("--sensors,--sensor NAME,...", options.sensors, "The scene's names of sensors (default: all, or the only one)");
+                     "Tip speed above which a pillar slips by paper and has_slipped (default: 0.1 mm/s)", Quantity::speed);
+  arguments.texts("--sensors,--sensor NAME,...", options.sensors,
+                  "Names of sensors in the scene (default: all; formats for one sensor: the only one)");
   arguments.quantity(
       "--rate RATE", options.rate,
-      "Rate of the rows, e.g. '100 Hz': the latest values, held (default: each sensor's own; of robomimic the slowest's)",
+      "Rate of the rows, e.g. '100 Hz', with the latest values held (default: rate of each sensor; robomimic: the slowest)",
       Quantity::frequency);
-  arguments.text("--split PART", options.split, "Only the trials of train, valid or test (default: all)");
+  arguments.text("--split PART", options.split, "Export only the trials of train, valid or test (default: all)");
   arguments.number("--trial K", options.trial, "Trial to export (default: all)", 0);
   arguments.text("--licence NAME", options.licence,
-                 "Licence of the data, for the dataset card, e.g. cc-by-4.0 (default: none stated)");
-  arguments.flag("--points", options.points, "Add x, y, z, fx, fy, fz of each unit to lerobot, as observation.tactile.SENSOR");
-  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
-  arguments.flag("-v,--verbose", verbose, "Name every file that is written");
-  arguments.flag("--compress", options.compress, "Write .csv.gz instead of .csv, and the arrays of robomimic compressed");
+                 "Licence of the data for the dataset card, e.g. cc-by-4.0 (default: not stated)");
+  arguments.flag("--points", options.points, "lerobot: add x, y, z, fx, fy, fz of each unit as observation.tactile.SENSOR");
+  arguments.flag("-q,--quiet", quiet, "Print no progress and no summary");
+  arguments.flag("-v,--verbose", verbose, "Print the name of every file that is written");
+  arguments.flag("--compress", options.compress, "Write .csv.gz instead of .csv; robomimic: compress the arrays");
 }
 
 int ExportCommand::run() {
@@ -211,7 +222,7 @@ int ExportCommand::run() {
     start_python_export(dataset, output, options, {.json = json, .quiet = quiet, .verbose = verbose});
   }
   const std::string no_card = check_card(output, options);
-  if (!no_card.empty()) say(stderr, fmt::format("slipbench: note: README.md and croissant.json are not written: {}\n", no_card));
+  if (!no_card.empty()) say(stderr, fmt::format("slipbench: note: README.md and croissant.json were not written: {}\n", no_card));
   const std::vector<std::string> files = export_dataset(dataset, output, options, progress_of(silent()));
   say_failed(dataset);
   if (no_card.empty()) {
@@ -232,12 +243,13 @@ int ExportCommand::run() {
 void ImportCommand::declare(Arguments& arguments) {
   arguments.about("import", "Read recordings of real sensors into a dataset",
                   fmt::format(R"(
-A dataset of recordings has the readings and no truth. What the recordings say of slip are their recorded labels,
-by which `slipbench eval` judges (--labels recorded).
+A dataset of recordings has readings but no truth. If the recordings state when slip occurs, these
+states become recorded labels, which `slipbench eval` uses (--labels recorded).
 
---map describes the recordings of any sensor: which columns, arrays or fields of messages are which channel, times, labels, objects.
-It reads tables (.csv, .tsv, .txt, .dat), Parquet, .npz, .npy, MCAP and bags of ROS 1 and ROS 2. Besides a file of your own, MAP can be one
-of the maps of the program: {}.
+--map MAP describes recordings of any sensor: which columns, arrays or message fields are channels,
+times, labels and objects. It reads tables (.csv, .tsv, .txt, .dat), Parquet, .npz, .npy, MCAP and
+bags of ROS 1 and ROS 2. MAP is a YAML file or one of the included maps:
+{}.
 
 Formats without a map:
 {}
@@ -246,24 +258,24 @@ Examples:
   slipbench import training --format training-csv -o published.h5 --seed 3
   slipbench import mine --map columns.yaml -o mine.h5)",
                               "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
-  arguments.inputs("SOURCE ...", options.sources, "Files, and folders whose recordings are all meant").required();
+  arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments
-      .read("--format NAME",
-            fmt::format("{}, see below (default: what --map describes)", fmt::join(import_format_names(), " or ")),
+      .read("--format NAME", fmt::format("{}, see below (default: as --map describes)", fmt::join(import_format_names(), " or ")),
             [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); })
       .offers(import_format_names);
-  arguments.input("--map MAP", options.map, "Description of the recordings (YAML file), or the name of one of the program's");
+  arguments.input("--map MAP", options.map, "Description of the recordings: a YAML file, or the name of an included map");
   arguments.quantity("--rate RATE", options.rate,
-                     "Resample at this rate, e.g. '100 Hz': straight lines between samples, no filter (default: as recorded)",
+                     "Resample at this rate, e.g. '100 Hz', by linear interpolation without a filter (default: as recorded)",
                      Quantity::frequency);
-  arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: none, the sources are only checked)");
-  arguments.flag("-v,--verbose", options.verbose, "Print every warning, not the first ten (formats without --map)");
-  arguments.number("--seed N", options.seed, "Of the split into training, validation and test (default: 1)", 0);
+  arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: only check the sources)");
+  arguments.flag("-v,--verbose", options.verbose, "Print all warnings, not only the first ten (formats without --map)");
+  arguments.number("--seed N", options.seed, "Seed of the split into train, valid and test (default: 1)", 0);
   arguments.then([this] {
     if (options.format == nullptr && options.map.empty())
-      reject("import: needs --map MAP, which describes the recordings, or --format {}", fmt::join(import_format_names(), ", "));
+      reject("import: --map MAP, which describes the recordings, or --format {} is required",
+             fmt::join(import_format_names(), ", "));
     if (options.format != nullptr && !options.map.empty())
-      reject("import: --map {}: the format {} has no map; name either --map or --format", options.map,
+      reject("import: --map {}: the format {} has no map; give either --map or --format", options.map,
              format_name(*options.format));
   });
 }
@@ -313,29 +325,31 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
   fmt::print("{} of {}, {}{}\n", counted(summary.trials, "recording"), counted(summary.sources, "file"),
              counted(summary.samples, "sample"), summary.objects.empty() ? "" : ", " + counted(summary.objects.size(), "object"));
   if (summary.repeated_rows > 0)
-    fmt::print("{} left out: the row before has the same words\n", counted(summary.repeated_rows, "row"));
+    fmt::print("{} skipped, because the previous row is identical\n", counted(summary.repeated_rows, "row"));
   if (options.rate) {
-    fmt::print("resampled at {} by straight lines between samples\n", format_quantity(*options.rate, Quantity::frequency));
+    fmt::print("resampled at {} by linear interpolation\n", format_quantity(*options.rate, Quantity::frequency));
   }
   print_written(summary.files);
   if (summary.files.empty()) {
-    say(stderr, "slipbench: nothing is written\n");
+    say(stderr, "slipbench: nothing was written\n");
   } else {
     print_next("slipbench verify " + shell_word(summary.files.front()));
   }
 }
 
 void VerifyCommand::declare(Arguments& arguments) {
-  arguments.about("verify", "Hold datasets against themselves", R"(
-Checks digests, order and masks of trials, times, that values are finite, events against onset times and states, and Coulomb's law in the
-labels. Shards of a sweep (sweep --shard k/n) are held against each other too: one sweep, no gaps, no trial twice with different digests. Says what was checked, what was left out and why, and what does not hold, with trial, array and sample.
-Exit status 1: something does not hold; 2: a file cannot be read.
+  arguments.about("verify", "Check datasets for errors", R"(
+Checks digests, order and masks of trials, times, that values are finite, events against onset times
+and states, and Coulomb's law in the labels. Shards of a sweep (sweep --shard k/n) are also compared
+with each other: they must belong to one sweep, without gaps, and repeated trials must have equal
+digests. Prints what was checked, what was skipped and why, and each error with trial, array and
+sample. Exit status 1: an error was found; 2: a file cannot be read.
 
 Examples:
   slipbench verify hexapod.h5
   slipbench verify shard-1.h5 shard-2.h5
   slipbench verify hexapod.h5 --json)");
-  arguments.inputs("FILE ...", datasets, "Datasets (HDF5), by their first files", ".h5").required();
+  arguments.inputs("FILE ...", datasets, "Datasets (HDF5); for split datasets the first file", ".h5").required();
 }
 
 int VerifyCommand::run() {
@@ -351,7 +365,7 @@ int VerifyCommand::run() {
       say(stderr,
           fmt::format("{} {}\n", style_for(stderr).error("slipbench:"), printable(dataset["error"].get<std::string>(), true)));
     } else if (!json) {
-      fmt::print("{}", dataset.contains("part_of") ? fmt::format("verified with its first file: {}\n", text_of(dataset["file"]))
+      fmt::print("{}", dataset.contains("part_of") ? fmt::format("verified with the first file: {}\n", text_of(dataset["file"]))
                                                    : report_of(dataset, style));
     }
   }
@@ -361,7 +375,7 @@ int VerifyCommand::run() {
 }
 
 void ListCommand::declare(Arguments& arguments) {
-  arguments.about("list", "List what a scene may name, and recipes", R"(
+  arguments.about("list", "List the names for scenes, and recipes", R"(
 Examples:
   slipbench list
   slipbench list effects
@@ -396,16 +410,14 @@ int ListCommand::run() {
 }
 
 void DescribeCommand::declare(Arguments& arguments) {
-  arguments.about("describe", "Explain one name: parameters, units, defaults, law, source", R"(
-Generated from the declarations that the scene parser reads.
-
+  arguments.about("describe", "Explain a name: parameters, units, defaults, law, source", R"(
 Examples:
   slipbench describe papillarray
   slipbench describe stage
   slipbench describe split
   slipbench describe acrylic --json
   slipbench describe piezo_fft_gru)");
-  arguments.text("NAME", name, "A name that `slipbench list` shows, or a key of a scene").required().offers([] {
+  arguments.text("NAME", name, "Name shown by `slipbench list`, or a key of a scene").required().offers([] {
     std::vector<std::string> names = train::recipe_names();
     for (const std::string& key : scene_key_names()) names.push_back(key);
     for (const CatalogueItem& item : catalogue_items(program_catalogues())) names.push_back(item.entry.name);
@@ -445,7 +457,8 @@ int DescribeCommand::run() {
 
 void SchemaCommand::declare(Arguments& arguments) {
   arguments.about("schema", "Print the JSON Schema of scenes or of import maps", R"(
-Editors check and complete files by it. A file names its schema in its first line, with the path from its own folder:
+Editors use the schema to check and complete files. A scene names its schema in its first line, by
+the path relative to its folder:
 # yaml-language-server: $schema=scene.schema.json
 The output is JSON with and without --json.
 
@@ -469,7 +482,8 @@ int SchemaCommand::run() {
 
 void DoctorCommand::declare(Arguments& arguments) {
   arguments.about("doctor", "Check the installation", R"(
-Exit status 0 when everything required is there, 1 otherwise, with the command that installs it.)");
+Prints what is installed, and the commands that install what is missing. Exit status 0 if everything
+required is installed, otherwise 1.)");
 }
 
 int DoctorCommand::run() {
@@ -478,10 +492,10 @@ int DoctorCommand::run() {
 }
 
 void PluginPathCommand::declare(Arguments& arguments) {
-  arguments.about("plugin-path", "Print where the MuJoCo plugin is", R"(
-For `mj_loadPluginLibrary`: the library looks which MuJoCo loads it, and takes the build for that version. With --mujoco: the build for one version.
-scenes/mujoco/README.md shows what the plugin is for.)");
-  arguments.text("--mujoco VERSION", mujoco, "The build for this version of MuJoCo, such as 3.3.7");
+  arguments.about("plugin-path", "Print the path of the MuJoCo plugin", R"(
+The path is for `mj_loadPluginLibrary`. The library at this path loads the build for the running
+version of MuJoCo; --mujoco prints the path of one build. scenes/mujoco/README.md explains the plugin.)");
+  arguments.text("--mujoco VERSION", mujoco, "Version of MuJoCo, such as 3.3.7");
 }
 
 int PluginPathCommand::run() {
@@ -490,12 +504,12 @@ int PluginPathCommand::run() {
   const fs::path front = own_path(SLIPBENCH_PLUGIN);
   if (!fs::exists(front, error)) {
     reject(
-        "there is no MuJoCo plugin {}: `./slipbench plugin-path` builds it where there is MuJoCo; `slipbench doctor` says how to get that",
+        "the MuJoCo plugin {} does not exist; `./slipbench plugin-path` builds it if MuJoCo is installed (see `slipbench doctor`)",
         front.string());
   }
   const std::string build = mujoco.empty() ? front.filename().string() : plugin_build(mujoco);
   if (build.empty()) {
-    reject("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco, plugin_versions_text);
+    reject("--mujoco {}: the plugin has no build for MuJoCo {}; allowed: {}", mujoco, mujoco, plugin_versions_text);
   }
   const fs::path path = fs::canonical(front.parent_path() / build);
   if (json) return print_json({{"plugin", path.string()}});

@@ -22,7 +22,7 @@ int TableTextCommand::run() {
 
 void HelpCommand::declare(Arguments& arguments) {
   arguments.about("help", "Explain a command", R"(
-The same text as that of --help.
+Prints the same text as --help.
 
 Examples:
   slipbench help
@@ -36,14 +36,15 @@ Examples:
 
 void CompletionCommand::declare(Arguments& arguments) {
   arguments.about("completion", "Print a completion script for a shell", R"(
-Completes commands, options, their values and names of files.
+The script completes commands, options, values and file names.
 
 Examples:
   slipbench completion bash > slipbench.bash
   slipbench completion zsh > _slipbench
   slipbench completion fish > slipbench.fish
 
-bash: . slipbench.bash, in ~/.bashrc. zsh: put _slipbench into a folder of $fpath. fish: into ~/.config/fish/completions.)");
+bash: add `. slipbench.bash` to ~/.bashrc. zsh: move _slipbench to a folder of $fpath.
+fish: move slipbench.fish to ~/.config/fish/completions.)");
   const auto shells = [] { return std::vector<std::string>{completion_shells.begin(), completion_shells.end()}; };
   arguments.text("SHELL", shell, fmt::format("{}", fmt::join(completion_shells, ", "))).required().offers(shells);
   arguments.then([this, &arguments] {
@@ -55,12 +56,12 @@ bash: . slipbench.bash, in ~/.bashrc. zsh: put _slipbench into a folder of $fpat
 
 void ManCommand::declare(Arguments& arguments) {
   arguments.about("man", "Print the manual page", R"(
-In the language of man(7): every command with its options and examples.
+The page has all commands with their options and examples, in the format of man(7).
 
 Examples:
   slipbench man > slipbench.1
 
-man -l slipbench.1 shows it.)");
+Show it with: man -l slipbench.1)");
   arguments.then([this, &arguments] { text_ = manual_page(arguments.table(), build_info().version); });
 }
 

@@ -17,31 +17,32 @@ constexpr page::PageKind page_kind{
 
 void ReproduceCommand::declare(Arguments& arguments) {
   arguments.about("reproduce", "Reproduce a table of a paper", R"(
-Without a name: what can be reproduced. With -o the table goes to FILE.html and all figures to FILE.json beside it. Studies that train networks
-keep those that are done in FILE.networks until the page is written: where such a run was killed or interrupted, the same command with
---resume goes on with them.
+Without a name, lists the tables that can be reproduced. With -o, the table is written to FILE.html
+and all figures to FILE.json. Studies that train networks keep finished networks in FILE.networks
+until the page is written; after a killed or interrupted run, the same command with --resume
+continues with them.
 
 Examples:
   slipbench reproduce
   slipbench reproduce hd-papillarray/table1 --data hexapod.h5 -o table1.html
   slipbench reproduce hd-papillarray/table2 --trials 2 --only as_recorded,light,rubber,gst_hd,hold_preset)");
-  arguments.text("PAPER/TABLE", name, "What to reproduce (default: list what there is)");
-  arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json beside it");
-  arguments.number("--trials N", trials, "Trials of each row, or recordings (default: of a size that takes minutes)", 1);
+  arguments.text("PAPER/TABLE", name, "Table to reproduce (default: list all)");
+  arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json");
+  arguments.number("--trials N", trials, "Trials of each row, or recordings (default: a number that takes minutes)", 1);
   arguments.texts(
       "--only NAME,...", only,
-      "table2: protocols, boxes, surfaces and loops to keep; grasp_loop: loops; scaling: sensors; realism: studies; table1, table3, "
-      "table4: networks");
+      "Run only these: protocols, boxes, surfaces, loops (table2), loops (grasp_loop), sensors (scaling), studies (realism), networks (table1, table3, table4)");
   arguments.text("--memories DIR", memories, "table2: folder of the published classifier");
-  arguments.flag("--full", full, "The paper's size: hours");
-  arguments.input("--data FILE.h5", data, "Use this dataset instead of a fresh one", ".h5");
-  arguments.input("--real FILE.h5", real,
-                  "biotac-stability-slip: recordings that `slipbench import` has read; table3: of biotacsp-dos, else of bts3v2");
+  arguments.flag("--full", full, "Run at the size of the paper, which takes hours");
+  arguments.input("--data FILE.h5", data, "Use this dataset instead of simulating a new one", ".h5");
+  arguments.input(
+      "--real FILE.h5", real,
+      "biotac-stability-slip: imported recordings (slipbench import), for table3 of the format biotacsp-dos, otherwise bts3v2");
   arguments.number("--seed N", seed, "Seed of dataset, item memories and draws (default: 1)", 0);
   arguments.jobs(jobs);
-  arguments.flag("--resume", resume, "Go on with the networks that a killed or interrupted run of the same command has left");
-  arguments.flag("--synthesise", synthesise, "Run the synthesis instead of reading its stored figures");
-  arguments.flag("-q,--quiet", quiet, "No progress");
+  arguments.flag("--resume", resume, "Continue with the networks of a killed or interrupted run of the same command");
+  arguments.flag("--synthesise", synthesise, "Run the synthesis instead of reading stored figures");
+  arguments.flag("-q,--quiet", quiet, "Print no progress");
 }
 
 int ReproduceCommand::run() {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tools/files/counted.h"
 #include "tools/cli/format/sweep_text.h"
 
 namespace slipbench {
@@ -16,9 +17,9 @@ std::string kept_text(std::size_t count, std::size_t of) { return fmt::format("{
 
 std::string check_text(const SceneCheck& check, const Style& style) {
   std::string text = style.heading(check.scene_path);
-  if (check.verdict == Verdict::not_checked) return text + "  " + style.dim("not checked: the scene expects nothing") + '\n';
-  text += fmt::format("  {} trials, seed {}\n", check.expectations.front().trials, check.seed);
-  Table table({"expectation", "limit", "median", "worst", "trial", "kept", "needed",
+  if (check.verdict == Verdict::not_checked) return text + "  " + style.dim("not checked: the scene has no expectations") + '\n';
+  text += fmt::format("  {}, seed {}\n", counted(check.expectations.front().trials, "trial"), check.seed);
+  Table table({"expectation", "limit", "median", "worst", "trial", "met by", "needed",
                fmt::format("{:g} % interval", 100.0 * check.confidence), "control", ""});
   for (const ExpectationResult& result : check.expectations) {
     table.add({result.name, result.limit, result.median_text, result.worst_text, std::to_string(result.worst.trial),
@@ -34,7 +35,7 @@ std::string check_text(const SceneCheck& check, const Style& style) {
   }
   for (const std::string& failure : check.failures) text += "  " + failure + '\n';
   if (check.verdict == Verdict::tests_nothing) text += fmt::format("  {} {}\n", style.error("FAIL"), tests_nothing_text(check));
-  if (!check.files.empty()) text += fmt::format("  left behind, trial {}: {}\n", *check.replayed, fmt::join(check.files, ", "));
+  if (!check.files.empty()) text += fmt::format("  files of trial {}: {}\n", *check.replayed, fmt::join(check.files, ", "));
   return text;
 }
 

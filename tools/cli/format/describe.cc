@@ -149,11 +149,11 @@ struct Figure {
 };
 constexpr std::array figures{Figure{"recall of slip", recall_of_slip, &Evaluation::all},
                              Figure{"balanced accuracy", balanced_accuracy, &Evaluation::all},
-                             Figure{"balanced accuracy of a constant answer", constant_balanced_accuracy, &Evaluation::all},
+                             Figure{"balanced accuracy of a constant detector", constant_balanced_accuracy, &Evaluation::all},
                              Figure{"moving frames: recall of slip", recall_of_slip, &Evaluation::moving},
                              Figure{"moving frames: balanced accuracy", balanced_accuracy, &Evaluation::moving},
                              Figure{"accuracy", accuracy, &Evaluation::all},
-                             Figure{"accuracy of the best constant answer", constant_accuracy, &Evaluation::all}};
+                             Figure{"accuracy of the best constant detector", constant_accuracy, &Evaluation::all}};
 
 }  // namespace
 
@@ -162,12 +162,12 @@ std::string allowed_text(const ParameterSpec& spec) {
   if (spec.type == ParameterType::flag) return "true, false";
   if (spec.type == ParameterType::path) {
     const char* const separator = spec.choices.empty() ? "" : ", ";
-    return fmt::format("{}{}{}, or a path from the scene's own folder", spec.default_text, separator,
+    return fmt::format("{}{}{}, or a path relative to the scene's folder", spec.default_text, separator,
                        fmt::join(spec.choices, ", "));
   }
   if (spec.type == ParameterType::map) {
     return spec.choices.empty() ? "numbers, texts and booleans by name, as the library declares them"
-                                : fmt::format("names of your own, each with one of {}", fmt::join(spec.choices, ", "));
+                                : fmt::format("names of your choice, each with one of {}", fmt::join(spec.choices, ", "));
   }
   if (spec.type == ParameterType::table) {
     std::string columns;
@@ -369,7 +369,7 @@ std::string draws_text(const HdSummary& summary, const Style& style) {
 }
 
 std::string confusion_text(const Confusion& confusion, const Style& style) {
-  Table table({"true class", "called non-slip", "called incipient", "called gross", "recall in %"});
+  Table table({"true class", "detected non-slip", "detected incipient", "detected gross", "recall in %"});
   for (const auto& [name, truth] : classes) {
     std::vector<std::string> row{name};
     for (const auto& [other, called] : classes) {
@@ -383,8 +383,8 @@ std::string confusion_text(const Confusion& confusion, const Style& style) {
 
 std::string delays_text(const Delays& delays) {
   return fmt::format(
-      "  delay from the true onset: median {} ms, quartiles {} and {} ms, of the {} sequences seen\n"
-      "  of {} that slip: seen {}, early {} (called slip before the onset), missed {}; of {} that do not: false alarms {}\n",
+      "  delay after the true onset: median {} ms, quartiles {} and {} ms, over {} sequences\n"
+      "  slipping sequences: {}, detected {}, early {} (slip reported before the onset), missed {}; sequences without slip: {}, false alarms {}\n",
       milliseconds(median(delays.delay)), milliseconds(quantile(delays.delay, 0.25)), milliseconds(quantile(delays.delay, 0.75)),
       delays.delay.size(), delays.slipping, delays.delay.size(), delays.early, delays.missed, delays.sequences - delays.slipping,
       delays.false_alarms);

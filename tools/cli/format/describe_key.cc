@@ -73,7 +73,7 @@ std::string draws_text(const Style& style, std::size_t width) {
   std::string text = fmt::format("\n{}\n", style.bold("Draws: {draw: NAME, ...}"));
   for (const DrawKind& kind : draw_kinds()) {
     text += wrap_text(fmt::format("{}: {}{}{}", kind.name, fmt::join(kind.required, ", "),
-                                  kind.optional.empty() ? "" : "; may have ", fmt::join(kind.optional, ", ")),
+                                  kind.optional.empty() ? "" : "; optional: ", fmt::join(kind.optional, ", ")),
                       width, 2);
   }
   return text;

@@ -12,6 +12,7 @@
 #include "tools/cost/reading.h"
 #include "tools/eval/eval_page.h"
 #include "tools/eval/evaluate.h"
+#include "tools/files/counted.h"
 
 namespace slipbench {
 namespace {
@@ -19,17 +20,17 @@ namespace {
 std::string loop_text(const Json& loop) {
   const std::string detector = printable(loop.at("detector").get<std::string>());
   if (!loop.at("same").get<bool>()) {
-    return fmt::format("  the dataset's own loop had the detector {} and saw other classes: its trials say nothing of this one\n",
-                       detector);
+    return fmt::format("  the dataset was recorded with the detector {} in the loop, which detected other classes\n", detector);
   }
-  std::string text = fmt::format("  the dataset's own loop had this detector ({}): the same classes in every sample\n", detector);
+  std::string text =
+      fmt::format("  the dataset was recorded with this detector in the loop ({}): the same class in every sample\n", detector);
   if (!loop.contains("dropped")) return text;
   const auto median = [&loop](const char* key, double scale, const char* unit) {
     return loop.at(key).is_null() ? std::string("-") : fmt::format("{:.3g}{}", scale * loop.at(key).get<double>(), unit);
   };
   return text +
          fmt::format(
-             "  in the loop: dropped {} of {}, not lifted {}; medians: slip {}, turn {}, greatest force over the least {}, reaction {}\n",
+             "  in the loop: {} of {} dropped, {} not lifted; medians: slip {}, rotation {}, maximum/ideal force {}, reaction {}\n",
              loop.at("dropped").get<std::size_t>(), loop.at("trials").get<std::size_t>(),
              loop.at("not_lifted").get<std::size_t>(), median("slip_translation_m", 1e3, " mm"),
              median("slip_rotation_rad", 57.29577951308232, " deg"), median("force_ratio", 1.0, ""),
@@ -80,7 +81,7 @@ void add_row(const Exploration& exploration, const Row& row, const std::vector<M
 
 std::string settings_text(const Exploration& exploration, const Style& style) {
   const std::vector<Measure> measures = measures_of(exploration);
-  std::vector<std::string> head{"setting", "x real time", "CPU ms", "+-"};
+  std::vector<std::string> head{"setting", "times real time", "CPU ms", "+-"};
   for (const Measure measure : measures) head.push_back(head_of(measure));
   Table table(head);
   for (const cost::Series& series : cost::all_series()) {
@@ -148,27 +149,27 @@ std::string eval_text(const Json& result, const Style& style) {
   const Json& sensor = result.at("sensor");
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
   std::string text = style.heading(
-      fmt::format("{} on {} ({}), labels {}: {} trials, {} samples", printable(eval::detector_name(result.at("detector"))),
+      fmt::format("{} on {} ({}), labels {}: {}, {}", printable(eval::detector_name(result.at("detector"))),
                   printable(sensor.at("name").get<std::string>()), printable(sensor.at("type").get<std::string>()),
-                  result.at("labels").get<std::string>(), count("trials"), count("frames")));
+                  result.at("labels").get<std::string>(), counted(count("trials"), "trial"), counted(count("frames"), "sample")));
   text += "\n";
   if (const std::string note = eval::truth_note(result); !note.empty()) text += fmt::format("  {}\n", printable(note));
   if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {
-    text += fmt::format("  {} trials on which it was trained are left out; --all judges them too\n", left_out);
+    text += fmt::format("  {} of the detector's training left out; --all includes them\n", counted(left_out, "trial"));
   }
   for (const Json& warning : result.at("warnings")) text += fmt::format("  warning: {}\n", printable(warning.get<std::string>()));
   if (const std::size_t failed = result.at("failed").get<std::size_t>(); failed > 0)
-    text += fmt::format("  {} trials of the dataset failed and are not judged\n", failed);
+    text += fmt::format("  {} failed and not evaluated\n", counted(failed, "trial"));
   const eval::Tables tables = eval::tables_of(result);
   text += Table(tables.figures).text(style);
-  text += fmt::format("  of {} trials that slip: seen {}, early {}, missed {}; of {} that do not: false alarms {}\n",
+  text += fmt::format("  slipping trials: {}, detected {}, early {}, missed {}; trials without slip: {}, false alarms {}\n",
                       count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
                       count("false_alarms"));
   if (result.contains("loop")) text += loop_text(result.at("loop"));
   text += "\n" + Table(tables.called).text(style);
   for (const page::TextTable& by : tables.by) text += "\n" + Table(by).text(style);
   if (!result.at("worst").empty()) {
-    text += "\n" + style.heading("look first at") + "\n";
+    text += "\n" + style.heading("worst trials") + "\n";
     for (const Json& worst : result.at("worst")) {
       text += fmt::format("  trial {}: {}\n", worst.at("trial").get<std::size_t>(), worst.at("why").get<std::string>());
     }
@@ -182,10 +183,10 @@ std::string cost_text(const Exploration& exploration, const Style& style, std::s
   for (const std::string& sentence : cost::sentences(exploration)) text += wrap_text(sentence, width, 2);
   text += fmt::format("\n{}", settings_text(exploration, style));
   if (const std::string failures = failures_text(exploration, width); !failures.empty()) {
-    text += fmt::format("\n{}\n{}", style.heading("did not run"), failures);
+    text += fmt::format("\n{}\n{}", style.heading("settings without a result"), failures);
   }
   if (!exploration.prices.empty()) {
-    text += fmt::format("\n{}\n{}", style.heading("what each effect and part of the electronics costs and changes"),
+    text += fmt::format("\n{}\n{}", style.heading("cost and influence of each effect and part of the electronics"),
                         prices_text(exploration, style));
   }
   return text;

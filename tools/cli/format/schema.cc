@@ -135,7 +135,7 @@ class SceneSchema {
     }
     Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                 {"title", "slipbench scene"},
-                {"description", "Made by `slipbench schema`: a scene as written, before its sweep."}};
+                {"description", "Schema of a scene file, written by `slipbench schema`."}};
     schema.update(closed_object(std::move(properties)));
     schema["required"] = {"slipbench"};
     schema["allOf"] = root_rules();
@@ -289,7 +289,7 @@ class SceneSchema {
 
   Json sensors() {
     Json keys{{"electronics", true},
-              {"follows", described(reference("text"), "The sensor whose pad this one reads, too.")},
+              {"follows", described(reference("text"), "Sensor whose pad this sensor reads too.")},
               {"ahead", parameter(ahead_spec)},
               {"damping", parameter(damping_spec)},
               {"site", described(reference("text"), "Site of the model that carries the pad.")},
@@ -304,7 +304,7 @@ class SceneSchema {
         electronics = {{"anyOf", {std::move(electronics), list(found->second, "electronics")}}};
       defs_["sensor_" + entry.name]["properties"]["electronics"] =
           described(std::move(electronics),
-                    "Errors of the electronics: ideal has none, typical all parts at their defaults, or a list of parts.");
+                    "Errors of the electronics: ideal (none), typical (all parts with their defaults), or a list of parts.");
     }
     return {{"type", "object"},
             {"minProperties", 1},
@@ -408,9 +408,9 @@ class SceneSchema {
     values["controller"] = loop_part("controller", catalogues_.controllers, Json::object());
     values["controls"] = controls();
     values["description"] = reference("text");
-    values["detector"] = loop_part(
-        "detector", catalogues_.detectors,
-        {{"sensor", described(reference("text"), "Name of the sensor that it reads, needed where there are several.")}});
+    values["detector"] =
+        loop_part("detector", catalogues_.detectors,
+                  {{"sensor", described(reference("text"), "Name of the sensor that it reads; required if there are several.")}});
     values["duration"] = plain(duration_spec);
     values["effects"] = list(catalogues_.effects, "effect");
     values["expect"] = expect();

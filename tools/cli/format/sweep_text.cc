@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -17,6 +16,9 @@
 
 #include "sim/api/detector.h"
 #include "sim/api/sensor.h"
+#include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
+#include "tools/files/counted.h"
 #include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/confusion.h"
 
@@ -25,7 +27,7 @@ namespace {
 
 constexpr std::size_t units_in_full = 40;             // a sensor with more shows only touching units
 constexpr double degrees = 180.0 / std::numbers::pi;  // per radian
-constexpr std::array<const char*, 4> state_names{"none", "non-slip", "incipient", "gross"};
+constexpr std::array<const char*, 4> state_names{"no contact", "non-slip", "incipient", "gross"};
 
 // "P0" if the sensor names its units like this ("P0_FX"), else the unit's number.
 std::string unit_name(const Sensor& sensor, std::size_t unit) {
@@ -54,8 +56,7 @@ std::string margin_text(float margin) {
 }
 
 std::string class_text(const StateCounts& strict, const StateCounts& micro) {
-  return fmt::format("  time in each class  strict: {}\n                      micro: {}\n", shares_text(strict),
-                     shares_text(micro));
+  return fmt::format("  share of time  strict: {}\n                 micro: {}\n", shares_text(strict), shares_text(micro));
 }
 
 std::string sensor_text(const SensorSummary& sensor, const SensorAbout& about, const Style& style) {
@@ -73,20 +74,10 @@ std::string sensor_text(const SensorSummary& sensor, const SensorAbout& about, c
                fmt::format("{:.2f} N", unit.load), margin_text(unit.margin)});
   }
   const std::string title =
-      fmt::format("{}  {}, {} units at {:g} Hz\n", style.heading(sensor.name), about.type, units, about.rate);
+      fmt::format("{}  {}, {} at {:g} Hz\n", style.heading(sensor.name), about.type, counted(units, "unit"), about.rate);
   const std::string others =
-      left_out == 0 ? "" : fmt::format("  {} of the {} units never touch and are not shown\n", left_out, units);
+      left_out == 0 ? "" : fmt::format("  {} of the {} units never touch and are not listed\n", left_out, units);
   return title + (left_out == units ? "" : table.text(style)) + others + class_text(sensor.state_count, sensor.state_micro_count);
-}
-
-// A value for display: four digits in the most readable unit.
-std::string short_quantity(double value, Quantity quantity) {
-  const std::string exact = format_quantity(value, quantity);
-  const std::size_t space = exact.find(' ');
-  const std::string unit = space == std::string::npos ? "" : exact.substr(space);
-  double number = 0.0;
-  std::from_chars(exact.data(), exact.data() + exact.size(), number);
-  return fmt::format("{:.4g}{}", number, unit);
 }
 
 // The motion's numbers that are neither zero nor infinite: ", speed 4 mm/s, direction 30 deg".
@@ -97,7 +88,7 @@ std::string motion_values(const Scene& scene, const Catalogues& catalogues) {
   for (const ParameterSpec& spec : entry->parameters) {
     if (spec.type != ParameterType::number) continue;
     const double value = scene.motion.parameters.number(spec.name);
-    if (value != 0.0 && std::isfinite(value)) text += fmt::format(", {} {}", spec.name, short_quantity(value, spec.quantity));
+    if (value != 0.0 && std::isfinite(value)) text += fmt::format(", {} {}", spec.name, readable_quantity(value, spec.quantity));
   }
   return text;
 }
@@ -106,7 +97,7 @@ std::string motion_values(const Scene& scene, const Catalogues& catalogues) {
 std::string gross_text(const TrialOutcome& outcome, const Style& style) {
   if (std::isnan(outcome.first_micro_slip_time)) return "  nothing slips\n";
   if (std::isnan(outcome.gross_slip_time)) {
-    return fmt::format("  {} at {}, never all of the pad\n", style.bold("first slip"), onset_text(outcome.first_micro_slip_time));
+    return fmt::format("  {} at {}, no gross slip\n", style.bold("first slip"), onset_text(outcome.first_micro_slip_time));
   }
   return fmt::format("  {} at {}, {:.1f} ms after the first micro-slip\n", style.bold("gross slip"),
                      onset_text(outcome.gross_slip_time), 1e3 * (outcome.gross_slip_time - outcome.first_micro_slip_time));
@@ -136,7 +127,7 @@ std::string detector_title(const std::string& type) { return type == oracle_type
 std::string grasp_text(const GraspOutcome& grasp, const Style& style) {
   std::string text = grasp.dropped        ? fmt::format("  {} at {}", style.bold("dropped"), onset_text(grasp.drop_time))
                      : grasp.not_lifted() ? fmt::format("  {}: the box stays on the table", style.bold("not lifted"))
-                                          : fmt::format("  {}, slipped {:.2f} mm and turned {:.2f} deg", style.bold("held"),
+                                          : fmt::format("  {}, slipped by {:.2f} mm and {:.2f} deg", style.bold("held"),
                                                         1e3 * grasp.slip_translation, degrees * grasp.slip_rotation);
   if (grasp.lifted.value_or(false)) text += fmt::format("; lifted by {:.1f} mm", 1e3 * grasp.lift_height);
   text += fmt::format("; grip force up to {:.2f} N", grasp.max_grip_force);
@@ -145,12 +136,12 @@ std::string grasp_text(const GraspOutcome& grasp, const Style& style) {
         fmt::format(", {:.2f} times the ideal {:.2f} N", grasp.max_grip_force / grasp.ideal_grip_force, grasp.ideal_grip_force);
   }
   if (!std::isnan(grasp.reaction_time))
-    text += fmt::format("; tightened {:.0f} ms after the lift's first slip", 1e3 * grasp.reaction_time);
+    text += fmt::format("; tightened {:.0f} ms after the first slip in the lift", 1e3 * grasp.reaction_time);
   return text + '\n';
 }
 
 std::string hold_text(const HoldOutcome& hold, const Style& style) {
-  return fmt::format("  {}: moved {:.2f} mm since {}\n", style.bold(hold.held ? "held" : "lost"), 1e3 * hold.moved,
+  return fmt::format("  {}: moved by {:.2f} mm since {}\n", style.bold(hold.held ? "held" : "lost"), 1e3 * hold.moved,
                      onset_text(hold.from));
 }
 
@@ -220,7 +211,7 @@ std::string number_text(const char* format, double value) {
 
 std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
   if (rows.empty()) return "";
-  Table table({"", "held", "95 %", "dropped", "not lifted", "slip", "turn", "max/ideal force", "reaction"});
+  Table table({"", "held", "95 %", "dropped", "not lifted", "slip", "rotation", "max/ideal force", "reaction"});
   for (const GraspRow& row : rows) {
     table.add({row.name, fmt::format("{} of {}", row.held, row.trials),
                fmt::format("{:.1f} to {:.1f} %", 100.0 * row.held_share.low, 100.0 * row.held_share.high),
@@ -228,7 +219,7 @@ std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
                number_text("{:.2f} deg", degrees * row.slip_rotation), number_text("{:.2f}", row.force_ratio),
                number_text("{:.0f} ms", 1e3 * row.reaction_time)});
   }
-  return fmt::format("{}: medians; slip and turn of the held\n", style.heading("grasps")) + table.text(style);
+  return fmt::format("{}: medians; slip and rotation of held boxes\n", style.heading("grasps")) + table.text(style);
 }
 
 // Lists the trial's sensors that had values beyond their range.
@@ -264,11 +255,11 @@ std::string saturations_text(const std::vector<TrialSummary>& trials, const Styl
 // Result of one trial's detector.
 std::string detection_text(const TrialOutcome& outcome) {
   switch (outcome.detection.value()) {
-    case Detection::quiet: return "no slip to see, and no alarm";
-    case Detection::false_alarm: return fmt::format("false alarm at {}, nothing slips", onset_text(outcome.false_alarm_time));
-    case Detection::early: return fmt::format("early: alarm at {}, before the slip", onset_text(outcome.false_alarm_time));
+    case Detection::quiet: return "no slip and no alarm";
+    case Detection::false_alarm: return fmt::format("false alarm at {}; nothing slips", onset_text(outcome.false_alarm_time));
+    case Detection::early: return fmt::format("early alarm at {}, before the slip", onset_text(outcome.false_alarm_time));
     case Detection::seen:
-      return fmt::format("slip seen {} after it began, at {}", milliseconds_text(outcome.detection_delay),
+      return fmt::format("slip detected {} after the onset, at {}", milliseconds_text(outcome.detection_delay),
                          onset_text(outcome.detection_time));
     case Detection::missed: return "slip missed";
   }
@@ -279,8 +270,8 @@ std::string detector_text(const TrialSummary& trial, const Style& style) {
   const Confusion& confusion = trial.detector->confusion;
   const std::string head = fmt::format("  {} on {}: {}", style.bold(detector_title(trial.detector->type)), trial.detector->sensor,
                                        detection_text(trial.outcome));
-  if (samples_in_contact(confusion) == 0) return head + "; nothing ever touches\n";
-  return fmt::format("{}; recall of slip {}, balanced accuracy {} (any constant answer: {})\n", head,
+  if (samples_in_contact(confusion) == 0) return head + "; no contact\n";
+  return fmt::format("{}; recall of slip {}, balanced accuracy {} (constant detector: {})\n", head,
                      percent_text(recall_of_slip(confusion)), percent_text(balanced_accuracy(confusion)),
                      percent_text(constant_balanced_accuracy(confusion)));
 }
@@ -301,7 +292,7 @@ std::string onset_text(double time) { return std::isnan(time) ? "-" : fmt::forma
 std::string files_text(const std::vector<std::string>& files) {
   constexpr std::size_t most = 3;
   if (files.size() <= most) return fmt::format("{}", fmt::join(files, ", "));
-  return fmt::format("{} and {} further files up to {}", files.front(), files.size() - 1, files.back());
+  return fmt::format("{} and {} more files up to {}", files.front(), files.size() - 1, files.back());
 }
 
 std::string scene_text(const Scene& scene, const Catalogues& catalogues, const Style& style, std::size_t width) {
@@ -363,7 +354,7 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
       }
     }
   }
-  std::string text = fmt::format("{}\n", style.heading(fmt::format("{} trials", summary.trials.size()))) + table.text(style) +
+  std::string text = fmt::format("{}\n", style.heading(counted(summary.trials.size(), "trial"))) + table.text(style) +
                      class_text(strict, micro) + saturations_text(summary.trials, style);
   text += holds_text(summary.trials, style) + detectors_text(detector_scores(summary.trials), style);
   return text + grasps_text(grasp_rows(summary), style);
@@ -371,8 +362,8 @@ std::string sweep_text(const SweepSummary& summary, const Style& style) {
 
 std::string detectors_text(const std::vector<DetectorScore>& scores, const Style& style) {
   if (scores.empty()) return "";
-  Table table({"", "recall of slip", "balanced accuracy", "constant answer", "median delay", "worst", "seen", "early", "missed",
-               "false alarms"});
+  Table table({"", "recall of slip", "balanced accuracy", "constant detector", "median delay", "worst", "detected", "early",
+               "missed", "false alarms"});
   for (const DetectorScore& score : scores) {
     table.add({detector_title(score.type), percent_text(recall_of_slip(score.confusion)),
                percent_text(balanced_accuracy(score.confusion)), percent_text(constant_balanced_accuracy(score.confusion)),
@@ -382,7 +373,7 @@ std::string detectors_text(const std::vector<DetectorScore>& scores, const Style
   }
   const bool oracle_misses =
       std::ranges::any_of(scores, [](const DetectorScore& score) { return score.type == oracle_type && score.missed > 0; });
-  return fmt::format("{}: shares of samples in contact; delays of the trials seen; early: alarm before the slip\n",
+  return fmt::format("{}: shares of samples in contact; delays of detected slips; early: alarm before the slip\n",
                      style.heading("detectors")) +
          table.text(style) +
          (oracle_misses
@@ -460,13 +451,13 @@ Json grasp_json(const std::vector<GraspRow>& rows) {
 std::string speed_text(const SweepSummary& summary, double elapsed) {
   constexpr double shortest = 1e-9;  // s, avoids infinite rates
   const double seconds = std::max(elapsed, shortest);
-  std::string text = fmt::format("{:g} s simulated in {:.3g} s: {} x real time", summary.simulated, elapsed,
+  std::string text = fmt::format("{:g} s simulated in {:.3g} s, {} times real time", summary.simulated, elapsed,
                                  short_count(summary.simulated / seconds));
   if (const std::size_t simulated = summary.trials.size() - summary.resumed; simulated > 1) {
     text += fmt::format(", {} trials/s", short_count(static_cast<double>(simulated) / seconds));
   }
   return text +
-         fmt::format("; one core steps at {} x real time", short_count(summary.simulated / std::max(summary.computed, shortest)));
+         fmt::format("; {} times real time per core", short_count(summary.simulated / std::max(summary.computed, shortest)));
 }
 
 std::string steps_text(const SweepSummary& summary) {
@@ -476,7 +467,7 @@ std::string steps_text(const SweepSummary& summary) {
                                 ? fmt::format("{} to {}", text(summary.shortest_step), text(summary.longest_step))
                                 : text(summary.longest_step);
   return fmt::format(
-      "time step {}{}: a slip begins within one step of where a far shorter step puts it, as a rule; `accuracy: {{onset: 1 %}}` finds the step for a wish\n",
+      "time step {}{}: onsets usually agree with those of a much shorter step within one step; `accuracy: {{onset: 1 %}}` chooses the step for a given accuracy\n",
       steps, summary.scene.time_step ? "" : " (auto)");
 }
 

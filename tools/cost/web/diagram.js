@@ -150,7 +150,7 @@ function floorMarks({box, y, floor}) {
   const top = y(floor), room = box.foot - top;
   return [
     mark('rect.floor', {x: box.left, y: top, width: box.end - box.left, height: room}), across('floor-edge', box, top),
-    text(box.left + 6, room > 18 ? top + 14 : top - 5, 'start', 'below the reference’s own error', 'halo-text')
+    text(box.left + 6, room > 18 ? top + 14 : top - 5, 'start', 'below the error of the reference', 'halo-text')
   ];
 }
 
@@ -244,7 +244,7 @@ class Diagram {
       viewBox: [0, 0, this.drawn, box.height].join(' '),
       role: 'group',
       'aria-label': 'Work-precision diagram: ' + choice.statistic + ' error, ' + choice.measure.title +
-          ', against CPU time. Arrow keys go from mark to mark.'
+          ', against CPU time. Arrow keys move between marks.'
     };
     const svg = mark(
         'svg', attributes, mark('defs', {}, hatch),
@@ -308,10 +308,10 @@ class Diagram {
       (number ? number + '  ' : '') + row.settings,
       choice.placed(row) ? choice.statistic + ' error: ' + choice.errorText(row) : choice.reason(row),
       row.rate_hz ? 'output at ' + sb.rateText(row.rate_hz) : '',
-      timed(row) ? sb.duration(row.cost) + ' a simulated second, ' + sb.timesReal(row.cost) + ' real time' +
+      timed(row) ? sb.duration(row.cost) + ' per simulated second, ' + sb.timesReal(row.cost) + ' real time' +
               (row.cpu_s && sb.fewRuns(row.cpu_s) ? ', ' + sb.fewRuns(row.cpu_s) : '') :
                    '',
-      cheapest ? 'as exact for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of that: ' + cheapest.settings : ''
+      cheapest ? 'as accurate for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of the time: ' + cheapest.settings : ''
     ].filter(text => text);
   }
 
@@ -335,9 +335,9 @@ class Diagram {
     const visible = measure.floor > this.place.y.domain()[0];
     const parts = [
       'Reference: ' + measure.reference + '.',
-      measure.floor && 'The reference’s own error is about ' + sb.measured(measure, measure.floor) +
-          (visible ? ': errors in the hatched band mean nothing.' : ', below this diagram.'),
-      choice.statistic !== 'worst' && 'The front is that of the worst error and is not drawn here.',
+      measure.floor && 'The error of the reference is about ' + sb.measured(measure, measure.floor) +
+          (visible ? '; errors in the hatched band are meaningless.' : ', below this diagram.'),
+      choice.statistic !== 'worst' && 'The Pareto front is that of the worst error and is not drawn here.',
       shown > drawn && (shown - drawn) + ' of ' + shown + ' runs have no value of this measure.'
     ];
     const title = measure.title[0].toUpperCase() + measure.title.slice(1);
@@ -359,7 +359,7 @@ class Diagram {
     this.failures.replaceChildren(...entries('failure'));
     this.unrun.hidden = !unrun;
     this.unrun.replaceChildren(
-        el('summary', {}, unrun + (unrun === 1 ? ' setting' : ' settings') + ' not run for want of time'),
+        el('summary', {}, unrun + (unrun === 1 ? ' setting' : ' settings') + ' not run, because the budget was used up'),
         el('ul.failures', {}, entries('unrun')));
   }
 }
@@ -379,7 +379,7 @@ function legend() {
   const middle = {transform: 'translate(12,8)'};
   const samples = [
     [row => (row.pareto || []).length, mark('path.front', {d: 'M2,1V8H14V14H23'}), 'Pareto front'],
-    [row => row.own, mark('circle.own', {...middle, r: 6.5}), 'the scene’s own setting'],
+    [row => row.own, mark('circle.own', {...middle, r: 6.5}), 'setting of the scene'],
     [row => choice.failed(row), mark('path.cross', {...middle, d: cross}), 'failed'],
     [row => choice.notRun(row), mark('path.mark.unrun', {...middle, d: sb.markPath(0, 4)}), 'not run'],
     [() => true, mark('path.interval', {d: 'M2,4v8M22,4v8M2,8H22'}), 'spread of the CPU time']
@@ -413,20 +413,20 @@ function detail() {
     const shown = (measure, cells) => el(measure === choice.measure ? 'tr.current' : 'tr', {}, cells);
     const parts = [
       el('p.eyebrow', {}, sb.swatch(choice.seriesIndex(row), choice.kind(row)), choice.seriesTitle(row)),
-      el('h3', {}, row.settings), row.own && el('p.tag', {}, 'the scene’s own setting'),
+      el('h3', {}, row.settings), row.own && el('p.tag', {}, 'setting of the scene'),
       choice.kind(row) !== 'point' && el(choice.notRun(row) ? 'p.note' : 'p.warning', {}, choice.reason(row)),
       sb.facts('facts', [
         ['output', row.rate_hz ? sb.rateText(row.rate_hz) : null],
         ['CPU time', cpu ? sb.duration(cpu.median) : 'none measured'],
         ['between', cpu && !sb.fewRuns(cpu) ? sb.duration(cpu.low) + ' and ' + sb.duration(cpu.high) : null],
         ['runs', cpu && (sb.fewRuns(cpu) || String(cpu.repeats))],
-        ['a simulated second', timed(row) ? sb.duration(row.cost) : null],
+        ['per simulated second', timed(row) ? sb.duration(row.cost) : null],
         ['times real time', timed(row) ? sb.timesReal(row.cost) : null]
       ]),
-      cheapest && el('p.note', {}, 'As exact for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of the time: ',
+      cheapest && el('p.note', {}, 'As accurate for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of the time: ',
                      el('button.link', {onclick: () => choice.select(cheapest)}, cheapest.settings)),
       sb.sortedTable(columns, choice.measures, shown).node,
-      row.command && el('div.command', {}, el('p.eyebrow', {}, 'again: ', sb.copyButton(row.command)),
+      row.command && el('div.command', {}, el('p.eyebrow', {}, 'repeat: ', sb.copyButton(row.command)),
                         el('pre.mono', {}, row.command))
     ];
     host.replaceChildren(...parts.filter(part => part));
@@ -440,7 +440,7 @@ function detail() {
 sb.diagramSection = () => {
   const diagram = new Diagram();
   return sb.section(
-      'What accuracy costs', '', controls(), legend(),
+      'CPU time against accuracy', '', controls(), legend(),
       el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures, diagram.unrun), detail()),
       sb.pricesTable());
 };

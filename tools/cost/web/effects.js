@@ -62,16 +62,16 @@ sb.effectsSection = effects => {
     {title: 'so', kind: 'text.long', cell: conclusion}
   ];
   return sb.section(
-      'The price of each effect',
+      'Cost of each effect',
       [
-        'The scene with each effect taken out in turn: the share of its CPU time that this saves, with its interval, ' +
-            'and how much it changes at worst. What an effect saves beside others may differ.',
+        'Each effect is removed in turn: share of the CPU time that this saves, with its interval, ' +
+            'and largest change of the results. Without other effects, the saving may differ.',
         ordered.some(effect => moved.some(name => other(effect, name))) &&
-            ' Other: something happens with it and not without, or the other way round.',
-        still.length > 0 && ' None of them changes: ' + still.map(titleOf).join(', ') + '.'
+            ' Other: an event occurs only with the effect or only without it.',
+        still.length > 0 && ' Without influence on: ' + still.map(titleOf).join(', ') + '.'
       ],
       idle.length > 0 &&
           el('p.warning', {}, el('b', {}, idle.map(effect => effect.name).join(', ')),
-             (idle.length > 1 ? ' cost time here and change' : ' costs time here and changes') + ' nothing that was measured.'),
+             (idle.length > 1 ? ' cost time and change' : ' costs time and changes') + ' no measured quantity.'),
       el('div.effects', {}, sb.table(columns, ordered, (effect, cells) => el(effect.idle ? 'tr.idle' : 'tr', {}, cells))));
 };

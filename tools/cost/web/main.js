@@ -10,7 +10,7 @@ function header() {
       sb.duration(data.elapsed_s) + (data.budget_s ? ' of ' + sb.duration(data.budget_s) : '');
   return el(
       'header', {}, el('p.eyebrow', {}, explored ? 'slipbench cost' : 'slipbench cost --stability'),
-      el('h1', {}, explored ? data.description || data.scene : 'How long a step stays stable'), sb.facts('meta', [
+      el('h1', {}, explored ? data.description || data.scene : 'Longest stable time step'), sb.facts('meta', [
         ['scene', data.scene], ['simulated', data.simulated_s ? sb.duration(data.simulated_s) : null], ['seed', data.seed],
         ['measured for', time]
       ]),
@@ -21,20 +21,20 @@ const sentences = () => el('ul.sentences', {}, (data.sentences || []).map(text =
 
 const interrupted = () => el(
     'p.warning', {}, el('b', {}, 'The timing ended early: '),
-    'it was interrupted. What stands here is a part; figures of few runs scatter more, and what is not here may be cheaper.');
+    'it was interrupted. The results are incomplete: figures of few runs scatter more, and settings that are missing may be cheaper.');
 
 function reference() {
   const reference = data.reference;
   return el(
       reference.converged ? 'p.note' : 'p.warning', {},
-      !reference.converged && el('b', {}, 'The reference is not converged. '), reference.text,
+      !reference.converged && el('b', {}, 'The reference has not converged. '), reference.text,
       ' (' + reference.kind + ': ' + reference.settings + ') ', sb.copyButton(reference.command));
 }
 
 const remarks = texts => texts.length ? sb.section('Remarks', '', el('ul', {}, texts.map(text => el('li', {}, text)))) : null;
 
 const words = {
-  cpu: 'CPU', os: 'system', build_type: 'build', mujoco: 'MuJoCo', load: 'load at the start'
+  cpu: 'CPU', os: 'system', build_type: 'build', mujoco: 'MuJoCo', load: 'system load at the start'
 };
 const environment = entries => el('dl', {}, Object.entries(entries).map(([name, value]) => [
   el('dt', {}, words[name] || name), el('dd', {}, value === null || value === '' ? sb.missing : String(value))
@@ -45,7 +45,7 @@ function footer() {
   return el(
       'footer', {}, el('h2', {}, 'Measured on'), environment(data.environment || {}),
       beside.endsWith('.json') &&
-          el('p', {}, 'All figures, for programs: ', el('a', {href: beside}, decodeURIComponent(beside)), ' beside this page.'),
+          el('p', {}, 'All figures as JSON: ', el('a', {href: beside}, decodeURIComponent(beside)), ' next to this page.'),
       el('details', {}, el('summary', {}, 'Licence of the library in this page'),
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }

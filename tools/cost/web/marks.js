@@ -145,7 +145,7 @@ class Choice extends EventTarget {
   }
 
   errorText(row, measure = this.measure, statistic = this.statistic) {
-    if (this.differs(row, measure)) return 'no bound';
+    if (this.differs(row, measure)) return 'no error';
     const error = this.error(row, measure, statistic);
     return error === 0 ? 'none' : error === null ? sb.missing : sb.measured(measure, error);
   }
@@ -167,7 +167,7 @@ class Choice extends EventTarget {
   reason(row) {
     const parts = row.status === 'ok' ? [] : [this.ending(row)];
     if (row.why) parts.push(row.why);
-    if (this.failed(row) && this.differs(row)) parts.push('no bound: the event is in only one of this run and the reference');
+    if (this.failed(row) && this.differs(row)) parts.push('no error: the event occurs only in this run or only in the reference');
     return parts.join(': ');
   }
 }

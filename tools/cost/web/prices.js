@@ -55,11 +55,11 @@ sb.pricesTable = () => {
     host.replaceChildren(
         ...rows.length ?
             [
-              el('h3.sub', {}, 'What each error costs'),
+              el('h3.sub', {}, 'Cost of each accuracy'),
               el('p.note', {},
-                 'Times real time of the cheapest setting of each series whose ' + choice.statistic + ' error in ' +
-                     choice.measure.title + ' keeps within a bound. Bold: the cheapest of all.',
-                 unknown.length > 0 && ' Not run for want of time: ' + unknown.map(series => series.title).join('; ') + '.'),
+                 'Speed (times real time) of the cheapest setting of each series whose ' + choice.statistic + ' error in ' +
+                     choice.measure.title + ' is within the bound. Bold: cheapest of all.',
+                 unknown.length > 0 && ' Not run, because the budget was used up: ' + unknown.map(series => series.title).join('; ') + '.'),
               el('div.prices', {}, sb.table(columns, rows))
             ] :
             []);

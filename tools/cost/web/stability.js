@@ -84,7 +84,7 @@ function maps(combinations) {
     const line = (kind, words) => sb.key('0 0 24 16', mark('path.' + kind, {d: 'M1,8H23'}), words, 'sample');
     key.replaceChildren(
         el('span', {}, by.name + ':'), ...byLevels.map((level, index) => el('span', {}, sb.swatch(index), by.text(level))),
-        line('predicted', 'predicted limit'), line('allowed', 'what a scene may use'), el('span', {}, 'marks: measured'));
+        line('predicted', 'predicted limit'), line('allowed', 'limit for scenes'), el('span', {}, 'marks: measured'));
   };
   const first = varied[0] || axes[0];
   const choose = name => draw(axes.find(axis => axis.key === name));
@@ -116,7 +116,7 @@ function ratios(combinations) {
     svg.prepend(mark('rect.beyond', {x: box.left, y: box.top, width: end - box.left, height: y(1) - box.top}));
     svg.append(
         mark('path.limit', {d: 'M' + box.left + ',' + y(1) + 'H' + end}),
-        sb.text(end - 5, y(1) - 5, 'end', 'above 1: promises too much', 'halo-text'),
+        sb.text(end - 5, y(1) - 5, 'end', 'above 1: predicted too long', 'halo-text'),
         ...seen.map(one => spot(one, kinds.indexOf(one.integrator), x.at(one.measured_s * 1e3), y(one.ratio))));
     node.replaceChildren(svg);
   };
@@ -144,7 +144,7 @@ function table(combinations) {
 sb.stabilitySection = stability => {
   const combinations = stability.combinations || [];
   return el(
-      'section.stability', {}, 'slipbench_cost' in sb.data && el('h2', {}, 'How long a step stays stable'),
+      'section.stability', {}, 'slipbench_cost' in sb.data && el('h2', {}, 'Longest stable time step'),
       (stability.text || []).map(text => el('p.note', {}, text)), sb.figures([
         ['combinations', String(combinations.length), 'of stiffness, mass and damping'],
         [

@@ -76,7 +76,7 @@ sb.rowsSection = () => {
   };
   const note = el('p.note');
   const view = () => {
-    note.textContent = 'Errors: the ' + choice.statistic + ' of each run. A head sorts, a row shows itself in the diagram.';
+    note.textContent = 'Errors: the ' + choice.statistic + ' of each run. Click a heading to sort, a row to show it in the diagram.';
     table.refresh();
     mark();
   };

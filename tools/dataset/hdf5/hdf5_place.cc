@@ -40,12 +40,11 @@ herr_t add_attribute(hid_t, const char* name, const H5A_info_t*, void* names) {
 }
 
 [[noreturn]] void refuse_link(const Place& place) {
-  place.fail(
-      "is a link to elsewhere, not data of this file; allowed: a dataset as the program writes it, which holds all of its data");
+  place.fail("is a link to another file, but a dataset must contain all of its data");
 }
 
 void check_name(const Place& place, const std::string& name) {
-  if (printable(name) != name) place.fail("holds the name " + quote(name) + "; allowed: names without control characters");
+  if (printable(name) != name) place.fail("contains the name " + quote(name) + "; allowed: names without control characters");
 }
 
 std::uint64_t file_bytes(const Place& place) {
@@ -115,8 +114,8 @@ std::string why_not_hdf5(const std::string& path, const std::string& message) {
   constexpr std::string_view signature = "\x89HDF\r\n\x1a\n"sv;
   if (start.starts_with(signature.substr(0, start.size()))) {
     const auto found = number_after(message, "truncated file: eof = "), written = number_after(message, "stored_eof = ");
-    if (found && written) return fmt::format("is cut short: it has {} of {} bytes; copy or download it again", *found, *written);
-    if (start.size() < superblock) return fmt::format("is cut short: it has {} bytes; copy or download it again", start.size());
+    if (found && written) return fmt::format("is truncated: it has {} of {} bytes; copy or download it again", *found, *written);
+    if (start.size() < superblock) return fmt::format("is truncated: it has {} bytes; copy or download it again", start.size());
     return "is damaged: " + message;
   }
   struct Kind {
@@ -266,19 +265,19 @@ std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents
   std::uint64_t count = 1;
   for (const std::size_t extent : extents) {
     if (count > most / extent)
-      place.fail(fmt::format("its extents [{}] are more than a file of this size can hold", fmt::join(extents, ", ")));
+      place.fail(fmt::format("its extents [{}] are larger than a file of this size can contain", fmt::join(extents, ", ")));
     count *= extent;
   }
   return count;
 }
 
 std::vector<std::size_t> array_extents(const Place& place, const Handle& array) {
-  if (H5Iget_type(array.get()) != H5I_DATASET) place.fail("is no array");
+  if (H5Iget_type(array.get()) != H5I_DATASET) place.fail("is not an array");
   const Handle properties(H5Dget_create_plist(array.get()), &H5Pclose);
   const H5D_layout_t layout = H5Pget_layout(properties.get());
-  constexpr const char* allowed = "; allowed: a dataset as the program writes it, which holds all of its data";
-  if (layout == H5D_VIRTUAL) place.fail(std::string("is a virtual dataset, whose values lie in other files") + allowed);
-  if (H5Pget_external_count(properties.get()) != 0) place.fail(std::string("its values lie in another file") + allowed);
+  constexpr const char* allowed = ", but a dataset must contain all of its data";
+  if (layout == H5D_VIRTUAL) place.fail(std::string("is a virtual dataset with values in other files") + allowed);
+  if (H5Pget_external_count(properties.get()) != 0) place.fail(std::string("has its values in another file") + allowed);
   const Handle space(H5Dget_space(array.get()), &H5Sclose);
   const Handle type(H5Dget_type(array.get()), &H5Tclose);
   const std::size_t size = H5Tget_size(type.get());
@@ -286,7 +285,7 @@ std::vector<std::size_t> array_extents(const Place& place, const Handle& array) 
   const std::uint64_t compression = layout == H5D_CHUNKED ? best_compression : 1;
   const std::size_t count = count_of(place, extents, size, compression);
   if (count > 0 && count * size / compression > H5Dget_storage_size(array.get())) {
-    place.fail(fmt::format("its extents [{}] are more than its stored bytes can unfold to", fmt::join(extents, ", ")));
+    place.fail(fmt::format("its extents [{}] are larger than its stored bytes can decompress to", fmt::join(extents, ", ")));
   }
   if (layout == H5D_CHUNKED) {
     std::vector<hsize_t> chunk(std::max<std::size_t>(1, extents.size()));
@@ -317,7 +316,7 @@ Attribute open_attribute(const Place& place, const Handle& object, const std::st
 }
 
 std::vector<std::string> texts_of(const Place& place, const Attribute& attribute, const std::string& name) {
-  if (H5Tis_variable_str(attribute.type.get()) <= 0) place.fail("attribute '" + name + "' is no text");
+  if (H5Tis_variable_str(attribute.type.get()) <= 0) place.fail("attribute '" + name + "' is not a text");
   std::vector<char*> texts(count_of(place, attribute.shape, 1, 1), nullptr);
   const Handle& type = text_type(H5Tget_cset(attribute.type.get()));
   if (!texts.empty() && H5Aread(attribute.handle.get(), type.get(), texts.data()) < 0) {
@@ -333,14 +332,14 @@ std::vector<std::string> texts_of(const Place& place, const Attribute& attribute
 
 std::string text_of(const Place& place, const Handle& object, const std::string& name) {
   std::vector<std::string> texts = texts_of(place, open_attribute(place, object, name), name);
-  if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
+  if (texts.size() != 1) place.fail("attribute '" + name + "' is not a single text");
   return std::move(texts.front());
 }
 
 std::vector<std::string> texts_of(const Place& place, const Handle& array) {
   const std::vector<std::size_t> extents = array_extents(place, array);
   const Handle type(H5Dget_type(array.get()), &H5Tclose);
-  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0) place.fail("is no list of names");
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0) place.fail("is not a list of names");
   const std::size_t width = H5Tget_size(type.get());
   const std::size_t count = count_of(place, extents, width, best_compression);
   std::string padded(count * width, '\0');

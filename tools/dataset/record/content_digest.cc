@@ -42,7 +42,7 @@ Values values_of(const Place& place, const std::string& what, const Handle& type
     values.texts = texts();
     return values;
   }
-  if (values.kind.empty()) place.fail(what + "is of a type that no dataset has");
+  if (values.kind.empty()) place.fail(what + "has a type that datasets do not have");
   const std::size_t size = H5Tget_size(type.get());
   values.bytes.resize(size * hdf5::count_of(place, values.extents, size, compression));
   if (!values.bytes.empty() && read(values.bytes.data()) < 0) place.fail(what + "cannot be read: " + hdf5::last_error());
@@ -84,7 +84,7 @@ void visit_from(const Place& place, const Handle& object, const std::string& pat
   if (H5Oget_info2(object.get(), &info, H5O_INFO_ALL) < 0) place.fail("is damaged: " + hdf5::last_error());
   visit(place, object, path);
   if (H5Iget_type(object.get()) != H5I_GROUP) return;
-  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("lies too deep in the file");
+  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("is nested too deeply");
   for (const std::string& name : hdf5::members_of(place, object)) {
     const Place member = place.below(name);
     visit_from(member, hdf5::open_member(member, object, name), path.empty() ? name : path + "/" + name, visit);

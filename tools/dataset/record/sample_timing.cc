@@ -96,8 +96,9 @@ bool evenly_spaced(std::span<const double> times, double resolution) {
 }
 
 std::string timing_text(const SampleTiming& timing, double first) {
-  return fmt::format("{:.6g} Hz on average, {:.6g} Hz by the median step, longest step {:.4g} s, {:.6g} s after the first sample",
-                     timing.mean_rate, timing.median_rate, timing.largest_gap, timing.largest_gap_at - first);
+  return fmt::format(
+      "{:.6g} Hz on average, {:.6g} Hz by the median step, the longest step is {:.4g} s, {:.6g} s after the first sample",
+      timing.mean_rate, timing.median_rate, timing.largest_gap, timing.largest_gap_at - first);
 }
 
 }  // namespace slipbench

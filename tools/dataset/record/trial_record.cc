@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 5> detection_words{"quiet", "false_alarm"
 Detection detection_of(const std::string& word) {
   const auto found = std::ranges::find(detection_words, word);
   if (found == detection_words.end()) {
-    reject("outcome has the detection '{}'; allowed: {}", word, fmt::join(detection_words, ", "));
+    reject("the outcome has the detection '{}'; allowed: {}", word, fmt::join(detection_words, ", "));
   }
   return static_cast<Detection>(found - detection_words.begin());
 }
@@ -49,9 +49,8 @@ constexpr GraspOutcome no_grasp{.max_grip_force = std::numeric_limits<double>::q
 void check_evenly_spaced(const SensorRecord& sensor) {
   const double resolution = sensor.timing ? sensor.timing->resolution : 0.0;
   if (evenly_spaced(sensor.time, resolution)) return;
-  reject(
-      "sensor {}: its samples are not evenly spaced ({}); allowed: one rate throughout, as `slipbench import --rate RATE` makes it",
-      sensor.name, timing_text(timing_of(sensor.time, resolution), sensor.time.front()));
+  reject("sensor {}: its samples are not evenly spaced ({}); resample them with `slipbench import --rate RATE`", sensor.name,
+         timing_text(timing_of(sensor.time, resolution), sensor.time.front()));
 }
 
 std::size_t SensorColumn::row_size() const {
@@ -141,7 +140,7 @@ TrialOutcome parse_outcome(const std::string& text) {
     if (json.contains("saturated_samples")) json.at("saturated_samples").get_to(outcome.saturated);
     return outcome;
   } catch (const nlohmann::json::exception& error) {
-    reject("outcome is not the JSON object of a trial: {}", error.what());
+    reject("the outcome is not the JSON object of a trial: {}", error.what());
   }
 }
 

@@ -26,7 +26,7 @@ std::string found_file(const fs::path& path) {
 std::string project_file(const std::string& path) {
   std::string found = found_file(path);
   if (found.empty()) {
-    reject("{}: neither installed with the program, in {}, nor in the source tree of a build folder", path,
+    reject("{}: not found in {}, where the program is installed, and not in the source tree of a build folder", path,
            own_path(SLIPBENCH_DATA));
   }
   return found;

@@ -19,7 +19,7 @@ constexpr std::string_view first_columns = "object,slipped";
 const SensorColumn& electrodes_of(const TrialRecord& record, const char* finger) {
   const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
   if (sensor == record.sensors.end() || sensor->type != "biotac_sp") {
-    reject("trial {}: no biotac_sp '{}'; allowed: a grasp with three, named ff, mf and th", record.trial, finger);
+    reject("trial {}: no biotac_sp '{}'; expected a grasp with three, named ff, mf and th", record.trial, finger);
   }
   return *std::ranges::find(sensor->channels, "electrodes", &SensorColumn::name);
 }
@@ -34,7 +34,7 @@ std::string object_name(const std::string& shape, const std::vector<double>& siz
 std::string row_of(const TrialRecord& record) {
   const BodyRecord& object = record.body("object");
   if (!record.outcome.hold) {
-    reject("trial {}: its outcome does not say whether the object was held; allowed: a scene with 'hold'", record.trial);
+    reject("trial {}: its outcome does not contain whether the object was held; use a scene with 'hold'", record.trial);
   }
   const auto params = nlohmann::json::parse(record.params);
   std::string text =
@@ -43,7 +43,7 @@ std::string row_of(const TrialRecord& record) {
     const SensorColumn& column = electrodes_of(record, finger);
     const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
     const std::optional<std::size_t> row = latest_row(sensor->time, record.outcome.hold->from);
-    if (!row) reject("trial {}: nothing was read by hold.from", record.trial);
+    if (!row) reject("trial {}: the sensor has no sample before hold.from", record.trial);
     for (std::size_t e = 0; e < finger_electrodes; ++e) text += fmt::format(",{}", column.values[finger_electrodes * *row + e]);
   }
   return text + '\n';
@@ -55,12 +55,13 @@ constexpr std::string_view slip_csv_beginning = "ff_e1,ff_e2,";
 std::string class_of(const DatasetReader& reader, std::size_t trial) {
   const auto value = [&](const char* name) { return commanded_number(reader, trial, name).value_or(0.0); };
   const double speed = value("speed"), rotation = value("rotation"), direction = value("direction");
-  if (speed > 0.0 && rotation != 0.0) reject("trial {}: slides and turns; allowed: one of both, which is its class", trial);
+  if (speed > 0.0 && rotation != 0.0)
+    reject("trial {}: slides and turns; expected only one of them, since it determines the class", trial);
   if (rotation != 0.0) return rotation > 0.0 ? "cw" : "aw";
   if (!(speed > 0.0)) return "t";
   const double quarters = direction / (0.5 * std::numbers::pi), whole = std::round(quarters);
   if (std::abs(quarters - whole) > 1e-6) {
-    reject("trial {}: motion.direction is {}; allowed: 0, 90, 180 and 270 deg, which are classes n, e, s, w", trial,
+    reject("trial {}: motion.direction is {}; allowed: 0, 90, 180 and 270 deg (classes n, e, s, w)", trial,
            format_quantity(direction, Quantity::angle));
   }
   const double turn = whole - 4.0 * std::floor(whole / 4.0);
@@ -89,10 +90,10 @@ SlipRecording slip_csv(const DatasetReader& reader, std::size_t trial, const std
   const auto column = std::ranges::find(record.channels, "electrodes", &SensorColumn::name);
   if (record.type != "biotac_sp" || column == record.channels.end() ||
       column->shape != std::vector<std::size_t>{finger_electrodes}) {
-    reject("trial {}: sensor '{}' is a {}; allowed: a biotac_sp, which slip-csv is for", trial, sensor, record.type);
+    reject("trial {}: sensor '{}' is a {}, but slip-csv needs a biotac_sp", trial, sensor, record.type);
   }
   if (record.rate != slip_csv_rate) {
-    reject("trial {}: sensor '{}' has {}; allowed: 100 Hz, the rate of slip-csv", trial, sensor,
+    reject("trial {}: sensor '{}' samples at {}, but slip-csv needs 100 Hz", trial, sensor,
            format_quantity(record.rate, Quantity::frequency));
   }
   double begin = 0.0;

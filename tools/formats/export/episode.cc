@@ -69,7 +69,7 @@ Grid grid_of(const TrialRecord& record, const std::vector<std::string>& sensors,
     end = std::min(end, record.control->time.back());
   }
   if (rate > fastest) {
-    reject("a rate of {} Hz repeats samples; allowed: up to {} Hz, that of the fastest sensor", rate, fastest);
+    reject("a rate of {} Hz would repeat samples; allowed: up to {} Hz, the rate of the fastest sensor", rate, fastest);
   }
   if (end + time_rounding >= grid.start) {
     grid.points = static_cast<std::size_t>(std::floor((end - grid.start + time_rounding) * rate)) + 1;
@@ -82,7 +82,7 @@ Episode::Column actions_of(const TrialRecord& record, const Grid& grid, std::siz
   Episode::Column actions{"actions", space.names.size(), {}};
   if (space.bodies.empty()) {
     if (!record.control || record.control->grip.command.empty()) {
-      reject("trial {}: is a grasp without a control loop, whose commands would be its actions", record.trial);
+      reject("trial {}: is a grasp without a control loop, so it has no actions", record.trial);
     }
     actions.values = resampled({record.control->time, floats(record.control->grip.command), actions.width}, grid, steps);
   } else {
@@ -132,7 +132,7 @@ ActionSpace action_space(const DatasetReader& reader, const std::vector<std::siz
   for (const std::string& body : reader.bodies(first)) {
     if (body == "pad" || std::find(sensors.begin(), sensors.end(), body) != sensors.end()) space.bodies.push_back(body);
   }
-  if (space.bodies.empty()) reject("trial {}: no body carries a sensor; its motion would be the actions", first);
+  if (space.bodies.empty()) reject("trial {}: no body carries a sensor, so there are no actions", first);
   std::array<double, 2> greatest{};  // m/s, rad/s; maximum over the trials
   for (const std::size_t trial : trials) {
     for (const std::string& body : space.bodies) {

@@ -70,7 +70,7 @@ Files export_training(const DatasetReader& reader, std::size_t trial, OutputFold
   const std::vector<std::string> names = papillarrays_of(reader, trial);
   const std::vector<std::string>& asked = options.sensors.empty() ? names : options.sensors;
   if (asked.size() != 1 || std::ranges::find(names, asked.front()) == names.end()) {
-    reject("trial {}: training-csv holds one papillarray; which? allowed: {}", trial, fmt::join(names, ", "));
+    reject("trial {}: training-csv contains one papillarray; choose one with --sensor: {}", trial, fmt::join(names, ", "));
   }
   const TrialRecord record = reader.read_trial(trial);
   const auto sensor = std::ranges::find(record.sensors, asked.front(), &SensorRecord::name);
@@ -93,7 +93,8 @@ Files export_tables(const DatasetReader& reader, std::size_t trial, OutputFolder
 
 Files export_slip(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> names = chosen_sensors(reader, trial, options.sensors);
-  if (names.size() != 1) reject("trial {}: slip-csv holds one biotac_sp; which? allowed: {}", trial, fmt::join(names, ", "));
+  if (names.size() != 1)
+    reject("trial {}: slip-csv contains one biotac_sp; choose one with --sensor: {}", trial, fmt::join(names, ", "));
   const SlipRecording recording = slip_csv(reader, trial, names.front());
   return {out.write(recording.name, {"recording of 24 electrodes", &begins_as_slip_csv}, recording.text)};
 }
@@ -186,12 +187,12 @@ constexpr std::array formats{
     FormatKind{ExportFormat::mcap, "mcap", true, true},
     FormatKind{ExportFormat::rosbag2, "rosbag2", true, true},
     FormatKind{ExportFormat::vendor_csv, "vendor-csv", false, false, true, "", &export_vendor},
-    FormatKind{ExportFormat::training_csv, "training-csv", false, false, true, "has 1000 rows a second", &export_training},
-    FormatKind{ExportFormat::grasp_csv, "grasp-csv", false, false, true, "has a row a grasp"},
-    FormatKind{ExportFormat::myrmex_csv, "myrmex-csv", true, false, true, "has every image of the sensor and no time beside them",
+    FormatKind{ExportFormat::training_csv, "training-csv", false, false, true, "has 1000 rows per second", &export_training},
+    FormatKind{ExportFormat::grasp_csv, "grasp-csv", false, false, true, "has one row per grasp"},
+    FormatKind{ExportFormat::myrmex_csv, "myrmex-csv", true, false, true, "has every image of the sensor, without times",
                &export_images},
     FormatKind{ExportFormat::myrmex_rotated, "myrmex-rotated", true, true, false, "", &export_archive},
-    FormatKind{ExportFormat::slip_csv, "slip-csv", false, false, true, "has 100 rows a second", &export_slip}};
+    FormatKind{ExportFormat::slip_csv, "slip-csv", false, false, true, "has 100 rows per second", &export_slip}};
 
 const FormatKind& kind_of(ExportFormat format) { return *std::ranges::find(formats, format, &FormatKind::format); }
 
@@ -211,7 +212,7 @@ void check_labels(const DatasetReader& reader, const ExportOptions& options) {
     reader.check_truth(fmt::format("--labels {}", slip_rule_name(*options.slip_rule)),
                        "--labels recorded, the labels of the recordings");
   } else if (options.recorded && reader.header().truth.empty()) {
-    reject("{}: is simulated and has no labels recorded; allowed: --labels {}", reader.files().front(),
+    reject("{}: is simulated, so it has no recorded labels; allowed: --labels {}", reader.files().front(),
            fmt::join(slip_rule_names(), ", "));
   }
 }
@@ -220,18 +221,17 @@ void check_labels(const DatasetReader& reader, const ExportOptions& options) {
 // no recording, or if the format needs the truth and the dataset has none.
 std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
   const std::string path = reader.files().front();
-  if (reader.trials().empty()) reject("{}: holds no trial", path);
+  if (reader.trials().empty()) reject("{}: contains no trial", path);
   if (!kind_of(options.format).of_readings) {
-    reader.check_truth(
-        fmt::format("--format {}", export_format_name(options.format)),
-        fmt::format("a dataset that slipbench has simulated, or --format {}", names_with(&FormatKind::of_readings)));
+    reader.check_truth(fmt::format("--format {}", export_format_name(options.format)),
+                       fmt::format("a simulated dataset, or --format {}", names_with(&FormatKind::of_readings)));
   }
   std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
   if (!options.split.empty()) {
     const std::vector<std::size_t> members = reader.mask(options.split);
     std::erase_if(trials, [&](std::size_t trial) { return std::ranges::find(members, trial) == members.end(); });
     if (trials.empty()) {
-      reject("{}: the split '{}' holds {}; allowed: another --split, or none", path, options.split,
+      reject("{}: the split '{}' contains {}; choose another --split", path, options.split,
              options.trial ? fmt::format("no trial {}", *options.trial) : "no trial");
     }
   }
@@ -271,7 +271,7 @@ void check_packed(const std::string& path, const TextKind& kind) {
   file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
   beginning.resize(static_cast<std::size_t>(file.gcount()));
   if (beginning.empty() || kind.begins(beginning_of_gzip(beginning))) return;
-  reject("cannot write {0}: {0} exists and is no {1}; allowed: a new name, or a {1} to replace", path, kind.name);
+  reject("cannot write {0}: {0} exists and is not a {1}; choose a new name, or a {1} to replace", path, kind.name);
 }
 
 constexpr int level = 4;               // as in datasets
@@ -297,8 +297,9 @@ std::vector<std::string> sensors_of(const DatasetReader& reader, const std::vect
   for (const std::size_t trial : trials) {
     const std::vector<std::string> found = chosen_sensors(reader, trial, options.sensors);
     if (found != sensors && is_python_format(options.format)) {
-      reject("trial {} has the sensors {}, trial {} has {}; allowed: --sensors with those that all trials have, or --trial",
-             trial, fmt::join(found, ", "), trials.front(), fmt::join(sensors, ", "));
+      reject(
+          "trial {} has the sensors {}, but trial {} has {}; choose the sensors that all trials have with --sensors, or one trial with --trial",
+          trial, fmt::join(found, ", "), trials.front(), fmt::join(sensors, ", "));
     }
     for (const std::string& name : found) {
       if (std::ranges::find(sensors, name) == sensors.end()) sensors.push_back(name);
@@ -336,7 +337,7 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
   const int file = ::memfd_create("slipbench-export", 0);
   for (std::size_t done = 0; done < text.size();) {
     const ::ssize_t count = ::write(file, text.data() + done, text.size() - done);
-    if (count < 0 && errno != EINTR) reject("export: the request cannot be handed to Python: {}", std::strerror(errno));
+    if (count < 0 && errno != EINTR) reject("export: cannot pass the request to Python: {}", std::strerror(errno));
     done += count < 0 ? 0 : static_cast<std::size_t>(count);
   }
   module.start(fmt::format("/proc/self/fd/{}", file));
@@ -359,30 +360,30 @@ void check_export_options(const ExportOptions& options) {
   const bool pillars_only = is_pillar_log(options.format);
   if (options.label_speed && !(pillars_only && is_of_the_tip(options))) {
     reject(
-        "a label speed was given, which the slip rule '{}' of {} does not have; allowed: --label-speed with --slip paper or --slip has_slipped "
-        "of vendor-csv and training-csv",
+        "the slip rule '{}' of {} has no label speed; --label-speed needs --slip paper or --slip has_slipped "
+        "with vendor-csv or training-csv",
         slip_rule_name(slip_rule(options)), kind.name);
   }
   if (options.slip_rule && !pillars_only) {
     if (!kind.every_rule) {
-      reject("{} holds no state by a rule; allowed: --labels with vendor-csv, training-csv, {}", kind.name,
+      reject("{} contains no states by a rule; --labels needs vendor-csv, training-csv, {}", kind.name,
              names_with(&FormatKind::every_rule));
     }
     if (*options.slip_rule == SlipRule::has_slipped) {
-      reject("{} holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper", kind.name);
+      reject("{} contains no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper", kind.name);
     }
   }
   if (options.rate && !kind.one_rate.empty()) {
-    reject("a rate was given, and the layout of {} {}; allowed: --rate with the other formats", kind.name, kind.one_rate);
+    reject("--rate cannot be combined with {}, which {}", kind.name, kind.one_rate);
   }
   if (options.compress && !kind.to_compress) {
-    reject("{} is compressed as it is; allowed: --compress with {}", kind.name, names_with(&FormatKind::to_compress));
+    reject("{} is always compressed; --compress needs {}", kind.name, names_with(&FormatKind::to_compress));
   }
   if (!options.sensors.empty() && options.format == ExportFormat::grasp_csv) {
-    throw InputError("the layout of grasp-csv has the sensors ff, mf and th; allowed: --sensors with the other formats");
+    throw InputError("grasp-csv always contains the sensors ff, mf and th; leave --sensors out");
   }
   if (options.points && options.format != ExportFormat::lerobot)
-    reject("{} has no points of units; allowed: --points with lerobot", kind.name);
+    reject("{} cannot contain points of units; --points needs lerobot", kind.name);
   if (!options.licence.empty()) check_licence(options);
   const std::vector<std::string> splits{"train", "valid", "test"};
   if (!options.split.empty() && std::ranges::find(splits, options.split) == splits.end()) {
@@ -424,8 +425,8 @@ std::string OutputFolder::prepare(const std::string& name) {
   // Sensors, materials and channels name the files, and an untrusted dataset may hold any text.
   const std::filesystem::path parts(name);
   if (printable(name) != name || parts.is_absolute() || std::ranges::find(parts, std::filesystem::path("..")) != parts.end()) {
-    reject("cannot write a file called {}; allowed: names of the dataset without control characters, that stay in {}",
-           quote(name), path_);
+    reject("cannot write a file called {}; names in the dataset must not have control characters or lead out of {}", quote(name),
+           path_);
   }
   make(path_);
   const std::filesystem::path path = std::filesystem::path(path_) / name;
@@ -449,7 +450,7 @@ void OutputFolder::make(const std::string& folder) {
   }
   const int reason = errno;
   if (reason == EEXIST && std::filesystem::is_directory(folder)) return;
-  reject("cannot make folder {}: {}; allowed: a folder, or a new name in one that is there", folder, std::strerror(reason));
+  reject("cannot create the folder {}: {}", folder, std::strerror(reason));
 }
 
 std::string gzip(std::string_view text) {

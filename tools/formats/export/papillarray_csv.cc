@@ -123,7 +123,7 @@ std::string millimetres(float metres) {
 bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us,S0_P0_DX,"); }
 
 std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
-  if (sensors.size() > 2) reject("the vendor's log holds up to 2 sensors, found {}", sensors.size());
+  if (sensors.size() > 2) reject("the vendor's log contains up to 2 sensors, found {}", sensors.size());
   std::vector<std::array<bool, pillars>> touched(sensors.size());
   fmt::memory_buffer text;
   fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(vendor_log_columns(sensors.size()), ","));
@@ -131,7 +131,8 @@ std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
     fmt::format_to(std::back_inserter(text), "{}", std::llround(1e6 * sensors[0].time(row)));
     for (std::size_t s = 0; s < sensors.size(); ++s) {
       if (sensors[s].size() != sensors[0].size() || sensors[s].time(row) != sensors[0].time(row)) {
-        throw InputError("the vendor's log has one time for all sensors; those of this trial are sampled at different times");
+        throw InputError(
+            "the vendor's log has one time for all sensors, but the sensors of this trial are sampled at different times");
       }
       append_sensor(text, sensors[s], row, touched[s]);
     }
@@ -148,7 +149,8 @@ bool begins_as_training_csv(std::string_view text) {
 
 std::string training_csv(const PapillarraySamples& samples, double rate) {
   if (rate != training_rate) {
-    reject("training-csv is sampled at {} Hz, the sensor at {} Hz; run the scene with that rate", training_rate, rate);
+    reject("training-csv is sampled at {} Hz, but the sensor at {} Hz; run the scene with the rate of training-csv",
+           training_rate, rate);
   }
   fmt::memory_buffer text;
   auto out = std::back_inserter(text);

@@ -193,7 +193,7 @@ void check_robomimic_target(const std::string& path, const std::vector<std::stri
     const Found found = found_at(name);
     // A killed export leaves the temporary name, which the next run replaces.
     if (found == Found::own || (found == Found::damaged && name != path)) continue;
-    reject("cannot write {}: {} exists and is no {}; allowed: a new name, or a {} to replace", path, name, any.name, any.name);
+    reject("cannot write {}: {} exists and is not a {}; choose a new name, or a {} to replace", path, name, any.name, any.name);
   }
 }
 

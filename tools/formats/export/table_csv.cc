@@ -50,7 +50,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
   std::size_t expected = 0;
   for (const SensorColumn& column : sensor.channels) expected += column.row_size();
   if (sensor.channel_names.size() != expected) {
-    reject("sensor {}: {} names for {} values a sample", sensor.name, sensor.channel_names.size(), expected);
+    reject("sensor {}: {} names for {} values per sample", sensor.name, sensor.channel_names.size(), expected);
   }
   const SensorView view = sensor_view(sensor.type);
   std::vector<NamedColumn> columns;

@@ -30,13 +30,13 @@ DosName dos_name(const SourceFile& file) {
   const std::filesystem::path path = std::filesystem::absolute(file.path).lexically_normal();
   DosName name{path.parent_path().filename().string(), path.stem().string(), ""};
   if (std::ranges::find(dos_classes, name.slip_class) == dos_classes.end()) {
-    reject("{}: lies in a folder called {}; allowed: {}, the class of its recordings", file.path, quote(name.slip_class),
-           fmt::join(dos_classes, ", "));
+    reject("{}: is in a folder called {}; the folder must be named after the class of its recordings: {}", file.path,
+           quote(name.slip_class), fmt::join(dos_classes, ", "));
   }
   const std::size_t letters = name.object.find_last_not_of("0123456789") + 1;
   name.number = name.object.substr(letters);
   name.object.resize(letters);
-  if (name.object.empty()) reject("{}: its name says no object; allowed: object and number, as in case112.csv", file.path);
+  if (name.object.empty()) reject("{}: its name has no object; expected object and number, such as case112.csv", file.path);
   return name;
 }
 
@@ -69,7 +69,7 @@ void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
     for (std::size_t e = 0; e < finger_electrodes; ++e)
       sensor.channels[0].values.push_back(static_cast<float>(table.number(e, columns[e], 0.0, most_counts)));
   }
-  if (sensor.time.empty()) table.fail("is the only line; allowed: a header and a row a sample");
+  if (sensor.time.empty()) table.fail("is the only line; expected a header and one row per sample");
   const PadState state = name.slip_class == "t" ? PadState::non_slip : PadState::gross;
   sensor.labels.rule = dos_rule;
   sensor.labels.state_paper.assign(sensor.time.size(), static_cast<std::uint8_t>(state));
@@ -95,7 +95,7 @@ void read_bts3v2(const SourceFile& file, const AddRecording& add) {
   while (table.next()) {
     table.expect_cells(columns.size());
     const std::string object(table.cells()[0]);
-    if (!is_plain_name(object)) table.fail(fmt::format("column 1, object, is {}; allowed: a name", quote(object)));
+    if (!is_plain_name(object)) table.fail(fmt::format("column 1, object, is {}; expected a name", quote(object)));
     const bool slipped = table.flag(1, "slipped");
     Json params{{"object", object}};
     if (!palm.empty()) params["palm"] = palm;
@@ -115,7 +115,7 @@ void read_bts3v2(const SourceFile& file, const AddRecording& add) {
     }
     add(std::move(record), 0);
   }
-  if (table.line() == 1) table.fail("is the only line; allowed: a header and a row a grasp");
+  if (table.line() == 1) table.fail("is the only line; expected a header and one row per grasp");
 }
 
 }  // namespace slipbench

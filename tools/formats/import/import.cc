@@ -22,13 +22,13 @@ namespace {
 
 // All formats in the order of the help.
 constexpr std::array<ImportFormat, 4> import_catalogue{{
-    {"bts3v2", "grasps with three BioTac SP, a row a grasp: object, whether it slipped, 72 electrodes before the lift", "object",
-     &read_bts3v2},
-    {"biotacsp-dos", "a BioTac SP that slides, turns or rests, CLASS/OBJECT<number>.csv: 24 electrodes, 100 rows a second",
+    {"bts3v2", "grasps with three BioTac SP, one row per grasp: object, whether it slipped, 72 electrodes before the lift",
+     "object", &read_bts3v2},
+    {"biotacsp-dos", "a BioTac SP that slides, turns or rests, CLASS/OBJECT<number>.csv: 24 electrodes, 100 rows per second",
      "object", &read_biotacsp_dos},
-    {"papillarray-csv", "the PapillArray vendor's logs of one or two sensors, a file a recording", "trial",
+    {"papillarray-csv", "logs of the PapillArray vendor's software with one or two sensors, one file per recording", "trial",
      &read_papillarray_csv},
-    {"training-csv", "the PapillArray's published training files: 73 columns, no header, a file a recording", "trial",
+    {"training-csv", "published training files of the PapillArray: 73 columns, no header, one file per recording", "trial",
      &read_training_csv},
 }};
 
@@ -52,7 +52,7 @@ class FolderScan {
       reject("{}: cannot be read: {}", folder_, error.code().message());
     }
     if (found_.empty())
-      reject("{}: the folder holds no file {}; name a file, or a folder with some", folder_, fmt::join(endings_, ", "));
+      reject("{}: the folder contains no file {}; give a file, or a folder with such files", folder_, fmt::join(endings_, ", "));
     std::ranges::sort(found_);
     return std::move(found_);
   }
@@ -152,10 +152,10 @@ void RecordingWriter::warn_of_timing(const SensorRecord& sensor, double unit, co
   if (!steps_vary(*sensor.timing)) return;
   const std::string timing = timing_text(*sensor.timing, sensor.time.front());
   if (evenly_spaced(sensor.time, sensor.timing->resolution)) {
-    warn(path, fmt::format("{}the steps between its samples vary: {}", subject, timing));
+    warn(path, fmt::format("{}the time between samples varies: {}", subject, timing));
   } else {
-    warn(path, fmt::format("{}its samples are not evenly spaced: {}; detectors that count samples refuse it unless it is "
-                           "imported with --rate RATE",
+    warn(path, fmt::format("{}its samples are not evenly spaced: {}; for detectors that count samples, import it "
+                           "with --rate RATE",
                            subject, timing));
   }
 }
@@ -168,7 +168,7 @@ void RecordingWriter::resample_and_note(TrialRecord& record, const std::string& 
   params["resampled"] = {{"rate_hz", rate}, {"samples_in_gaps", in_gaps}};
   record.params = params.dump();
   if (in_gaps > 0)
-    warn(path, fmt::format("{} of {} samples at {} lie in gaps of the recording and are on straight lines across them", in_gaps,
+    warn(path, fmt::format("{} of {} samples at {} lie in gaps of the recording and are interpolated linearly", in_gaps,
                            record.num_samples(), format_quantity(rate, Quantity::frequency)));
 }
 
@@ -218,9 +218,9 @@ std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, co
   std::vector<SourceFile> files;
   std::set<fs::path> seen;
   for (const std::string& path : paths) {
-    if (!is_plain_name(path)) reject("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", path);
+    if (!is_plain_name(path)) reject("{}: is not a valid name in a dataset; allowed: UTF-8 without control characters", path);
     std::error_code error;
-    if (!seen.insert(fs::canonical(path, error)).second) reject("{}: is named twice; allowed: each source once", path);
+    if (!seen.insert(fs::canonical(path, error)).second) reject("{}: is given twice", path);
     files.push_back({path, fs::absolute(path).lexically_normal().lexically_relative(common_folder(folders)).string()});
   }
   return files;

@@ -31,7 +31,7 @@ constexpr const char* device_frame =
 // Names of the header. The manual prints those of the second sensor's slip detection with the first
 // sensor's number, so both are accepted.
 std::vector<std::string> read_log_header(SourceTable& table) {
-  if (!table.next()) table.fail("the file is empty; allowed: a header that begins with T_us");
+  if (!table.next()) table.fail("the file is empty; expected a header that begins with T_us");
   const std::size_t found = table.cells().size();
   const std::size_t sensors = found > log_sensor_columns + 1 ? 2 : 1;
   std::vector<std::string> names = vendor_log_columns(sensors);
@@ -40,9 +40,9 @@ std::vector<std::string> read_log_header(SourceTable& table) {
     const bool printed = i > log_sensor_columns + log_active_column &&
                          names[i].substr(2) == cell.substr(std::min<std::size_t>(2, cell.size())) && cell.starts_with("S0");
     if (cell != names[i] && !printed)
-      table.fail(fmt::format("column {} is called {}; allowed: '{}'", i + 1, quote(cell), names[i]));
+      table.fail(fmt::format("column {} is called {}; expected '{}'", i + 1, quote(cell), names[i]));
   }
-  if (found != names.size()) table.fail(fmt::format("has {} columns; allowed: 82 for one sensor, 163 for two", found));
+  if (found != names.size()) table.fail(fmt::format("has {} columns; expected 82 for one sensor or 163 for two", found));
   return names;
 }
 
@@ -151,7 +151,7 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
     table.expect_room(time.size() + 1, 2 * sizeof(float) * names.size());
     const double now = table.number(0, "T_us", smallest_log_time, latest_log) / 1e6;
     if (!time.empty() && !(now > time.back())) {
-      table.fail(fmt::format("column 1, T_us, is '{}' after {:.0f}; allowed: rising times, or the same row again",
+      table.fail(fmt::format("column 1, T_us, is '{}' after {:.0f}; expected ascending times, or a repeated row",
                              table.cells()[0], 1e6 * time.back()));
     }
     time.push_back(now);
@@ -189,7 +189,7 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
     table.expect_room(sensor.time.size() + 1, sizeof(double) + training_columns * sizeof(float));
     const double now = table.number(0, columns[0], -latest_training, latest_training);
     if (!sensor.time.empty() && !(now > sensor.time.back()))
-      table.fail(fmt::format("column 1, time, is '{}' after {}; allowed: rising times", table.cells()[0], sensor.time.back()));
+      table.fail(fmt::format("column 1, time, is '{}' after {}; expected ascending times", table.cells()[0], sensor.time.back()));
     sensor.time.push_back(now);
     resolution = std::min(resolution, resolution_of(table.cells()[0]));
     std::size_t touching = 0, slipping = 0;

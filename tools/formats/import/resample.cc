@@ -59,9 +59,9 @@ std::size_t row_bytes(const SensorRecord& sensor) {
 std::vector<double> instants_of(const SensorRecord& sensor, double rate, const std::string& place) {
   const double steps = std::floor((sensor.time.back() - sensor.time.front()) * rate + time_rounding);
   if (steps < 1.0)
-    reject("{}: has fewer than two samples at {}; allowed: a higher --rate", place, format_quantity(rate, Quantity::frequency));
+    reject("{}: has fewer than two samples at {}; use a higher --rate", place, format_quantity(rate, Quantity::frequency));
   if (steps > most_instants || (steps + 1.0) * static_cast<double>(row_bytes(sensor)) > static_cast<double>(largest_recording))
-    reject("{}: takes more than {} MB at {}; allowed: a lower --rate", place, largest_recording / 1'000'000,
+    reject("{}: needs more than {} MB at {}; use a lower --rate", place, largest_recording / 1'000'000,
            format_quantity(rate, Quantity::frequency));
   std::vector<double> instants;
   for (std::size_t k = 0; k <= static_cast<std::size_t>(steps); ++k)
@@ -71,12 +71,11 @@ std::vector<double> instants_of(const SensorRecord& sensor, double rate, const s
 
 // Returns the number of new samples in gaps.
 std::size_t resample_sensor(SensorRecord& sensor, double rate, const std::string& place) {
-  if (sensor.time.size() < 2)
-    reject("{}: holds one sample, which has no rate; allowed: recordings of two samples or more with --rate", place);
+  if (sensor.time.size() < 2) reject("{}: has one sample; --rate needs recordings of two samples or more", place);
   const SampleTiming timing = sensor.timing ? *sensor.timing : timing_of(sensor.time, 0.0);
   const double most = std::max(timing.mean_rate, timing.median_rate);
   if (rate > most && !same_rate(rate, most)) {
-    reject("{}: --rate {} is above the {:.6g} Hz of the recording; allowed: up to that rate, within 1 %", place,
+    reject("{}: --rate {} must not exceed the rate of the recording, {:.6g} Hz, by more than 1 %", place,
            format_quantity(rate, Quantity::frequency), most);
   }
   std::vector<double> instants = instants_of(sensor, rate, place);

@@ -43,7 +43,7 @@ bool SourceTable::next() {
   if (stream_.bad()) reject("{}: cannot be read", path_);
   if (stream_.eof() && stream_.gcount() == 0) return false;
   ++line_;
-  if (stream_.fail()) fail(fmt::format("is longer than {} bytes; allowed: lines of text", longest_line));
+  if (stream_.fail()) fail(fmt::format("is longer than {} bytes; expected lines of text", longest_line));
   std::size_t size = static_cast<std::size_t>(stream_.gcount()) - (stream_.eof() ? 0 : 1);  // getline() counts the line end
   if (size > 0 && buffer_[size - 1] == '\r') --size;
   text_ = {buffer_.data(), size};
@@ -71,16 +71,16 @@ void SourceTable::refuse(std::size_t cell, std::string_view name, const std::str
 }
 
 void SourceTable::expect_header(std::span<const std::string> names) {
-  if (!next()) reject("{}:1: the file is empty; allowed: a header that begins with {}", path_, names.front());
+  if (!next()) reject("{}:1: the file is empty; expected a header that begins with {}", path_, names.front());
   for (std::size_t i = 0; i < std::min(names.size(), cells_.size()); ++i) {
-    if (cells_[i] != names[i]) fail(fmt::format("column {} is called {}; allowed: '{}'", i + 1, quote(cells_[i]), names[i]));
+    if (cells_[i] != names[i]) fail(fmt::format("column {} is called {}; expected '{}'", i + 1, quote(cells_[i]), names[i]));
   }
   expect_cells(names.size());
 }
 
 void SourceTable::expect_cells(std::size_t count) const {
   if (cells_.size() != count)
-    fail(fmt::format("has {} column{}; allowed: {}", cells_.size(), cells_.size() == 1 ? "" : "s", count));
+    fail(fmt::format("has {} column{}; expected {}", cells_.size(), cells_.size() == 1 ? "" : "s", count));
 }
 
 double SourceTable::number(std::size_t cell, std::string_view name, double least, double most) const {
@@ -115,8 +115,8 @@ bool SourceTable::flag(std::size_t cell, std::string_view name) const {
 
 void SourceTable::expect_room(std::size_t rows, std::size_t row_bytes) const {
   if (rows * row_bytes > largest_recording) {
-    fail(fmt::format("is row {} of one recording, which takes more than {} MB; allowed: shorter ones, the file cut in parts",
-                     rows, largest_recording / 1'000'000));
+    fail(fmt::format("is row {} of one recording, which needs more than {} MB; split the file", rows,
+                     largest_recording / 1'000'000));
   }
 }
 
@@ -185,7 +185,7 @@ double resolution_of(std::string_view number) {
 
 void set_timing(const SourceTable& table, double resolution, SensorRecord& sensor) {
   if (sensor.time.size() < 2)
-    table.fail(fmt::format("ends a recording of {}; allowed: two samples at least, which tell the rate",
+    table.fail(fmt::format("ends a recording of {}; at least two are needed to determine the rate",
                            counted(sensor.time.size(), "sample")));
   sensor.rate = rate_of(sensor.time, resolution);
   sensor.timing = timing_of(sensor.time, resolution);

@@ -97,14 +97,14 @@ sb.chartTitle = (name, note) => el('div.chart-title', {}, el('span', {}, el('b',
 // Section of a sensor's channels; null if every channel is a curve of its units.
 sb.channelSection = (recording, timeline) => {
   if (!recording.channels.length && !recording.spectra.length) return null;
-  const section = sb.section('What the sensor emits', '');
+  const section = sb.section('Readings of the sensor', '');
   const charts = recording.channels.map(channel => channelCharts(channel, recording, timeline));
   return {
     section,
     draw() {
       for (const spectrum of recording.spectra) {
-        const note = 'windows of ' + sb.quantity(spectrum.window_s * 1e3, 'ms') + ', without their straight line, Hamming; ' +
-            decades + ' decades below the strongest are dark';
+        const note = 'windows of ' + sb.quantity(spectrum.window_s * 1e3, 'ms') + ', detrended, Hamming; ' +
+            decades + ' decades below the maximum are dark';
         section.append(sb.chartTitle('Spectrogram of ' + spectrum.name + ', Hz', note));
         new Spectrogram(section, timeline, spectrum, 110);
       }

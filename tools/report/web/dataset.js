@@ -56,11 +56,11 @@ function swept() {
   });
   const same = constant.map(axis => sb.pathWord(axis.path) + ' ' + sb.parameter(page.trials[0].params[axis.path])).join(', ');
   return sb.section(
-      'What was swept',
+      'Swept parameters',
       [
-        rows.length ? 'One tick a trial; the scale is logarithmic where the values span a factor of eight or more.' :
-                      'Nothing differs between the trials but their seeds.',
-        same && ' The same in all trials: ' + same + '.'
+        rows.length ? 'One tick per trial; the scale is logarithmic if the values span a factor of eight or more.' :
+                      'The trials differ only in their seeds.',
+        same && ' Equal in all trials: ' + same + '.'
       ],
       rows.length > 0 && el('table.swept', {}, el('tbody', {}, rows.map(cells => el('tr', {}, cells)))));
 }
@@ -119,9 +119,9 @@ function durations(sensor) {
   const values = page.trials.map(trial => trial.sensors[sensor].incipient_s).filter(value => value !== null);
   const never = page.trials.filter(trial => trial.sensors[sensor].gross_s === null).length;
   const section = sb.section(
-      'How long the incipient phase lasts',
+      'Duration of the incipient phase',
       'From the first micro-slip to gross slip. ' +
-          (never ? never + ' of ' + page.trials.length + ' trials never reach gross slip.' : 'All trials reach gross slip.'));
+          (never ? never + ' of ' + page.trials.length + ' trials do not reach gross slip.' : 'All trials reach gross slip.'));
   if (values.length < 2) return section;
   const [low, high] = d3.extent(values).map(value => value * 1e3);
   const logarithmic = wide([low, high], 8);
@@ -253,7 +253,7 @@ function scatterPicture(host, axis, happened, {name, times, logarithmic, encoded
 // Times against the swept parameters.
 function scatter(sensor, open) {
   const numeric = varied.filter(axis => axis.numeric);
-  const heading = el('h2', {}, 'When units let go');
+  const heading = el('h2', {}, 'Times of slip');
   if (!numeric.length) return el('section', {}, heading, el('p.note', {}, 'No numeric parameter was swept.'));
   const rank = axis => preferred.includes(axis.path) ? preferred.indexOf(axis.path) : preferred.length;
   const axes = numeric.slice().sort((a, b) => rank(a) - rank(b)).slice(0, 6);
@@ -286,8 +286,8 @@ function scatter(sensor, open) {
     legend.replaceChildren(...encoded.legend);
     const happened = page.trials.filter(trial => times(trial) !== null);
     const never = page.trials.length - happened.length;
-    note.textContent = 'One point a trial. ' +
-        (never ? never + ' of ' + page.trials.length + ' trials do not get that far and are not shown. ' : '') +
+    note.textContent = 'One point per trial. ' +
+        (never ? never + ' of ' + page.trials.length + ' trials do not reach this state and are not shown. ' : '') +
         'Hover for its values, click to open it.';
     host.replaceChildren();
     if (!happened.length) return;
@@ -319,13 +319,13 @@ const slipColumns = sensor => {
 };
 const graspColumns = [
   word('grasp', ({grasp}) => grasp && sb.graspEnd(grasp), ({grasp}) => grasp ? sb.graspEnd(grasp) : '–'),
-  number('slipped, mm', ({grasp}) => grasp?.slip_m, 2, 1e3),
-  number('turned, °', ({grasp}) => grasp?.rotation_rad, 2, 180 / Math.PI),
-  number('largest force, N', ({grasp}) => grasp?.max_force_N, 2),
+  number('slip, mm', ({grasp}) => grasp?.slip_m, 2, 1e3),
+  number('rotation, °', ({grasp}) => grasp?.rotation_rad, 2, 180 / Math.PI),
+  number('max. force, N', ({grasp}) => grasp?.max_force_N, 2),
   number('ideal force, N', ({grasp}) => grasp?.ideal_force_N, 2), number('reaction, ms', ({grasp}) => grasp?.reaction_s, 0, 1e3)
 ];
 const detectorColumns = [
-  word('detector', ({detector}) => detector?.detection, ({detector}) => detector ? detector.detection.replace('_', ' ') : '–'),
+  word('detector', ({detector}) => detector?.detection, ({detector}) => detector ? detector.detection.replace('seen', 'detected').replace('_', ' ') : '–'),
   number('delay, ms', ({detector}) => detector?.delay_s, 1, 1e3)
 ];
 
@@ -369,12 +369,12 @@ function table(sensor, open) {
   const embedded = page.trials.filter(trial => sb.isEmbedded(trial.index)).length;
   const others = sensor ?
       [
-        'The curves of ' + embedded + ' of ' + page.trials.length + ' trials are in this page; for another one run ',
+        'This page contains the curves of ' + embedded + ' of ' + page.trials.length + ' trials; for another trial run ',
         el('code', {}, 'slipbench report ' + page.file + ' --trial K'), '.'
       ] :
       [
         'Only outcomes were recorded; ', el('code', {}, sb.replayCommand(page.trials[0])),
-        ' runs a trial again with its recording.'
+        ' repeats a trial with its recording.'
       ];
   const save = sb.saveButtons('Trials', null, () => [
     columns.map(({title}) => title), ...rows.order().map(trial => columns.map(({cell: shown}) => shown(trial)))

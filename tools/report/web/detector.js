@@ -9,7 +9,7 @@ const confusionTable = counts => sb.table(
     [
       {title: 'truth', kind: 'text', cell: truth => el('b', {}, sb.states.pad[truth].name)},
       ...sb.states.pad.map((state, seen) => ({
-        title: 'seen as ' + state.name,
+        title: 'detected as ' + state.name,
         cell: truth => seen === truth ? el('b', {}, String(counts[truth][seen])) : String(counts[truth][seen])
       })),
       {title: 'recall', cell: truth => truth === 0 ? '–' : sb.percent(sb.scores.recall(counts, truth))}
@@ -20,11 +20,11 @@ const confusionTable = counts => sb.table(
 sb.detectionFigure = detector => {
   const by = sb.detectorName(detector.type);
   return {
-    quiet: ['Slip seen', 'none', 'nothing slips; ' + by],
+    quiet: ['Detection', 'no alarm', 'nothing slips; ' + by],
     false_alarm: ['False alarm', sb.seconds(detector.false_alarm_s), 'nothing slips; ' + by],
-    early: ['Early alarm', sb.seconds(detector.false_alarm_s), 'before the slip, so without a delay; ' + by],
-    seen: ['Slip seen after', sb.milliseconds(detector.delay_s), 'at ' + sb.seconds(detector.detection_s) + '; ' + by],
-    missed: ['Slip seen', 'missed', by],
+    early: ['Early alarm', sb.seconds(detector.false_alarm_s), 'before the slip, so there is no delay; ' + by],
+    seen: ['Slip detected after', sb.milliseconds(detector.delay_s), 'at ' + sb.seconds(detector.detection_s) + '; ' + by],
+    missed: ['Detection', 'missed slip', by],
   }[detector.detection];
 };
 
@@ -49,15 +49,15 @@ function figuresTable(trials, counts) {
   const columns = [
     ['recall of slip', sb.percent(scores.recallOfSlip(counts))],
     ['balanced accuracy', sb.percent(scores.balancedAccuracy(counts))],
-    ['of any constant answer', sb.percent(scores.constantBalancedAccuracy(counts))],
+    ['of a constant detector', sb.percent(scores.constantBalancedAccuracy(counts))],
     ['median delay', sb.milliseconds(done.delay_s)],
     ['worst', sb.milliseconds(done.worst_s)],
-    ['seen', of(done.seen, done.slipping)],
+    ['detected', of(done.seen, done.slipping)],
     ['early', of(done.early, done.slipping)],
     ['missed', of(done.missed, done.slipping)],
     ['false alarms', of(done.falseAlarms, done.still)],
     ['accuracy', sb.percent(scores.accuracy(counts))],
-    ['of the best constant answer', sb.percent(scores.constantAccuracy(counts))],
+    ['of the best constant detector', sb.percent(scores.constantAccuracy(counts))],
   ];
   return sb.table(columns.map(([title, value]) => ({title, cell: () => value})), [null]);
 }
@@ -68,8 +68,8 @@ sb.detectorSection = trials => {
   const {type, sensor} = trials[0].detector;
   return sb.section(
       'Detector ' + sb.detectorName(type) + ' against the truth',
-      'Delays are of the trials seen: those without an alarm before the slip. Early: with one. Shares are of the samples in contact; recall of ' +
-          'slip: of those that slip, how many are seen as incipient or gross; balanced accuracy: mean of the recalls.',
+      'Delays are of detected slips, without an alarm before the slip. Early: with an alarm before it. Shares are of the samples in contact. Recall of ' +
+          'slip: share of the slipping samples that are detected as incipient or gross. Balanced accuracy: mean of the recalls.',
       figuresTable(trials, counts),
       type === 'truth' && sb.detections(trials).missed > 0 &&
           el('p.note', {},
@@ -77,7 +77,7 @@ sb.detectorSection = trials => {
                  'samples.'),
       el('p.note', {},
          'Samples of ' + sensor +
-             ' by true state (strict) and by the class that the loop saw at that instant, latency included.'),
+             ' by true state (strict) and by the class that was available in the loop at that time, latency included.'),
       confusionTable(counts));
 };
 

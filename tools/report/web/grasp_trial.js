@@ -53,25 +53,25 @@ function outcomeFigures(trial, grasp, recording) {
   const states = recording.padStates.strict;
   const slip_s = recording.time.find((t, sample) => t >= grasp.lift_s && states[sample] > 1);
   const early = trial.detector?.detection === 'early';
-  const closing = 'true slip to the drive’s closing';
+  const closing = 'from true slip to closing of the fingers';
   const reaction = ended.reaction_s !== null ?
       closing + (ended.dropped && slip_s + ended.reaction_s >= ended.drop_s ? ': after the drop' : '') :
-      early                ? 'does not apply: alarm before the slip' :
+      early                ? 'not applicable: alarm before the slip' :
       slip_s === undefined ? 'no slip in the lift' :
-                             'it slips, and the drive does not close';
+                             'the fingers do not close on the slip';
   const ratio = force => ended.ideal_force_N === null ? '' : sb.fixed(force / ended.ideal_force_N, 2) + ' × ideal';
-  const ideal = ended.ideal_force_N === null ? 'none holds' : sb.quantity(ended.ideal_force_N, 'N');
+  const ideal = ended.ideal_force_N === null ? 'no force holds' : sb.quantity(ended.ideal_force_N, 'N');
   const end = sb.graspEnd(ended);
-  const ifHeld = text => end === 'held' ? text : 'does not apply: ' + end;
+  const ifHeld = text => end === 'held' ? text : 'not applicable: ' + end;
   return sb.figures([
     end === 'dropped'    ? ['Outcome', end, 'at ' + sb.seconds(ended.drop_s), 'bad'] :
     end === 'not lifted' ? ['Outcome', end, 'the box stays on the table', 'bad'] :
-                           ['Outcome', end, 'to the trial’s end', 'good'],
+                           ['Outcome', end, 'until the end of the trial', 'good'],
     ['Slip of the box', sb.quantity(ended.slip_m, 'm'), ifHeld('in the arm’s frame, since the lift began')],
-    ['Turn of the box', sb.quantity(ended.rotation_rad, 'rad'), ifHeld('likewise')],
-    ['Largest grip force', sb.quantity(ended.max_force_N, 'N'), ratio(ended.max_force_N)],
+    ['Rotation of the box', sb.quantity(ended.rotation_rad, 'rad'), ifHeld('in the arm’s frame, since the lift began')],
+    ['Maximum grip force', sb.quantity(ended.max_force_N, 'N'), ratio(ended.max_force_N)],
     ['Final grip force', sb.quantity(ended.final_force_N, 'N'), end === 'held' ? ratio(ended.final_force_N) : ''],
-    ['Ideal grip force', ideal, 'm g / (2 μ_s), the least that holds'],
+    ['Ideal grip force', ideal, 'm g / (2 μ_s), the least force that holds'],
     ['Reaction', sb.milliseconds(ended.reaction_s), reaction],
     [
       'Controller', grasp.controller || 'none', 'on ' + (grasp.detector ? sb.detectorName(grasp.detector) : 'no detector'),
@@ -86,11 +86,11 @@ function readings(trial, grasp) {
   const at = (key, t, component) => grasp.valueAt(key, t, component), force = t => at('grip_force', t);
   const known = (value, decimals, unit) => isNaN(value) ? sb.missing : sb.fixed(value, decimals) + unit;
   return sb.readout([
-    ['phase', t => dropped && t >= drop_s ? 'dropped' : t < grasp.lift_s ? 'taking the box' : 'lifting, holding'],
+    ['phase', t => dropped && t >= drop_s ? 'dropped' : t < grasp.lift_s ? 'gripping the box' : 'lifting, holding'],
     ['grip force', t => sb.quantity(force(t), 'N')], ['height', t => sb.fixed(1e3 * at('height', t), 1) + ' mm'],
     ['force / ideal', t => ideal === null ? sb.missing : sb.fixed(force(t) / ideal, 2)],
     ['slip', t => known(1e3 * at('slip', t), 2, ' mm')], ['position', t => sb.fixed(at('position', t, 1), 0) + ' counts'],
-    ['turn', t => known(180 / Math.PI * at('rotation', t), 2, '°')], ['commanded', t => sb.fixed(at('position', t, 0), 0)]
+    ['rotation', t => known(180 / Math.PI * at('rotation', t), 2, '°')], ['commanded', t => sb.fixed(at('position', t, 0), 0)]
   ]);
 }
 
@@ -121,20 +121,20 @@ function charts(trial, grasp, recording, timeline) {
       });
       const [commanded, measured] = grasp.curves.position.columns;
       const span = d3.extent([...commanded, ...measured]);
-      chart('position', 'Position register, counts', 'measured (solid) and commanded (dashed); more is closer', ['fz', 'accent'], {
+      chart('position', 'Position register, counts', 'measured (solid) and commanded (dashed); higher is more closed', ['fz', 'accent'], {
         columns: [measured, commanded], labels: ['measured', 'commanded'], range: [span[0] - 2, span[1] + 2],
         step: true
       });
     }
     chart(
-        'height', 'Height of the box, mm', 'its middle, over where it stood (solid), and of the arm (dashed)', ['fx', 'soft']);
-    const slip = 'its middle in the arm’s frame since the lift began, give of pads and fingers included';
+        'height', 'Height of the box, mm', 'middle of the box above its start (solid), and of the arm (dashed)', ['fx', 'soft']);
+    const slip = 'middle of the box in the arm’s frame since the lift began, including the compliance of pads and fingers';
     chart('slip', 'Slip of the box, mm', slip, ['slip']);
-    chart('rotation', 'Turn of the box, °', 'likewise', ['fy'], {height: 80});
-    const note = seen && 'seen: what the loop saw of the detector ' + sb.detectorName(grasp.detector);
+    chart('rotation', 'Rotation of the box, °', 'in the arm’s frame since the lift began', ['fy'], {height: 80});
+    const note = seen && 'detected: class in the loop, from the detector ' + sb.detectorName(grasp.detector);
     host.append(sb.chartTitle('State of the contact', note), sb.stateLegend(sb.states.pad));
     const rows =
-        [...seen ? [['seen', seen]] : [], ['truth', bands]].map(([name, runs]) => ({name, runs, kinds: sb.states.pad}));
+        [...seen ? [['detected', seen]] : [], ['truth', bands]].map(([name, runs]) => ({name, runs, kinds: sb.states.pad}));
     new sb.StateRows(host, timeline, rows, 20, 'State of the contact');
   };
   return {node: host, draw};
@@ -149,7 +149,7 @@ sb.graspSection = (trial, grasp, recording, timeline, player) => {
   const controls = player(timeline);
   const numbers = readings(trial, grasp);
   const zoom = sb.segments('Picture', [[false, 'whole'], [true, 'pads']], false, close => view.zoom(close));
-  card.append(el('div.controls', {}, zoom, el('span', {}, 'drag to turn it')), controls.node, numbers.node);
+  card.append(el('div.controls', {}, zoom, el('span', {}, 'drag to rotate')), controls.node, numbers.node);
   const pictures = charts(trial, grasp, recording, timeline);
   const section = sb.section(
       'The grasp', '',
@@ -157,9 +157,9 @@ sb.graspSection = (trial, grasp, recording, timeline, player) => {
          el('div.side', {}, card, sb.stateLegend(sb.states.unit),
             el('p.note', {},
                'Colours: state of the sensor’s ' + sb.unitWords(recording.type) +
-                   ', behind the finger that is drawn clear. Dashed blue: where the ' +
-                   'box would be if it had not slipped since the lift began. Grid of the table: 50 mm. Only the pads’ and the box’s places and sizes are ' +
-                   'the model’s; fingers and palm are drawn for the eye.')),
+                   ', behind the transparent finger. Dashed blue: position of the ' +
+                   'box if it had not slipped since the lift began. Grid of the table: 50 mm. Pads and box are drawn as simulated; ' +
+                   'fingers and palm are only illustrations.')),
          pictures.node));
   const update = sample => {
     controls.update(sample);

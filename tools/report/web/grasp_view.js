@@ -187,7 +187,7 @@ class GraspView {
     const solids = this.solids(poses, this.recording.sampleAt(timeline.cursor));
     const attributes = {
       viewBox: [0, 0, width, height].join(' '), role: 'img',
-      'aria-label': 'Gripper, box and table at the cursor; drag to turn, double-click for the first view'
+      'aria-label': 'Gripper, box and table at the cursor; drag to rotate, double-click to reset the view'
     };
     const svg = mark('svg', attributes, this.table(), this.shadow(solids[0]),
                      drawingOrder(solids, camera.eye).map(one => facesOf(one, camera)), this.unslipped(poses, solids[0]));

@@ -46,14 +46,14 @@ const quantities = [
   share(
       'gentle', 'share held, force ≤ ' + gentle + ' × ideal',
       trial => ratioOf(trial) === null ? null : sb.graspEnd(trial.grasp) === 'held' && ratioOf(trial) <= gentle),
-  median('slip', 'slip of the held', 'mm', ({grasp}) => times(grasp.slip_m, 1e3)),
-  median('turn', 'turn of the held', '°', ({grasp}) => times(grasp.rotation_rad, 180 / Math.PI)),
-  median('ratio', 'of largest over ideal force', '', ratioOf),
-  median('reaction', 'time to react', 'ms', ({grasp}) => times(grasp.reaction_s, 1e3)),
+  median('slip', 'slip of held boxes', 'mm', ({grasp}) => times(grasp.slip_m, 1e3)),
+  median('turn', 'rotation of held boxes', '°', ({grasp}) => times(grasp.rotation_rad, 180 / Math.PI)),
+  median('ratio', 'of maximum/ideal force', '', ratioOf),
+  median('reaction', 'reaction time', 'ms', ({grasp}) => times(grasp.reaction_s, 1e3)),
   median(
       'delay', 'delay of the detector', 'ms', ({detector}) => detector?.detection === 'seen' ? 1e3 * detector.delay_s : null),
   share(
-      'seen', 'share of slips seen, without an early alarm',
+      'seen', 'share of slips detected without an early alarm',
       ({detector}) => slips.includes(detector?.detection) ? detector.detection === 'seen' : null)
 ];
 // Outcome of a box: held, dropped, or not lifted, which is neither.
@@ -61,7 +61,7 @@ sb.graspEnd = grasp => grasp.dropped ? 'dropped' : grasp.not_lifted ? 'not lifte
 const ended = (trials, end) => trials.filter(({grasp}) => sb.graspEnd(grasp) === end).length;
 const held = trials => ended(trials, 'held');
 const medians = quantities.filter(quantity => quantity.one);
-const medianHeads = ['slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'delay, ms'];
+const medianHeads = ['slip, mm', 'turn, °', 'max./ideal force', 'reaction, ms', 'delay, ms'];
 // Number of good trials, and of trials with a known result.
 const countOf = (quantity, trials) => {
   const judged = known(trials, quantity.good);
@@ -246,9 +246,9 @@ function overview(swept) {
     detected('balanced accuracy', trials => sb.percent(balancedOf(trials)))
   ];
   return sb.section(
-      'How the grasps ended',
-      'Medians; slip and turn of the trials held, the force ratio of all. ' +
-          'Reaction and delay (of the detector) leave out trials with an early alarm: one before the slip. Intervals are exact (Clopper and Pearson).',
+      'Outcome of the grasps',
+      'Medians: slip and rotation of the held boxes, force ratio of all trials. ' +
+          'Reaction and delay (of the detector) do not include trials with an alarm before the slip (early). Intervals are exact (Clopper and Pearson).',
       el('div.scroll.tall', {}, sb.sortedTable(columns, swept.series(swept.numbers).slice(0, 200)).node));
 }
 
@@ -269,16 +269,16 @@ sb.graspSections = (trials, open) => {
 sb.graspParameters = () => {
   const rows = page.grasp_parameters;
   const assumed = rows.filter(row => row.assumed).length;
-  const origin = {scene: 'scene', sweep: 'differs by trial', protocol: 'protocol', default: 'default'};
+  const origin = {scene: 'scene', sweep: 'varies between trials', protocol: 'protocol', default: 'default'};
   const source = row => [row.assumed && el('span.assumed', {}, 'assumed'), row.source.replace(/^assumed[:;]? ?/, ' ')];
   const columns = [
     {title: 'parameter', kind: 'text', cell: row => el('b', {}, row.path)},
     {title: 'value', kind: 'text', cell: row => row.value || '–'},
-    {title: 'said by', kind: 'text', cell: row => origin[row.by]},
-    {title: 'what it does', kind: 'text.long', cell: row => row.doc}, {title: 'source', kind: 'text.long', cell: source}
+    {title: 'set by', kind: 'text', cell: row => origin[row.by]},
+    {title: 'meaning', kind: 'text.long', cell: row => row.doc}, {title: 'source', kind: 'text.long', cell: source}
   ];
   return sb.section(
-      'What the grasp was computed with',
+      'Parameters of the grasp',
       assumed + ' of ' + rows.length + ' parameters are assumed: neither measured nor published.',
       el('details.parameters', {}, el('summary', {}, 'All parameters'), sb.table(columns, rows)));
 };

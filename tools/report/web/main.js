@@ -7,7 +7,7 @@ let view = null;      // {trial: index or null, sensor: name}
 // Number of trials in the file, and number on this page.
 function trialsText() {
   const [held, here] = [page.trials_in_file, page.trials.length].map(count => count.toLocaleString('en'));
-  return held === here ? held : held + ', ' + here + ' of them here';
+  return held === here ? held : held + ', ' + here + ' of them on this page';
 }
 
 // Digests of the files; folded if there are several.
@@ -23,11 +23,11 @@ function header() {
   return el(
       'header', {}, el('p.eyebrow', {}, 'slipbench report'), el('h1', {}, page.description || page.file),
       !page.complete &&
-          el('p.warning', {}, 'The run that wrote this file was interrupted: it holds the trials that were finished.'),
+          el('p.warning', {}, 'The run that wrote this file was interrupted; the file contains the finished trials.'),
       page.no_replay &&
           el('p.warning', {},
-             'No command line runs these trials again (' + page.no_replay +
-                 '). Where a Python program defines that part, run them there.'),
+             'These trials cannot be repeated from the command line (' + page.no_replay +
+                 '). Repeat them in the Python program that defines that part.'),
       page.failed.length > 0 && failures(), (page.warnings || []).map(({text}) => el('p.warning', {}, 'Warning: ' + text)),
       sb.facts(
           'meta',
@@ -50,10 +50,10 @@ function failures() {
 
 function footer() {
   return el(
-      'footer', {}, el('h2', {}, 'How each label is defined'),
+      'footer', {}, el('h2', {}, 'Definitions of the labels'),
       el('dl', {}, sb.definitions.map(([name, text]) => [el('dt', {}, name), el('dd', {}, text)])),
-      el('p', {}, 'Curves are stored here with 16 bits of each quantity’s range; ', el('code', {}, page.file),
-         ' has them in full.'),
+      el('p', {}, 'This page stores curves with a resolution of 16 bits; ', el('code', {}, page.file),
+         ' contains them with full resolution.'),
       digests(),
       el('details', {}, el('summary', {}, 'Licence of the library in this page'),
          el('pre', {}, document.getElementById('licences').textContent.trim())));
@@ -77,7 +77,7 @@ function saturation(trials) {
   }
   return Object.entries(by_sensor).map(
       ([name, held]) => el('p.warning', {}, 'Sensor ' + name + ' has values beyond its range in ' + held.samples + ' samples' +
-                           (trials.length > 1 ? ' of ' + held.trials + ' trials' : '') + '. A converter cuts them off; the part valid_range only counts them.'));
+                           (trials.length > 1 ? ' of ' + held.trials + ' trials' : '') + '. A converter clips them; the part valid_range only counts them.'));
 }
 
 function navigation() {
@@ -96,7 +96,7 @@ function navigation() {
     const select = sb.select({'aria-label': 'Trial'}, options, view.trial, index => show({trial: +index}));
     if (unknown) select.prepend(unknown);
     return [
-      beside('‹', 'Trial before', place < 0 ? -1 : place - 1), select, beside('›', 'Trial after', place + 1)
+      beside('‹', 'Previous trial', place < 0 ? -1 : place - 1), select, beside('›', 'Next trial', place + 1)
     ];
   };
   const sensors = view.trial === null ? [] : Object.keys(page.trials.find(trial => trial.index === view.trial).sensors);
@@ -149,7 +149,7 @@ document.addEventListener('keydown', event => {
 const problem = text => document.getElementById('page').replaceChildren(el('p.wait', {}, text));
 sb.drawHatch();
 if (typeof DecompressionStream === 'undefined') {
-  problem('This browser is too old to unpack the recordings. Needed: Chrome or Edge 80, Firefox 113, Safari 16.4, or newer.');
+  problem('This browser is too old for this page. Use Chrome or Edge 80, Firefox 113, Safari 16.4, or newer.');
 } else {
   show(firstView()).catch(error => {
     problem('The report could not be drawn: ' + error.message);

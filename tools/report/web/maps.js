@@ -77,8 +77,8 @@ class Maps {
         maps.flatMap(map => map.cells.flat().map(trials => valueIn(this.quantity, trials))).filter(value => value !== null);
     const range = d3.extent(values);
     this.note.textContent =
-        'One map for each detector and controller; a cell is all its trials. The frontier is the contour at 50 % held, ' +
-        'straight between the middles of neighbouring cells. Click a cell for its trials and the command that replays one.' +
+        'One map for each detector and controller; a cell contains all its trials. The frontier is the contour at 50 % held, ' +
+        'interpolated linearly between the centres of cells. Click a cell for its trials and the command that repeats one.' +
         (all.length > mostMaps ? ' The first ' + mostMaps + ' of ' + all.length + ' maps are shown.' : '');
     this.drawMapLegend(range, maps.some(map => map.series.control));
     for (const [, group] of d3.groups(maps, map => map.series.others)) {
@@ -202,7 +202,7 @@ class Maps {
   // The frontiers of maps with the same axes in one chart.
   drawFrontiers(group, columns, rows) {
     const {others} = group[0].series;
-    const {svg, x, y, panel} = this.mapFrame('Frontiers together' + (others ? ', ' + others : ''), '', columns, rows);
+    const {svg, x, y, panel} = this.mapFrame('All frontiers' + (others ? ', ' + others : ''), '', columns, rows);
     sb.saveCorner(panel, 'Frontiers', () => svg, () => [
       ['series', label(this.x) + ', place', label(this.y) + ', place', 'to', 'to'],
       ...group.flatMap(map => map.frontier.map(([a, b]) => [map.series.name, ...a, ...b]))
@@ -235,12 +235,12 @@ class Maps {
     const where = [series.name, sb.pathWord(this.x.path) + ' ' + column.text, row && sb.pathWord(this.y.path) + ' ' + row.text];
     const example = trials.find(trial => sb.isEmbedded(trial.index)) || trials.find(({grasp}) => sb.graspEnd(grasp) !== 'held') || trials[0];
     const copy = trial => el(
-        'button.link', {onclick: event => sb.copy(event.target, sb.replayCommand(trial))}, 'copy command of its replay');
+        'button.link', {onclick: event => sb.copy(event.target, sb.replayCommand(trial))}, 'copy the command that repeats it');
     const columns = [
       {title: 'trial', cell: trial => String(trial.index)},
       {title: 'end', kind: 'text', cell: ({grasp}) => sb.graspEnd(grasp) + (grasp.dropped ? ' at ' + sb.seconds(grasp.drop_s) : '')},
       ...medians.map((quantity, i) => ({title: medianHeads[i], cell: trial => sb.significant(quantity.one(trial), 3)})),
-      {title: 'here', kind: 'text', cell: trial => sb.opener(trial, this.open, 'copy command of its report')},
+      {title: 'here', kind: 'text', cell: trial => sb.opener(trial, this.open, 'copy the command of its report')},
       {title: 'replay', kind: 'text', cell: copy}
     ];
     this.detail.replaceChildren(
@@ -260,10 +260,10 @@ class Maps {
     };
     const all = this.swept.series([this.x]).slice(0, mostMaps).map(series => ({series, points: pointsOf(series)}));
     this.note.textContent = 'Bars: the exact 95 % interval of a share, the quartiles around a median. ' +
-        'Click a point for its trials and the command that replays one.' +
+        'Click a point for its trials and the command that repeats one.' +
         (isFinite(levels[levels.length - 1].at) ?
              '' :
-             ' ' + sb.endless(this.x.unit) + ' has no place on the axis: see the table above.');
+             ' ' + sb.endless(this.x.unit) + ' cannot be drawn on the axis; see the table above.');
     this.legend.replaceChildren(
         ...all.map(({series}, i) => sb.dot(sb.hue(i), i, series.name + (series.control ? ' · negative control' : ''))));
     const chart = (quantity, more) => this.drawCurve(all, {

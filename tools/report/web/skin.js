@@ -164,8 +164,8 @@ class SkinFields {
     this.drawMaps(fields, centre, form, first);
     this.drawProfile(fields, centre, form, first);
     this.note.textContent = form ?
-        'Circles: contact (solid) and stick zone (dashed) of the closed form. It is that of Hertz' +
-            (first ? ', Cattaneo and Mindlin.' : '. That of the traction is for a push that grows for the first time.') :
+        'Circles: contact (solid) and stick zone (dashed) of the closed form. It is the solution of Hertz' +
+            (first ? ', Cattaneo and Mindlin.' : '. The solution of the traction holds for a first, growing push.') :
         '';
   }
 }

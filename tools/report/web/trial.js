@@ -10,7 +10,7 @@ function keyFigures(trial, summary) {
     ['First touch', sb.seconds(summary.first_touch_s)], instant('First micro-slip', 'first_micro_s'),
     instant('First full slip', 'first_full_s'), instant('Gross slip', 'gross_s'),
     ['Incipient phase', sb.milliseconds(summary.incipient_s), 'first micro-slip to gross slip'],
-    ['Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'path slipped by one ' + sb.unitWord(summary.type)],
+    ['Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'slip distance of one ' + sb.unitWord(summary.type)],
     ...trial.detector ? [sb.detectionFigure(trial.detector)] : []
   ]);
 }
@@ -40,7 +40,7 @@ function player(timeline) {
   };
   return {
     node: el('div', {}, el('div.player', {}, button, slider, shown),
-             el('div.controls', {}, speed, el('span', {}, '← → one sample, with ⇧ twenty, space plays'))),
+             el('div.controls', {}, speed, el('span', {}, '← → one sample, ⇧ twenty samples, space: play'))),
     update
   };
 }
@@ -60,7 +60,7 @@ function readout(recording) {
   const label = (key, sample, component = 0) => recording.at('labels/' + key, 0, component, sample);
   // Half of the quantisation step of a curve; errors of `units` units add up in their sum.
   const half = (key, units = 1) => 0.5 * units * (recording.curves['labels/' + key].data.step || 0);
-  const state = key => [key, sample => sb.states.pad[recording.padStates[key][sample]].name];
+  const state = key => [key === 'seen' ? 'detected' : key, sample => sb.states.pad[recording.padStates[key][sample]].name];
   const force = (component, sample) =>
       d3.sum(d3.range(recording.units), unit => recording.at('labels/force', unit, component, sample));
   // A centre more than a metre away from a pad of centimetres means translation.
@@ -89,12 +89,12 @@ function wholeSensor(trial, recording, timeline) {
   const seen = recording.padRuns.seen, word = sb.unitWord(recording.type), words = sb.unitWords(recording.type);
   const host = el('div');
   const section = sb.section(
-      'The sensor as a whole', 'Hover to read, drag to zoom all charts together, double-click to see all of the trial.',
+      'The sensor as a whole', 'Hover for values, drag to zoom all charts, double-click to see the whole trial.',
       onsets_s.length > 0 &&
           el('div.controls', {},
              el('div.segments', {role: 'group', 'aria-label': 'Zoom'}, zoom('whole trial', ...timeline.full),
                 zoom('onset of slip', first - gap, last + gap))),
-      sb.chartTitle('State by rule', seen && 'seen: what the loop saw of the detector ' + sb.detectorName(trial.detector.type)),
+      sb.chartTitle('State by rule', seen && 'detected: class in the loop, from the detector ' + sb.detectorName(trial.detector.type)),
       sb.stateLegend(sb.states.pad), host);
   const chart = (key, name, note, colours, range) => {
     const {columns, components: labels, unit} = recording.curves[key];
@@ -107,7 +107,7 @@ function wholeSensor(trial, recording, timeline) {
   const draw = () => {
     const rows = sb.rules.map(rule => ({name: rule.name, runs: recording.padRuns[rule.key], kinds: sb.states.pad}));
     new sb.StateRows(
-        host, timeline, seen ? [{name: 'seen', runs: seen, kinds: sb.states.pad}, ...rows] : rows, 20, 'State by rule');
+        host, timeline, seen ? [{name: 'detected', runs: seen, kinds: sb.states.pad}, ...rows] : rows, 20, 'State by rule');
     const order = shownUnits(recording), others = recording.units - order.length;
     section.append(sb.chartTitle('State of each ' + word), sb.stateLegend(sb.states.unit));
     if (others)
@@ -192,7 +192,7 @@ class UnitCharts {
     this.section = sb.section(
         'Each ' + word,
         'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
-            'The strip below the curves: state of the ' + word + ' itself. All ' + words + ' share one scale.',
+            'Strip below the curves: state of the ' + word + ' itself. All ' + words + ' share one scale.',
         el('div.controls', {}, segments, el('label', {}, 'show', this.select), this.legend), this.host);
     timeline.addEventListener('cursor', () => this.read());
   }
@@ -222,7 +222,7 @@ class UnitCharts {
       const values = el('span.values');
       const toggle = () => this.grid && this.show(this.unit === null ? unit : null);
       const name =
-          el('button.link', {title: 'show this one alone, or all', onclick: toggle}, sb.unitName(recording.type, unit));
+          el('button.link', {title: 'show only this one, or all', onclick: toggle}, sb.unitName(recording.type, unit));
       const place = this.unit === null && this.grid.place(unit);
       const style = place ? 'grid-row:' + place.row + ';grid-column:' + place.column : null;
       const cell = el('div.cell', {style}, el('header', {}, name, values));
@@ -310,7 +310,7 @@ function rules(summary) {
   ];
   return sb.section(
       'Truth against other rules',
-      'The paper\'s rule labels this trial differently from the strict truth in ' + sb.percent(summary.disagreement.paper) +
+      'The rule of the paper differs from the strict truth in ' + sb.percent(summary.disagreement.paper) +
           ' of the time in contact.',
       sb.table(columns, sb.rules));
 }
@@ -352,7 +352,7 @@ sb.showTrial = async (host, index, sensorName) => {
   const skin = sb.page.skins?.[index]?.sensors.includes(recording.name) ? sb.skinSection(recording, sb.page.skins[index]) : null;
   const thinned = recording.stride === 1 ?
       null :
-      el('p.note', {}, 'Curves show one sample in ' + recording.stride + '. States and onsets are complete.');
+      el('p.note', {}, 'The curves show one sample in ' + recording.stride + '. States and onsets are complete.');
   const parts = [
     thinned, whole.section, skin?.section, channels?.section, charts.section, onset.section, rules(summary),
     recording.padRuns.seen && sb.detectorSection([trial]), grasp && sb.graspParameters()

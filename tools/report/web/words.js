@@ -18,8 +18,8 @@ sb.states = {
 };
 
 sb.rules = [
-  {key: 'strict', name: 'strict', note: 'a unit slips when all of it slips'},
-  {key: 'micro', name: 'micro', note: 'a unit slips as soon as a part of it does'},
+  {key: 'strict', name: 'strict', note: 'a unit slips if all of it slips'},
+  {key: 'micro', name: 'micro', note: 'a unit slips if a part of it slips'},
   {key: 'paper', name: 'paper', note: "the label rule of the sensor's paper"},
 ];
 
@@ -112,22 +112,22 @@ sb.definitions = [
         'friction points slip. Slip: all of them slip.'
   ],
   ['strict', 'Non-slip: no touching unit slips as a whole. Incipient: some do. Gross: all do. A sensor with a single unit slips when a part of it does.'],
-  ['micro', 'The same, where a unit counts as slipping as soon as a part of it slips.'],
+  ['micro', 'The same, but a unit slips as soon as a part of it slips.'],
   [
     'paper',
-    "The label that the rule of the sensor's paper would give, computed from the same contact. Its difference from strict " +
-        "is the rule's own bias."
+    "Label by the rule of the sensor's paper, computed from the same contact. Its difference from strict " +
+        "is the bias of that rule."
   ],
   [
     'onsets',
-    'Located inside the time step. First micro-slip: a first part of a first unit slips. First full slip: a first unit ' +
-        'slips as a whole. Gross: the last touching unit lets go.'
+    'Resolved within the time step. First micro-slip: a part of some unit slips for the first time. First full slip: a unit ' +
+        'slips as a whole for the first time. Gross: all touching units slip.'
   ],
-  ['margin', '1 − f_t / (μ_s f_n) of a unit: 1 without tangential force, 0 on the edge of slipping.'],
+  ['margin', '1 − f_t / (μ_s f_n) of a unit: 1 without tangential force, 0 at the onset of slip.'],
   ['stuck fraction', 'Share of the touching friction points that stick.'],
   [
-    'slip speed', 'Speed of the slipping tip over the surface, mean over the step; a unit that slips in part counts by that part.'
+    'slip speed', 'Speed of the slipping tip over the surface, mean over the step; a partially slipping unit counts by the slipping part.'
   ],
-  ['slip centre', 'The point of the pad about which the slip turns at that instant; the slip angle is its accumulated rotation.'],
-  ['motion start', 'The first sample after the first touch at which a body moves sideways or turns; of a grasp the last one before the arm lifts.'],
+  ['slip centre', 'Point of the pad about which the slip rotates at that instant; the slip angle is the accumulated rotation.'],
+  ['motion start', 'The first sample after the first touch at which a body moves sideways or turns; in a grasp the last sample before the lift.'],
 ];

@@ -324,8 +324,7 @@ def check_data(options: Options, made: str) -> None:
     truth = truth_of(options.data)
     if truth:
         raise InputError(
-            f"{options.data}: reproduce --data needs the truth, which it does not hold ({truth}); allowed: --real, "
-            "which takes imported recordings"
+            f"{options.data}: reproduce --data needs the truth, which it does not contain ({truth}); use --real for imported recordings"
         )
 
 

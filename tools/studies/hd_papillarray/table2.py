@@ -368,7 +368,7 @@ def remarks_on(cells: Sequence[GraspCell], results: Sequence[Grasps], seed: int)
         remarks.append(f"The oracle drops {len(lost)} of {light} light boxes: {'; '.join(lost)}." if lost
                        else f"The oracle drops none of {light} light boxes.")
     if idle:
-        remarks.append("The negative control, which never tightens, drops no box either, so that these rows are no test of a detector's drops: "
+        remarks.append("The negative control, which never tightens, drops no box either, so these rows do not test a detector's drops: "
                        f"{'; '.join(idle)}.")
     return [
         *remarks,

@@ -260,19 +260,19 @@ def study(options: Options) -> Result:
     tables[-1].note = ("Slip and forces are medians of the boxes that were held. Least: m g/(2 mu), below which no grip holds. 95 %: of the drop rate after "
                        "Clopper and Pearson.")
     return Result(
-        title="Slip detectors that learnt from simulated grasps, in the published loop",
-        source="No paper's table: what a learned detector is worth where the published one is nearly blind.",
+        title="Slip detectors trained on simulated grasps, in the published loop",
+        source="Not from a paper: learned detectors in grasps, where the published one detects almost no slip.",
         figures={"held_out_balanced_accuracy": accuracy or None, "loop": loop},
         tables=tables,
         setup=[
             f"Learnt from {options.data}." if options.data
             else f"Learnt from {2 * DEFAULT_GRASPS} grasps of {LEARN_SCENE}, seed {seed}: friction 0.12 to 0.7, 0.1 to 0.6 kg, 2 to 8 N.",
-            f"Judged on {JUDGED_SCENE}, seed {seed + OTHER_SEED}: devices, boxes and scatter that were not learnt from; 4 N, step_on_slip.",
+            f"Judged on {JUDGED_SCENE}, seed {seed + OTHER_SEED}: devices, boxes and scatter outside the training; 4 N, step_on_slip.",
             f"Labels micro; of gst_hd has_slipped, with a window of {MEMORY_WINDOW} frames.",
         ],
         remarks=[
             "Always and never tightening are what a detector has to beat: the one in force, the other in drops.",
-            "The threshold in a network's file is that of the best balanced accuracy on validation. Slip is rare in a grasp, so a detector whose classes "
-            "overlap calls slip too often by it, and the loop tightens all the time. A higher one trades slip for force.",
+            "The threshold in a network's file is that of the best balanced accuracy on validation. Slip is rare in a grasp, so with this threshold "
+            "a detector whose classes overlap reports slip too often, and the loop tightens all the time. A higher threshold trades slip for force.",
         ],
     )

@@ -220,7 +220,7 @@ def add_subject(result: Result, subject: str, tasks: list[Task], found: list[Jso
     """
     counts = Table(f"{subject}: by the number of trials", ["trials", *HEAD])
     factors = Table(f"{subject}: without a factor", ["held", *HEAD],
-                    note=f"Some {tasks[-1].trials} trials each; what is named stands at one value of its range in all of them.")
+                    note=f"Some {tasks[-1].trials} trials each; the named factor is fixed to one value of its range.")
     chart = Chart(f"{subject} on slip-2", "trials learnt from", "score on slip-2, of 100", [], [Curve("inside", []), Curve("outside", [])], 0.0, "never slip")
     result.figures[subject] = []
     for task, one in zip(tasks, found, strict=True):
@@ -259,8 +259,8 @@ def study(options: Options) -> Result:
     tasks = tasks_of(subjects, options)
     found = train_all(NAME, [task.subject for task in tasks], options, lambda k: train_and_score(tasks[k], options))
     result = Result(
-        title="What a slip detector learns from how many trials",
-        source="No paper's table: networks taught from parts of scenes/learn, judged by the open recordings of slip-2.",
+        title="Performance of a slip detector against the number of training trials",
+        source="Not from a paper: networks trained on parts of scenes/learn, evaluated on the open recordings of slip-2.",
         figures={},
         setup=[
             f"Seed {options.draws_seed} of trials and of training; the operating point by --score.",
@@ -268,7 +268,7 @@ def study(options: Options) -> Result:
             else "A quarter of the recipe's steps; --full: all of them, more trials, and one factor of the scene held at a time.",
             "Intervals are of the judged recordings, not of another training.",
         ],
-        remarks=["No grasp is learnt from here, so nothing is said of loops."],
+        remarks=["The training has no grasps, so the results do not apply to loops."],
     )
     for subject in subjects:
         add_subject(result, subject, tasks, found)

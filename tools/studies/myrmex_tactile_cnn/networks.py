@@ -367,7 +367,7 @@ def size_of(options: Options) -> Size:
     """
     size = Size(options.trials or USUAL_DRAWS, PUBLISHED_STEPS if options.full else find_recipe(RECIPE).training.steps, ROTATIONS - 1 if options.full else 0)
     if size.draws < 2:
-        raise InputError("reproduce: --trials 1: one trial of each object and placement leaves nothing to judge by; allowed: 2 or more")
+        raise InputError("reproduce: --trials 1: one trial of each object and placement leaves no trial for the test; allowed: 2 or more")
     return size
 
 
@@ -387,7 +387,7 @@ def run_trials(options: Options, size: Size) -> list[Windows]:
     seed = options.draws_seed
     trials = run_grid([Cell("trials", SCENE, draws=size.draws)], options, lambda _, trial: windows_of(trial, size.turned, seed))[0]
     if not all(balanced_windows(trials, word, False, seed) for word in WORDS):
-        raise InputError(f"reproduce: {len(trials)} trials have no window of one of stable, translation and rotation; allowed: more --trials")
+        raise InputError(f"reproduce: {len(trials)} trials have no window of one of stable, translation and rotation; use more --trials")
     return trials
 
 
@@ -509,7 +509,7 @@ def setup_of(options: Options, size: Size, trials: Sequence[Windows]) -> list[st
     """
     seed = options.draws_seed
     true, bench, motion = (len(balanced_windows(trials, word, False, seed)) for word in WORDS)
-    turned = f"; {size.turned} copies of each, turned, are learnt from as well" if size.turned else "; images as recorded"
+    turned = f"; {size.turned} rotated copies of each are used for training too" if size.turned else "; images as recorded"
     return [
         f"{SCENE}, seed {seed}: {len(trials)} trials (paper: 64), {sum(not trial.slips for trial in trials)} of them hold to the end; both arrays.",
         "Windows of 64 ms at 1 kHz every 8 ms, amplitudes of 12 x 12 x 32, at most 60 of a class, trial and array, then as many of each class: "

@@ -93,7 +93,8 @@ def study(options: Options) -> Result:
 
     scores = Table("Accuracy in %", ["network or input", "label", "paper, by window", "by window", "by trial", "SD of folds", "object left out",
                                      "object, least fold", "forward, ms: paper", "ours"],
-                   note="By window: a fifth of the windows of each class in turn judges, as in the paper, and its neighbours are learnt from. By trial: "
+                   note="By window: a fifth of the windows of each class in turn is the test, as in the paper, and its neighbours are used for "
+                        "training. By trial: "
                    "five folds. Object left out: cylinder, remote, glass.")
     mistakes = Table("Stable windows called slip, in %, by trial",
                      ["network or input", "label", "last half second before the true onset", "earlier", "of trials that hold"],

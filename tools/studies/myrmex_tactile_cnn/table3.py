@@ -51,7 +51,7 @@ def study(options: Options) -> Result:
         tables.append(table)
         figures[name] = {"by_window": counts[0], "by_trial": counts[1]}
     return Result(
-        title="Networks of the Myrmex array: what is taken for what",
+        title="Networks of the Myrmex array: confusion of the classes",
         source=f"Table 3 of {SOURCE}",
         figures=figures,
         tables=tables,

@@ -78,7 +78,7 @@ def run_of(trial: Trial, rotational: bool, bound: dict[str, float]) -> dict[str,
     ends = np.arange(WINDOW - 1, len(trace.time), HOP)
     ends = ends[(ends >= first) & (ends <= last)]
     if not ends.size:
-        raise InputError("no window ends within the slip; allowed: a longer duration")
+        raise InputError("no window ends within the slip; use a longer duration")
     values = trace.estimates("nib_slip_kind", {})[1]
     fl, fr, curl = (float(values[name][ends].mean()) for name in ("fl_0_6", "fr_0_6", "curl"))
     return {"material": trial.params["surface.material"], "kind": "none" if moved is None else "rotational" if rotational else "linear",
@@ -109,7 +109,7 @@ def study(options: Options) -> Result:
                      lambda cell, trial: run_of(trial, cell.scene == scenes[1], bound))
     runs = pd.DataFrame(found[0] + found[1])
 
-    told = Table("Told apart", ["question", "bar", "AUC", "95 %", "n"], note="Exact, by ranks; intervals after DeLong.")
+    told = Table("Separation", ["question", "bar", "AUC", "95 %", "n"], note="Exact, by ranks; intervals after DeLong.")
     figures: list[dict[str, Any]] = []
     for text, bar, score, positive, negative in QUESTIONS:
         above, below = (score(runs[runs["kind"].isin(kinds)]) for kinds in (positive, negative))
@@ -121,8 +121,8 @@ def study(options: Options) -> Result:
                           f"{area.positives} and {area.negatives}"])
         figures.append({"question": text, "bar": bar, "auc": area.value, "interval_95": area.interval, "positives": area.positives,
                         "negatives": area.negatives})
-    features = Table("Features, median and quartiles", ["plate", "runs", "n", "FL, counts", "FR, counts", "|curl|", "said: none", "linear", "rotational"],
-                     note="Said by nib_slip_kind with its assumed bounds, of the means that the row is made of.")
+    features = Table("Features, median and quartiles", ["plate", "runs", "n", "FL, counts", "FR, counts", "|curl|", "reported: none", "linear", "rotational"],
+                     note="Reported by nib_slip_kind with its assumed bounds,  of the means that the row is made of.")
     for material in MATERIALS:
         for name, kind in KINDS.items():
             some = runs[(runs["material"] == material) & (runs["kind"] == kind)]
@@ -140,6 +140,6 @@ def study(options: Options) -> Result:
             "the windows that end within 0.5 s after these 2 mm, and of runs without slip over those that end between 0.5 s after the pull's beginning and "
             "0.5 s after its end.",
         ],
-        charts=[Chart("Told apart", "", "area under the ROC curve, with 95 % interval", [one["question"] for one in figures], [Curve("AUC", areas)], joined=False)],
+        charts=[Chart("Separation", "", "area under the ROC curve, with 95 % interval", [one["question"] for one in figures], [Curve("AUC", areas)], joined=False)],
         tables=[told, features],
     )

@@ -148,7 +148,7 @@ class Split:
 def _draw(rows: Rows, count: int, stream: RandomStream) -> Rows:
     """Draws `count` of the rows."""
     if len(rows) < count:
-        raise ValueError(f"split_rows: {len(rows)} rows; needed: {count}")
+        raise ValueError(f"split_rows: {len(rows)} rows; expected {count}")
     left = rows.tolist()
     for i in range(count):
         j = i + stream.integer(len(left) - i)
@@ -317,7 +317,8 @@ def study(options: Options) -> Result:
 
     main = Table("RMS error of a second-order polynomial of the 36 capacitances", HEAD, [_row(name, values) for name, values in PUBLISHED.items()],
                  "Random: test rows are drawn from among the others, so that their neighbours, 30 ms away and sharing four of the five images of the mean, "
-                 "may have taught. Chronological: the last fifth of each load tests, for a cylinder the last two of its ten places. 0.3 s apart: ten times as "
+                 "may be in the training. Chronological: the last fifth of each load tests, for a cylinder the last two of its ten places. 0.3 s "
+                 "apart: ten times as "
                  "long a calibration of which every tenth image is kept, so that no test row has such a neighbour; random split.")
     for how, (variant, in_time) in SPLITS.items():
         figures["rms"][how] = {}
@@ -337,7 +338,7 @@ def study(options: Options) -> Result:
         ranges.rows.append([load, *(f"{low:.{digits}f} to {high:.{digits}f}" for (low, high), digits in zip(ends, [1, 1, 1, 0, 0, 0], strict=True))])
         figures["loads"][load] = _figures(ends.tolist())
 
-    causes = Table("What decides it: one thing changed at a time, random split, RMS error of Fz in N and of Mx and My in mNm",
+    causes = Table("Influences, with one change at a time:  random split, RMS error of Fz in N and of Mx and My in mNm",
                    ["", "Fz: uniform", "+ end face", "+ lying", "Mx: uniform", "+ end face", "+ lying", "My: uniform", "+ end face", "+ lying"])
     for variant, of_variant in recordings.items():
         errors = {case: UNITS * error_of([of_variant[load] for load in CASES[case]], False, seed) for case in list(CASES)[:3]}
@@ -353,8 +354,8 @@ def study(options: Options) -> Result:
         figures=figures,
         setup=[
             f"Data: {SCENES['uniform']}, {SCENES['end face']} and {SCENES['lying']} afresh, seed {seed}: 5,000 images of si or more each, electronics typical.",
-            f"Fit: 703 coefficients a component on {FIT} rows, ridge chosen on {CHOOSE} others of the training part out of nine powers of ten, then both "
-            f"teach; {TEST} rows test. Several loads share these numbers in equal parts. The paper has 4000 and 1000, and does not say how it kept 703 "
+            f"Fit: 703 coefficients a component on {FIT} rows, ridge chosen on {CHOOSE} others of the training part out of nine powers of ten, then "
+            f"both are used for the fit; {TEST} rows test. Several loads share these numbers in equal parts. The paper has 4000 and 1000, and does not say how it kept 703 "
             "coefficients in check.",
             "Reference: the true forces on all nibs and their moments about the pad's origin, through the same mean of five images as si.",
         ],

@@ -189,7 +189,7 @@ def study(options: Options) -> Result:
         ours.append((error, error - sd, error + sd))
         theirs.append((surface.all, surface.all, surface.all))
     return Result(
-        title="Slip detected while the grasp is slowly let go",
+        title="Slip detected while the grasp is slowly released",
         source='Table II and section V of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation"',
         figures=figures,
         setup=[
@@ -197,7 +197,7 @@ def study(options: Options) -> Result:
             "Paper: M 9, alpha 10, windows of 500 ms a 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of the noise: "
             "detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates but the soaped one, which were moved once in a dry run after the published "
             "errors had been seen, the plates' patches and waves, masses and damping of the lever.",
-            "F_S/F_N is one of counts, as equations 1, 2 and 4 read; a ratio of newtons, which the paper's words would allow, is a row of its own.",
+            "F_S/F_N is a ratio of counts, as in equations 1, 2 and 4; a ratio of newtons, which the text of the paper would allow, is a separate row.",
             "The soaped plate is pulled with up to 1 N: 5 N would need 71 N of grasp.",
         ],
         charts=[Chart("Error of the force at which slip is detected", "", "error of the force, N (mean and SD)", head[:-1], [Curve("ours", ours), Curve("paper", theirs)],

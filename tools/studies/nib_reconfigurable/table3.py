@@ -27,10 +27,10 @@ LAG = 1e-3  # m, of the arm behind its command, at 10 mm/s
 ENDS = {
     "standing": "standing",
     "lost": "lost",  # neither pad had contact, before the release
-    "told_early": "told early",  # released below TargetPoint as upright, but tilt never below TURNED_UP
+    "told_early": "released early",  # released below TargetPoint as upright, but tilt never below TURNED_UP
     "not_turned": "not turned",  # the same at TargetPoint: the box hung in the grip or lay
     "fell": "fell",  # released, tilt below TURNED_UP at some time, and not upright at the end
-    "not_let_go": "not let go",  # upright at the end, but in contact with a pad or not supported by the table
+    "not_let_go": "not detached",  # upright at the end, but in contact with a pad or not supported by the table
     "not_released": "not released",  # the arm rose until the end of the trial
 }
 
@@ -68,7 +68,7 @@ def boxes() -> dict[str, Box]:
         "200g": Box("200 g in the middle, paper", 10),
         "100g": Box("100 g in the middle, paper", 9, {"box.weight": "100 g"}),
         "300g": Box("300 g in the middle, paper", 7, {"box.weight": "300 g"}),
-        "com_low": Box("200 g, centre of mass at L/3 from the end it stands on", 11, {"box.weight_place": "[0 mm, 41.08 mm, 0 mm]"}),
+        "com_low": Box("200 g, centre of mass at L/3 from its foot", 11, {"box.weight_place": "[0 mm, 41.08 mm, 0 mm]"}),
         "com_high": Box("200 g, centre of mass at 2L/3", 3, {"box.weight_place": "[0 mm, -41.08 mm, 0 mm]"}),
         "masonite": Box("200 g in the middle, masonite", 10, surface("masonite", "0.5")),
         "wavy": Box("200 g in the middle, friction of wavy acrylic, without its waves", 10, surface("wavy_acrylic", "0.55")),
@@ -127,7 +127,7 @@ def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_
     force, height, pose = (np.asarray(one, dtype=float) for one in (grip_force, arm_height, box_pose))
     rows = len(sideways)
     if rows == 0 or not len(force) == len(height) == len(pose) == rows:
-        raise ValueError(f"turn_of: {rows} rows of the arm, {len(force)} of force, {len(height)} and {len(pose)} of poses; needed: the same number")
+        raise ValueError(f"turn_of: {rows} rows of the arm, {len(force)} of force, {len(height)} and {len(pose)} of poses; the numbers must be equal")
     begun = np.flatnonzero(sideways != 0.0)
     released = int(begun[0]) if begun.size else rows
     rising = np.logical_or.accumulate(up[:released] > 0.0)
@@ -251,9 +251,9 @@ def study(options: Options) -> Result:
             "The height of the grip over the edge is l sin(theta): it no longer grows once theta is 90 degrees, when a box of 54 mm, held in its middle "
             "137.5 mm from the end, still leans by 11 degrees. What stands it up from there is its weight, which is beyond the edge from 19 degrees on with "
             "the centre of mass in the middle, 28 at L/3, 15 at 2L/3.",
-            "Lost: no pad touched the box any more before the release began. Told early: the release began below TargetPoint, and the box was never nearer "
-            "than 20 degrees to upright. Not turned: the same at TargetPoint. Fell: nearer than that at some time, and not upright at the end. Not let go: "
-            "upright, but a pad touched it. Not released: the arm rose to the end of the trial.",
+            "Lost: no pad touched the box any more before the release began. Released early: the release began below TargetPoint, and the box was never nearer "
+            "than 20 degrees to upright. Not turned: the same at TargetPoint. Fell: nearer than that at some time, and not upright at the end. Not "
+            "detached: upright, but a pad touched it. Not released: the arm rose to the end of the trial.",
             "The paper prints no threshold; slipbench describe reorient says where each of the controller's comes from, and the last rows what halving or "
             "doubling it does.",
             "Both fingers of the paper are read until both touch; here only one finger's pad has electronics.",

@@ -160,7 +160,7 @@ def study(options: Options) -> Result:
     if not options.full:
         setup.append("By the true label GRU 32, MLP 32 and the shortcuts learn; all networks with `--full`.")
     return Result(
-        title="Networks that tell slip from hold on the piezoelectric skin",
+        title="Networks that distinguish slip and hold on the piezoelectric skin",
         source=f"Table I of {SOURCE}",
         figures=figures,
         tables=tables,

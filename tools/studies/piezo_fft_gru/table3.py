@@ -58,7 +58,7 @@ def study(options: Options) -> Result:
         table.rows.append([row.text, RULES[rule], on_all(counts).cell(), *(on_all(fold).cell() for fold in folds)])
         figures[RULES[rule]][row.name] = {"none": figures_of(counts), "tips": [figures_of(fold) for fold in folds]}
     return Result(
-        title="A tip that was never learnt",
+        title="A tip outside the training",
         source=f"Table III of {SOURCE}",
         figures=figures,
         tables=[table],

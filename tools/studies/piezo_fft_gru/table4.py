@@ -91,7 +91,7 @@ def study(options: Options) -> Result:
     size = size_of(options, USUAL_RECORDINGS)
     check_only(options.only, [GRU_32_TIP.name, GRU_32.name, MLP_32.name])
     if options.data and GRU_32_TIP.name in options.only:
-        raise InputError(f"reproduce: --only {GRU_32_TIP.name} needs recordings of its own; allowed: without --data")
+        raise InputError(f"reproduce: --only {GRU_32_TIP.name} needs its own recordings; leave --data out")
 
     def wanted(row: Row) -> bool:
         return not options.only or row.name in options.only

@@ -125,7 +125,7 @@ def asked_for(options: Options, truth: str) -> tuple[list[str], list[str]]:
 
     asked = [name for name in names if not left(SOURCES[name])]
     if not asked or (options.real and not any(SOURCES[name].recordings for name in asked)):
-        raise InputError("reproduce: realism: no study that is asked for judges by these recordings; allowed: --real of bts3v2, biotacsp-dos")
+        raise InputError("reproduce: realism: no selected study uses these recordings; expected --real with bts3v2, biotacsp-dos")
     return asked, [name for name in names if name not in asked]
 
 
@@ -172,12 +172,12 @@ def study(options: Options) -> Result:
             charts.append(Chart(f"{name}, ours over the real figure", "", "our figure over the real one", places, [Curve("ours/real", points)], 1.0, "as real",
                                 joined=False))
     return Result(
-        title="The bench beside real devices",
-        source="Published figures of real devices for which a study of slipbench has one of its own.",
+        title="The bench compared with real devices",
+        source="Published figures of real devices compared with figures of slipbench's studies.",
         figures=figures,
         setup=setup,
         tables=[table],
         charts=charts,
-        remarks=[f"Left out: {', '.join(left_out)}. --full runs those that teach for a quarter of an hour, --real FILE the one that takes its "
-                 "recordings."] if left_out else [],
+        remarks=[f"Left out: {', '.join(left_out)}. --full runs the studies that train for a quarter of an hour, --real FILE the study that needs "
+                 f"these recordings."] if left_out else [],
     )

@@ -90,8 +90,8 @@ std::uint8_t direction_of(const std::string& params) {
     const auto found = swept.find(path);
     if (found == swept.end() || !found->is_number())
       reject(
-          "no {} among what was swept; allowed: trials that sweep motion.speed, motion.rotation and motion.direction, as "
-          "scenes/biotac_sp/slip.yaml does",
+          "the sweep has no {}; expected trials that sweep motion.speed, motion.rotation and motion.direction, like "
+          "scenes/biotac_sp/slip.yaml",
           path);
     return found->get<double>();
   };
@@ -128,7 +128,7 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
                                             : recorded || rule == LabelRule::paper ? labels.state_paper
                                                                                    : labels.state_micro;
   if (states.size() != sensor.time.size()) {
-    reject("sensor {}: {} states by the labels {} for {} samples; allowed: one each", sensor.name, states.size(),
+    reject("sensor {}: {} states by the labels {} for {} samples; expected one for each", sensor.name, states.size(),
            choice_name(label_words, rule), sensor.time.size());
   }
   return states;
@@ -183,7 +183,7 @@ void turn_taxels(std::span<float> sample, std::size_t rows, std::size_t columns,
 void check_turnable(const SensorRecord& sensor) {
   const std::vector<std::size_t>& shape = sensor.channels.front().shape;
   if (sensor.type != "myrmex" || shape.size() != 2 || shape[0] < cropped || shape[1] < cropped)
-    reject("sensor {}: is no myrmex of {} x {} taxels or more, which alone can be turned", sensor.name, cropped, cropped);
+    reject("sensor {}: --turned needs a myrmex of at least {} x {} taxels", sensor.name, cropped, cropped);
 }
 
 // Indices of the kept frames, in order: at most `at_most` of each class.
@@ -221,7 +221,7 @@ bool fits(const SensorRecord& sensor, const network::Input& input) {
 // Describes the required sensor, for errors.
 std::string wanted(const network::Input& input) {
   if (input.transform == network::Transform::units)
-    return "a sensor with " + input.channels.front().name + " in x, y, z of each unit, at 200 Hz or more";
+    return "a sensor with " + input.channels.front().name + " with x, y, z of each unit, at 200 Hz or more";
   std::size_t values = 0;
   for (const network::ChannelPick& pick : input.channels) {
     for (const std::size_t value : pick.values) values = std::max(values, value + 1);
@@ -241,7 +241,7 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
     if ((options.sensor.empty() || sensor.name == options.sensor) && fits(sensor, options.input)) chosen.push_back(&sensor);
   }
   if (!chosen.empty()) return chosen;
-  reject("{}: no sensor{} fits: has {}; allowed: {}", subject, options.sensor.empty() ? "" : " '" + options.sensor + "'",
+  reject("{}: no sensor{} fits: found {}; expected {}", subject, options.sensor.empty() ? "" : " '" + options.sensor + "'",
          fmt::join(there, ", "), wanted(options.input));
 }
 
@@ -252,7 +252,7 @@ void check_labels(const std::string& dataset_path, LabelRule rule) {
     reader.check_truth(fmt::format("--labels {}", choice_name(label_words, rule)),
                        "--labels recorded, the labels of the recordings");
   } else if (reader.header().truth.empty()) {
-    reject("{}: is simulated and has no labels recorded; allowed: --labels {}", dataset_path, rules_of_truth());
+    reject("{}: is simulated, so it has no recorded labels; allowed: --labels {}", dataset_path, rules_of_truth());
   }
 }
 
@@ -306,7 +306,7 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
     features.insert(features.end(), frames.latest().begin(), frames.latest().end());
   }
   if (ends.empty()) {
-    reject("sensor {}: {} samples are less than a frame of {}", sensor.name, sensor.time.size(), options.input.window);
+    reject("sensor {}: {} samples are fewer than a frame of {}", sensor.name, sensor.time.size(), options.input.window);
   }
   std::vector<std::uint8_t> all;
   for (const std::size_t row : ends) all.push_back(labels[row]);
@@ -362,7 +362,7 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
     double largest = 0.0;
     for (const float value : column.values) largest = std::max(largest, std::abs(static_cast<double>(value)));
     if (largest == 0.0)
-      reject("{}: trial {}: channel {} of sensor {} is 0 throughout, so it has no scale; allowed: a first trial with contact",
+      reject("{}: trial {}: channel {} of sensor {} is 0 throughout, so it cannot be scaled; the first trial needs contact",
              dataset_path, record.trial, column.name, found->name);
     there.input.floor = floor_of_range * largest;
   }
@@ -388,11 +388,11 @@ Examples read_examples(std::span<const std::string> dataset_paths, const Example
     ++dataset;
     Examples more = read_examples(path, options);
     if (more.inputs != all.inputs)
-      reject("{}: {} values a frame, in {} {}; allowed: as many", path, more.inputs, dataset_paths.front(), all.inputs);
+      reject("{}: {} values per frame, but {} has {}", path, more.inputs, dataset_paths.front(), all.inputs);
     for (const Example& example : more.all) {
       const auto earlier = dataset_of.find(example.sha256);
       if (earlier != dataset_of.end())
-        reject("{}: trial {} is in {}, too; allowed: each trial once", path, example.trial, earlier->second);
+        reject("{}: trial {} is also in {}; give each trial once", path, example.trial, earlier->second);
     }
     for (const Example& example : more.all) dataset_of.emplace(example.sha256, path);
     const std::size_t first = all.all.back().trial + 1;
@@ -442,8 +442,8 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
     if (example.frames.label.empty()) continue;
     const std::size_t inputs = example.frames.features.size() / example.frames.label.size();
     if (examples.inputs != 0 && inputs != examples.inputs)
-      reject("{}: trial {}: sensor {} gives {} values a frame, those before it {}; allowed: as many units in all", dataset_path,
-             example.trial, example.sensor, inputs, examples.inputs);
+      reject("{}: trial {}: sensor {} gives {} values per frame, but the sensors before {}; all need the same number of units",
+             dataset_path, example.trial, example.sensor, inputs, examples.inputs);
     examples.inputs = inputs;
   }
   return examples;

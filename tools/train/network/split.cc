@@ -78,8 +78,9 @@ std::vector<Part> dealt_parts(std::span<const Example* const> examples, Split sp
                                        : experiments.try_emplace(example.sensor + example.twin, example.trial).first->second;
     const std::string group = group_of(example, experiment, split);
     if (group.empty())
-      reject("trial {}: the dataset sweeps no {}, so it cannot be split by it; allowed: trial, or a dataset that sweeps it",
-             example.trial, word);
+      reject(
+          "trial {}: the dataset does not sweep {}, so it cannot be split by it; use --split trial, or a dataset that sweeps it",
+          example.trial, word);
     of_trial.try_emplace(example.trial, group);
     add_kinds(groups[of_trial[example.trial]], example);
     add_kinds(kinds_of_trial[example.trial], example);
@@ -120,7 +121,7 @@ std::vector<Part> dealt_parts(std::span<const Example* const> examples, Split sp
     parts.push_back(part);
   }
   if (learning == 0 || validates == 0) {
-    reject("{} different {} leave nothing to learn from and to validate on; allowed: three or more, or a split by another fact",
+    reject("{} different {} are too few for training, validation and test; at least three are needed; choose another --split",
            groups.size(), split == Split::trial ? "experiments" : word + "s");
   }
   return parts;

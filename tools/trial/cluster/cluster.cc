@@ -28,13 +28,13 @@ std::string filled(std::string text, const std::vector<std::pair<std::string_vie
 }
 
 constexpr const char* shard_script = R"(#!/usr/bin/env bash
-# One shard of the sweep, whoever asks for it: shard.sh K ATTEMPT
-# Writes shards/K, a folder with shard.h5. A shard that is there and whose digests hold is left as it is. Each attempt writes into a folder of its
-# own, which becomes shards/K in one step; so it does no harm if an attempt is killed, or if two run at once. An attempt that is made again
-# under the same name goes on with what it has left.
+# Runs shard K of the sweep: shard.sh K ATTEMPT
+# Writes shards/K, a folder with shard.h5. A shard that exists and whose digests are correct is left unchanged. Each attempt writes into its own
+# folder, which is renamed to shards/K in one step, so killed and simultaneous attempts do no harm. A repeated attempt with the same name continues
+# its work.
 set -euo pipefail
 folder=@FOLDER@
-from=@FROM@   # where the sweep's paths lead from
+from=@FROM@   # folder of the sweep's relative paths
 sweep=(@SWEEP@)
 n=@N@
 read -ra slipbench <<< "${SLIPBENCH:-@PROGRAM@}"   # SLIPBENCH="apptainer run slipbench.sif": from a container
@@ -47,11 +47,11 @@ holds() { [[ -f $1/shard.h5 ]] && "${slipbench[@]}" verify "$1/shard.h5" --json 
 
 cd "$from"
 if holds "$whole"; then
-  echo "shard $k/$n is there, and its digests hold"
+  echo "shard $k/$n exists, and its digests are correct"
   exit 0
 fi
 mkdir -p "$folder/shards" "$own"
-# Where a process of an earlier attempt of this name still runs, this one begins anew.
+# If an earlier attempt with this name is still running, this one starts from the beginning.
 exec {lock}< "$own"
 if ! flock --nonblock "$lock"; then
   own=$own.$$
@@ -60,15 +60,15 @@ fi
 
 status=0
 "${slipbench[@]}" "${sweep[@]}" --shard "$k/$n" --jobs @JOBS@ --resume --quiet -o "$own/shard.h5" || status=$?
-((status <= 1)) || exit "$status"   # 1: trials have failed, and the shard says which
-holds "$own" || { echo "shard $k/$n: $own does not hold" >&2; exit 1; }
+((status <= 1)) || exit "$status"   # 1: some trials failed; the shard lists them
+holds "$own" || { echo "shard $k/$n: $own fails its verification" >&2; exit 1; }
 
 if ! holds "$whole" && [[ -e $whole/shard.h5 ]]; then
   mv -T "$whole" "$folder/attempts/$k.damaged.$$"
 fi
-# Renames in one step, and not onto a folder that holds something.
+# Renames in one step, and never replaces a folder that is not empty.
 if ! mv -T "$own" "$whole" 2> /dev/null; then
-  holds "$whole" || { echo "shard $k/$n: $whole is in the way" >&2; exit 1; }
+  holds "$whole" || { echo "shard $k/$n: $whole exists and fails its verification" >&2; exit 1; }
   rm -r "$own"
 fi
 echo "shard $k/$n is finished"
@@ -76,7 +76,7 @@ echo "shard $k/$n is finished"
 
 constexpr const char* array_script = R"(#!/usr/bin/env bash
 # All shards as one Slurm array: sbatch array.sbatch
-# A task that is killed with its machine is queued again, and goes on with what it has left.
+# A task that is killed with its machine is queued again and continues its work.
 #SBATCH --job-name=slipbench
 #SBATCH --array=1-@TASKS@%@THROTTLE@
 #SBATCH --ntasks=1
@@ -91,7 +91,7 @@ done
 )";
 
 constexpr const char* merge_script = R"(#!/usr/bin/env bash
-# Holds the shards against themselves and each other, and puts them together
+# Verifies all shards and merges them
 set -euo pipefail
 folder=@FOLDER@
 read -ra slipbench <<< "${SLIPBENCH:-@PROGRAM@}"
@@ -101,7 +101,7 @@ for ((k = 1; k <= @N@; ++k)); do shards+=("$folder/shards/$k/shard.h5"); done
 "${slipbench[@]}" merge "${shards[@]}" -o "$folder"/@NAME@
 )";
 
-constexpr const char* snake_file = R"(# The same for everything else that Snakemake runs jobs on: snakemake --cores 8
+constexpr const char* snake_file = R"(# The same with Snakemake, for all executors that it supports: snakemake --cores 8
 # On a cluster: snakemake --jobs 100 --cluster 'bsub -n {threads}', --profile, --kubernetes, ...
 folder = @PYTHON_FOLDER@
 workdir: folder
@@ -127,20 +127,20 @@ constexpr const char* readme = R"(# A sweep in @N@ shards
 | Snakemake | `snakemake --cores 8`; other executors: see its manual |
 | neither | `bash shard.sh 1 by-hand`, and so on to @N@, on any machines; then `bash merge.sh` |
 
-`@RAW_NAME@` then has the bytes of the undivided sweep.
+`@RAW_NAME@` is then bit-identical to the dataset of the undivided sweep.
 
-| name | what it is |
+| name | content |
 |---|---|
-| `shard.sh` | runs one shard: skips what is there, goes on with what was killed, publishes in one step |
+| `shard.sh` | runs one shard: skips a finished shard, continues a killed one, publishes in one step |
 | `array.sbatch` | all shards as a Slurm array: @TASKS@ tasks, at most @THROTTLE@ at a time |
 | `Snakefile` | the same for Snakemake |
 | `merge.sh` | verifies all shards and merges them |
-| `shards/` | the finished ones |
-| `attempts/` | what is being written; what is left there when all is merged can be removed |
-| `logs/` | one a Slurm task |
+| `shards/` | finished shards |
+| `attempts/` | unfinished shards; can be removed after the merge |
+| `logs/` | one log per Slurm task |
 
 All machines must see this folder and the scene under the paths in `shard.sh`, and the same version of the program. `SLIPBENCH` in the
-environment names another way to start it, such as a container. Where a task reaches its time limit, submit the array again: it goes on.
+environment sets another way to start it, such as a container. If a task reaches its time limit, submit the array again; it continues.
 )";
 
 std::string python_text(const std::string& text) {
@@ -168,11 +168,11 @@ bool is_left_by_a_killed_run(const std::filesystem::path& folder) {
 void check_folder(const std::filesystem::path& folder) {
   std::error_code error;
   const auto refuse = [&](const char* what) {
-    reject("cannot write {}: it {}; allowed: a new or an empty folder", folder.string(), what);
+    reject("cannot write {}: it {}; give a new or an empty folder", folder.string(), what);
   };
   if (!std::filesystem::exists(folder, error)) return;
-  if (!std::filesystem::is_directory(folder, error)) refuse("is no folder");
-  if (!is_left_by_a_killed_run(folder)) refuse("holds something");
+  if (!std::filesystem::is_directory(folder, error)) refuse("is not a folder");
+  if (!is_left_by_a_killed_run(folder)) refuse("is not empty");
 }
 
 }  // namespace
@@ -197,12 +197,14 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
   const char* const started = std::getenv("SLIPBENCH");
   const std::string program = started != nullptr ? started : std::filesystem::read_symlink("/proc/self/exe").string();
   if (started == nullptr && program.find(' ') != std::string::npos) {
-    reject("cluster: the program is {}; allowed: a path without spaces, since SLIPBENCH is split at them", program);
+    reject(
+        "cluster: the path of the program, {}, contains spaces, but SLIPBENCH is split at spaces; install it under another path",
+        program);
   }
   // Slurm interprets % and other characters in log paths, Snakemake interprets braces.
   const std::string name = std::filesystem::path(options.sweep.scene_path).stem().string() + ".h5";
   if ((folder.string() + name).find_first_of("%{}\"\\\n\r\t") != std::string::npos) {
-    reject("cannot write {} for {}: allowed: names without % {{ }} \" \\ and control characters", printable(folder.string()),
+    reject("cannot write {} for {}; allowed: names without % {{ }} \" \\ and control characters", printable(folder.string()),
            printable(name));
   }
   // Slurm's MaxArraySize is 1001 unless a cluster changes it, and an index must stay below it. With
@@ -225,7 +227,7 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
       {"WHAT", fmt::format("`{}`: {} trials. Written by `slipbench cluster`.", command, planned.asked)}};
   std::error_code error;
   std::filesystem::create_directories(folder / "logs", error);
-  if (error) reject("cannot make the folder {}: {}", (folder / "logs").string(), error.message());
+  if (error) reject("cannot create the folder {}: {}", (folder / "logs").string(), error.message());
   std::vector<std::string> written;
   for (const auto& [name, text] : files) {
     written.push_back((folder / name).string());

@@ -337,7 +337,7 @@ std::string keep_finished(SweepWriter& writer, std::size_t planned) {
     // The disk may still be full. Batches finished earlier exist.
   }
   if (writer.finished() == 0) return "";
-  return fmt::format("; {} holds {} of {} trials, with which the same command with --resume goes on", writer.folder(),
+  return fmt::format("; {} contains {} of {} trials; continue by the same command with --resume", writer.folder(),
                      writer.finished(), planned);
 }
 
@@ -430,7 +430,8 @@ RunningSweep::RunningSweep(const ReadSweep& read, const SweepOptions& options, c
 }
 
 void RunningSweep::check(const Catalogues& catalogues) {
-  if (summary_.scene.accuracy) throw std::logic_error("run_sweep: a scene whose wish for accuracy has not been settled");
+  if (summary_.scene.accuracy)
+    throw std::logic_error("run_sweep: the accuracy of the scene has not been resolved to a time step");
   std::set<std::string> files;
   workforce_ = check_cells(plan_, options_, trials_, read_.planned.asked, catalogues, files);
   if (options_.on_start) options_.on_start();
@@ -579,7 +580,7 @@ PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, c
   PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};
   if (planned.asked == 0) planned.asked = planned.plan.size();
   if (options.only && *options.only >= planned.asked) {
-    reject("{}: there is no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1);
+    reject("{}: no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1);
   }
   return planned;
 }

@@ -51,8 +51,7 @@ void add_paths(const std::vector<Entry>& entries, const std::string& name, const
 std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t trials, std::uint64_t seed, std::size_t number,
                                          std::size_t count) {
   if (count > trials) {
-    reject("--shard is {}/{} and the sweep has {} trial{}; allowed: no more shards than trials", number, count, trials,
-           trials == 1 ? "" : "s");
+    reject("--shard is {}/{}, but the sweep has only {} trial{}", number, count, trials, trials == 1 ? "" : "s");
   }
   std::vector<std::size_t> order = shuffled(trials, RandomStream(seed, 0, "shard"));
   const auto drawn = plan.trial(0).drawn;
@@ -111,8 +110,7 @@ void HeldFiles::check() const {
       stamp = now;
       continue;
     }
-    throw InputError(
-        path + " has changed since the first trial began; allowed: the files that a scene names stay as they are until it ends");
+    throw InputError(path + " has changed during the run; do not change the files of a scene until the run ends");
   }
 }
 

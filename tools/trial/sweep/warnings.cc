@@ -19,6 +19,7 @@
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 #include "tools/dataset/header.h"
 #include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/descriptive.h"
@@ -83,7 +84,7 @@ class Collector {
     std::vector<Warning> result;
     for (Found& found : found_) {
       if (found.trials > 1)
-        found.warning.text += fmt::format("; so or likewise in {} of {} trials looked at", found.trials, trials_);
+        found.warning.text += fmt::format("; the same or similar in {} of {} examined trials", found.trials, trials_);
       result.push_back(std::move(found.warning));
     }
     return result;
@@ -107,17 +108,17 @@ void look_at_values(const Trace& values, std::size_t trial, Collector& found) {
     const double size = std::abs(value);
     if (!std::isfinite(value) || value == 0.0) continue;
     if (read.quantity == Quantity::speed && size > usual_speed && quantity_of(read.written) == Quantity::none) {
-      found.add(
-          trial, path,
-          fmt::format("{} has no unit and is in m/s; with a unit it is as it is meant: '{} mm/s'", read.written, read.written));
+      found.add(trial, path,
+                fmt::format("{} has no unit, so it is in m/s; if mm/s is meant, write '{} mm/s'", read.written, read.written));
     }
     const auto range = std::ranges::find(usual, read.quantity, &Usual::quantity);
     if (range == usual.end() || (size >= range->least && size <= range->most)) continue;
     const auto starts = [&path = path](std::string_view section) { return path.starts_with(section); };
     if (range->quantity == Quantity::length && std::ranges::none_of(bodily, starts)) continue;
     found.add(trial, path,
-              fmt::format("{} is {} {}", format_quantity(value, range->quantity), size < range->least ? "less than" : "more than",
-                          format_quantity(size < range->least ? range->least : range->most, range->quantity)));
+              fmt::format("{} is unusual: {} {}", readable_quantity(value, range->quantity),
+                          size < range->least ? "less than" : "more than",
+                          readable_quantity(size < range->least ? range->least : range->most, range->quantity)));
   }
 }
 
@@ -141,7 +142,7 @@ void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
   const bool rests = speed && turn && *speed == 0.0 && *turn == 0.0;
   if (start && *start >= scene.duration && !rests) {
     found.add(trial, "motion.start",
-              fmt::format("{} is not before the end of the trial, {}: what begins then is not in it",
+              fmt::format("{} is not before the end of the trial, {}, so the motion never starts",
                           format_quantity(*start, Quantity::time), format_quantity(scene.duration, Quantity::time)));
   }
   const std::optional<double> compression = of_motion(scene, "compression");
@@ -151,8 +152,9 @@ void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
     if (*compression <= height) continue;
     found.add(
         trial, "motion.compression",
-        fmt::format("{} is more than a unit of sensor '{}' is high, {}: its springs go on where the device would not",
-                    format_quantity(*compression, Quantity::length), sensor.name, format_quantity(height, Quantity::length)));
+        fmt::format(
+            "{} exceeds the height of a unit of sensor '{}', {}; the simulated springs are compressed further than the real device could be",
+            readable_quantity(*compression, Quantity::length), sensor.name, readable_quantity(height, Quantity::length)));
   }
 }
 
@@ -169,21 +171,22 @@ void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& textu
     for (const UnitRange& unit : layout.units) {
       const UnitSampling sampling = sampling_of(layout, unit, k);
       const std::string points =
-          fmt::format("sensor '{}': the {} points of a unit are {} apart, and |sum exp(i k x)|/{} over them is {:.3f}",
+          fmt::format("sensor '{}': the {} points of a unit have a distance of {}, with |sum exp(i k x)|/{} = {:.3f} over them",
                       sensor.name, unit.count, short_length(sampling.spacing), unit.count, sampling.gain);
-      const std::string length = format_quantity(wavelength, Quantity::length);
+      const std::string length = readable_quantity(wavelength, Quantity::length);
       if (sampling.gain < lost && sampling.harmonic > 0) {
         found.add(
             trial, "effects.texture." + name,
-            fmt::format("{} is cancelled by {}; the unit reads {} speed/wavelength, of which they are in phase, in place of "
-                        "speed/wavelength; allowed: points of another spacing, or one point a unit",
-                        length, points, sampling.harmonic));
+            fmt::format(
+                "{} is cancelled by {}; the unit vibrates at {} speed/wavelength, the harmonic at which they are in phase, instead of "
+                "speed/wavelength; use points with another spacing, or one point per unit",
+                length, points, sampling.harmonic));
         break;
       }
       if (sampling.phase > std::numbers::pi * (1.0 + 1e-9)) {
         found.add(trial, "effects.texture." + name,
-                  fmt::format("{} is not resolved by {}, which is no mean over the unit's face; allowed: points less than half a "
-                              "wavelength apart, or one point a unit",
+                  fmt::format("{} is not resolved by {}, so the mean over the unit's face is wrong; use points less than half a "
+                              "wavelength apart, or one point per unit",
                               length, points));
         break;
       }
@@ -207,9 +210,10 @@ void look_at_material(const Trace& values, const TrialPlan& plan, std::size_t tr
   if (!written("friction.static") || !written("friction.kinetic")) return;
   const auto by_command = [&](const std::string& path) { return plan.where(trial, path).starts_with("--set"); };
   if (!by_command("surface.material") || by_command("friction.static") || by_command("friction.kinetic")) return;
-  found.add(trial, "surface.material",
-            fmt::format("changes nothing: the scene's friction.static and friction.kinetic ({}) replace what it stands for",
-                        plan.where(trial, "friction.static")));
+  found.add(
+      trial, "surface.material",
+      fmt::format("has no effect: friction.static and friction.kinetic of the scene ({}) replace the friction of the material",
+                  plan.where(trial, "friction.static")));
 }
 
 // A duration of ten minutes or more, to two digits.
@@ -222,9 +226,9 @@ void look_at_steps(const Scene& scene, std::size_t trial, Collector& found) {
   const PlannedSteps steps = planned_steps(scene, trial);
   if (steps.seconds <= longest_trial) return;
   found.add(trial, "time_step",
-            fmt::format("{} makes steps of {:.3g} s, {:.2g} in a trial, which take {} or more{}",
+            fmt::format("{} gives steps of {:.3g} s, {:.2g} steps per trial, which take {} or more{}",
                         scene.time_step ? format_quantity(*scene.time_step, Quantity::time) : "auto", steps.shortest, steps.count,
-                        long_time_text(steps.seconds), scene.time_step ? "; auto takes the longest that is right" : ""));
+                        long_time_text(steps.seconds), scene.time_step ? "; auto chooses the longest accurate step" : ""));
 }
 
 void count(const TrialOutcome& outcome, const std::string& sensor, const StateCounts& states,
@@ -287,7 +291,7 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
   return {
       {"split",
        fmt::format(
-           "{}: split: by {} there {} {} to divide: {} without a trial; with 'split: {{by: trial}}' trials of one {} are in several parts",
+           "{}: split: by {} there {} only {} to divide, so {} without trials; 'split: {{by: trial}}' divides the trials, with trials of one {} in several parts",
            plan.where(trials.front().first, "split"), masks.split_by, count == 1 ? "is" : "are", count,
            empty.size() == 2 ? "valid and test are" : empty.front() + " is", masks.split_by)}};
 }
@@ -320,7 +324,7 @@ std::vector<Warning> converter_warnings(const std::map<std::string, ConverterUse
     warnings.push_back(
         {"sensors." + name + ".electronics",
          fmt::format(
-             "sensor '{}' has values beyond its range in {} of {} samples, which its converter cuts off or its maker states no accuracy for",
+             "sensor '{}' has values beyond its range in {} of {} samples, where its converter clips them or its accuracy is not specified",
              name, use.at_an_end, use.samples)});
   }
   return warnings;

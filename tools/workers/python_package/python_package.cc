@@ -60,17 +60,15 @@ PythonModule::PythonModule(std::string name, std::string purpose, const std::str
   const bool is_built = has_extension(folder_);
   if (is_built && has_module(folder_, name_)) return;
   if (is_built)
-    reject("{} needs the Python module {}, which is not in {}; allowed: a build of slipbench's source tree, which has it",
+    reject("{} needs the Python module {}, which is not in {}; use a build of slipbench's source tree, which contains it",
            purpose_, name_, folder_);
   std::error_code error;
   if (std::filesystem::exists(own_path("../CMakeCache.txt"), error))
     reject(
-        "{} needs Python's package slipbench, which is not in {}; build it: {}, then cmake --build --preset release --target "
-        "slipbench_python",
+        "{} needs the Python package slipbench, which is not in {}; build it: {}, then cmake --build --preset release --target slipbench_python",
         purpose_, folder_, install_);
   reject(
-      "{} needs Python's package slipbench, which is not in {}; allowed: the program slipbench of the package (pip install "
-      "{}), or that of a build of the source tree",
+      "{} needs the Python package slipbench, which is not in {}; use the program slipbench of the package (pip install {}), or of a build of the source tree",
       purpose_, folder_, package);
 }
 

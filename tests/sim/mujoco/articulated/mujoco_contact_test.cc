@@ -229,7 +229,7 @@ TEST_F(ContactScene, ARunThatDivergesEndsWithMuJoCosWarning) {
   const std::string said = refusal_of([&] {
     for (std::size_t tick = 0; tick < simulation->ticks(0); ++tick) simulation->step();
   });
-  EXPECT_THAT(said, StartsWith("the run has gone wrong: MuJoCo warns: Nan, Inf or huge value in Q"));
+  EXPECT_THAT(said, StartsWith("the simulation has diverged: MuJoCo warns: Nan, Inf or huge value in Q"));
   EXPECT_THAT(said, HasSubstr(" (at 0."));
 }
 

@@ -37,7 +37,7 @@ TEST(DynamicRefusal, NamesThatTheModelDoesNotHave) {
 TEST(DynamicRefusal, ModelsThatCannotBeRead) {
   EXPECT_THAT(answer(replaced(good, "fingers.xml", "fingres.xml")), mentions({"fingres.xml"}));
   EXPECT_THAT(answer(good, "<mujoco><worldbody><geom tipe='box'/></worldbody></mujoco>"),
-              AllOf(StartsWith("model: MuJoCo cannot read it: "), HasSubstr("tipe"), HasSubstr("Element 'geom', "),
+              AllOf(StartsWith("model: MuJoCo cannot read the model: "), HasSubstr("tipe"), HasSubstr("Element 'geom', "),
                     HasSubstr("fingers.xml:1")));
   EXPECT_THAT(answer(good, replaced(two_fingers(""), "type='slide'",
                                     "type='hinge' springref='1' stiffness='1' range='1 -1' limited='true'")),
@@ -51,7 +51,7 @@ TEST(DynamicRefusal, StepTooLongForExplicitSprings) {
   const std::string light = replaced(good, "mass: 100 g", "mass: 5 g");
   const std::string text = answer(light + "time_step: 1 ms\n");
   EXPECT_THAT(text, StartsWith("time_step: 1 ms is too long for explicit springs of the pads"));
-  const std::string allowed = text.substr(text.find("allowed are up to ") + 18);
+  const std::string allowed = text.substr(text.find("allowed: up to ") + 18);
   EXPECT_LT(parse_quantity(allowed, Quantity::time), 39e-6);
   // The step that the message allows is accepted; 20 us divides 1 ms.
   EXPECT_GT(parse_quantity(allowed, Quantity::time), 5e-6);

@@ -198,19 +198,19 @@ class Misuse(unittest.TestCase):
 
     def test_contact_of_mujoco_beside_a_pad(self):
         both = touching(collide="")
-        self.refused(both, "plugin 'left': MuJoCo's own contact is possible between geom 'block', which moves with the pad, and the touched geom "
+        self.refused(both, "plugin 'left': MuJoCo's own contact between geom 'block', which moves with the pad, and the touched geom "
                            "'plate': .*<exclude body1=\"block\" body2=\"plate\"/>")
         self.accepted(both.replace("<sensor>", '<contact><exclude body1="block" body2="plate"/></contact><sensor>'))
         self.accepted(touching(collide="", geom="contype='2' conaffinity='2'"))
-        self.refused(touching().replace("<sensor>", '<contact><pair geom1="block" geom2="plate"/></contact><sensor>'), "contact is possible")
+        self.refused(touching().replace("<sensor>", '<contact><pair geom1="block" geom2="plate"/></contact><sensor>'), "own contact between")
 
     def test_contact_of_what_is_welded_to_the_pads_body(self):
         nail = '<body name="nail"><geom name="nail" size="0.001" pos="0 0 0.02" mass="0.001"/></body><site name="pad"'
         self.refused(touching(geom="contype='1'").replace('<site name="pad"', nail), "between geom 'nail', .*<exclude body1=\"nail\" body2=\"plate\"/>")
 
     def test_a_site_that_looks_the_wrong_way(self):
-        self.refused(touching(site='zaxis="0 0 -1"'), "plugin 'left': tips of the pad at site 'pad' are inside the touched geom 'plate' and look out of it: "
-                                                            "the site looks the wrong way")
+        self.refused(touching(site='zaxis="0 0 -1"'), "plugin 'left': tips of the pad at site 'pad' are inside the touched geom 'plate' and point "
+                                                      "out of it: the site points the wrong way")
 
     def test_a_site_that_begins_inside(self):
         # The pad's radius is 9.9 mm: its corner is 7 mm away along both axes.
@@ -219,7 +219,7 @@ class Misuse(unittest.TestCase):
 
     def test_two_pads_on_one_site(self):
         second = f'<instance name="right">{key("pad", "pad")}{key("touch", "plate")}{key("elements", rows())}</instance>'
-        self.refused(touching(more=second), "plugin 'right': it is on the site 'pad' of plugin 'left'")
+        self.refused(touching(more=second), "plugin 'right': it is on the same site 'pad' as plugin 'left'")
 
     def test_material_and_friction(self):
         self.refused(touching(key("material", "acrylic") + key("friction", "{static: 0.5}")), "plugin 'left': material and friction are both given")
@@ -243,7 +243,7 @@ class Misuse(unittest.TestCase):
             self.accepted(touching(key("check", "warn"), collide=""))
             os.chdir(before)
             with open(os.path.join(folder, "MUJOCO_LOG.TXT")) as file:
-                self.assertIn("slipbench: plugin 'left': MuJoCo's own contact is possible", file.read())
+                self.assertIn("slipbench: plugin 'left': MuJoCo's own contact between", file.read())
 
 
 class Unloaded(unittest.TestCase):
@@ -290,7 +290,7 @@ class Library(unittest.TestCase):
                                     env={**os.environ, "LD_PRELOAD": ANOTHER_VERSION})
         said = result.stdout + result.stderr
         self.assertEqual(result.returncode, 0, said)
-        self.assertIn(f"slipbench.field is for MuJoCo {mujoco.__version__} and not for ", said)
+        self.assertIn(f"slipbench.field was built for MuJoCo {mujoco.__version__}, but ", said)
         self.assertIn("slipbench.field", result.stdout)  # the model is refused
 
 

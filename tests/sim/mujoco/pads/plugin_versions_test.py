@@ -64,7 +64,7 @@ class Versions(unittest.TestCase):
             library.write_bytes(library.read_bytes().replace(f"\0{PINNED}\0".encode(), b"\x003.9.9\0"))
             code = "import mujoco, sys; mujoco.mj_loadPluginLibrary(sys.argv[1]); mujoco.MjModel.from_xml_path(sys.argv[2])"
             result = python("none", f"import sys; sys.path.insert(0, {folder!r}); {code}", LIBRARY, ROOT / "scenes/mujoco/hold.xml", cwd=folder)
-        self.assertIn(f"slipbench.field: MuJoCo 3.9.9 is loaded, for which there is no build of the plugin; supported: {', '.join(VERSIONS)}",
+        self.assertIn(f"slipbench.field: MuJoCo 3.9.9 is loaded, but the plugin has no build for it; supported: {', '.join(VERSIONS)}",
                       result.stdout + result.stderr)
         self.assertIn("slipbench.field not found", result.stderr)
 

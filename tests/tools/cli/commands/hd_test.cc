@@ -161,7 +161,7 @@ TEST(HdReplay, BadRowsAreRefusedWithFileAndLine) {
   EXPECT_THAT(refusal([](Lines& l) { l[3] = "9,0,1,2,3,4,5,6,7,20"; }), refused_at("v.csv:4", {"10 cells", "11"}));
   EXPECT_THAT(refusal([](Lines& l) { l[3] += ",0"; }), refused_at("v.csv:4", {"12 cells", "11"}));
   EXPECT_THAT(refusal([](Lines& l) { l.erase(l.begin() + 2); }), refused_at("v.csv:3", {"step 9", "step 7"}));
-  EXPECT_EQ(replay({"--encoder", "paper"}, published).err, "slipbench: " + published + ": is a folder, no file\n");
+  EXPECT_EQ(replay({"--encoder", "paper"}, published).err, "slipbench: " + published + ": is a folder, not a file\n");
   EXPECT_THAT(replay({"--encoder", "paper"}, "nowhere.csv").err, HasSubstr("nowhere.csv: No such file or directory"));
 }
 

@@ -375,7 +375,7 @@ TEST(Program, RunShowsThePhysicsAtOnce) {
   const ChildResult result = run_program_file({"run", stage});
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(result.err, "");
-  EXPECT_THAT(result.out, AllOf(HasSubstr("acrylic"), HasSubstr("P0"), HasSubstr("P8"), HasSubstr("x real time"),
+  EXPECT_THAT(result.out, AllOf(HasSubstr("acrylic"), HasSubstr("P0"), HasSubstr("P8"), HasSubstr("times real time"),
                                 HasSubstr("gross slip at"), HasSubstr("next:"), Not(HasSubstr("\033"))));
   // The centre pillar, pressed by d = 1 mm, slips when its tip has been dragged by mu k_n d / k_t = 0.5 * 7.1/3.9 * 1 mm = 0.91026 mm.
   // The stage starts at 2 s and covers v^2/(2a) = 0.16 mm in v/a = 0.08 s, then 4 mm/s: 2.08 s + 0.75026 mm / (4 mm/s) = 2.2676 s.
@@ -464,7 +464,7 @@ TEST(Program, ControlCKeepsWhatIsFinished) {
   const ChildResult result =
       run_program_interrupted({"sweep", stage, "--trials", "100000", "-o", dataset}, dataset + ".partial", SIGINT);
   EXPECT_EQ(result.status, 130);
-  EXPECT_THAT(result.err, StartsWith("slipbench: stopping; once more to stop at once\n"));
+  EXPECT_THAT(result.err, StartsWith("slipbench: stopping; interrupt again to stop at once\n"));
   EXPECT_THAT(result.err, AllOf(HasSubstr("interrupted: "), HasSubstr(" of 100000 trials finished")));
   EXPECT_FALSE(std::filesystem::exists(dataset));
 }
@@ -485,7 +485,7 @@ TEST(Program, ControlCOfCalibrateWritesNothing) {
   EXPECT_EQ(result.status, 130);
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(result.err,
-            "slipbench: stopping; nothing is kept; once more to stop at once\nslipbench: interrupted; nothing is kept\n");
+            "slipbench: stopping; nothing is kept; interrupt again to stop at once\nslipbench: interrupted; nothing is kept\n");
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 

@@ -121,7 +121,7 @@ TEST_F(RefusedFiles, VerifyTellsByItsStatus) {
             0);
   const ChildResult holds = run_program_file({"verify", data});
   EXPECT_EQ(holds.status, 0);
-  EXPECT_THAT(holds.out, AllOf(HasSubstr("holds: " + data), HasSubstr("digests"), HasSubstr("cone")));
+  EXPECT_THAT(holds.out, AllOf(HasSubstr("ok: " + data), HasSubstr("digests"), HasSubstr("cone")));
   EXPECT_EQ(run_program_file({"verify", data, folder_ / "none.h5"}).status, 2);
   expect_refusal({"verify"}, {"verify"});
 }

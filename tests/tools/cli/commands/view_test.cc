@@ -90,7 +90,7 @@ TEST_F(View, KeepsWhatItHasNotMade) {
   const std::string before = bytes_of(folder_ / "stage.h5");
   const ChildResult seen = view("stage.yaml");
   EXPECT_EQ(seen.status, 2);
-  EXPECT_THAT(seen.err, HasSubstr("stage.h5 is there and not one trial of this scene, but of slipbench sweep stage.yaml"));
+  EXPECT_THAT(seen.err, HasSubstr("stage.h5 exists, but contains slipbench sweep stage.yaml"));
   EXPECT_THAT(seen.err, mentions({"-o", "slipbench view stage.h5"}));
   EXPECT_EQ(bytes_of(folder_ / "stage.h5"), before);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "stage.html"));

@@ -96,7 +96,7 @@ Parameters
   table  path
       Which table.
       default: own
-      allowed: own, or a path from the scene's own folder
+      allowed: own, or a path relative to the scene's folder
 
 In a scene (effects)
   effects:
@@ -247,13 +247,13 @@ std::string text_of(const cost::Exploration& exploration) { return cost_text(exp
 TEST(CostText, SaysFirstWhatAnErrorCosts) {
   cost::Exploration exploration = cost::example();
   exploration.description = "a slide";
-  EXPECT_THAT(text_of(exploration), StartsWith("a slide\n  1 % slip onset error costs 1/500 of real time"));
+  EXPECT_THAT(text_of(exploration), StartsWith("a slide\n  slip onset, error up to 1 %: 500 times real time"));
 }
 
 // 2 s in 4 ms: 500 times real time; 0.005 is 0.5 %.
 TEST(CostText, EverySettingHasALineBelowItsSeries) {
   const std::string text = text_of(cost::example());
-  EXPECT_THAT(text, ContainsRegex("setting +x real time +CPU ms +\\+- +onset \\[%\\]\n"));
+  EXPECT_THAT(text, ContainsRegex("setting +times real time +CPU ms +\\+- +onset \\[%\\]\n"));
   EXPECT_THAT(text, ContainsRegex("    5 ms +500 +4 +0 % +0\\.5\n"));
   EXPECT_LT(text.find("element field"), text.find("MuJoCo's own contact\n"));
 }
@@ -273,7 +273,7 @@ TEST(CostText, ARunInWhichOtherThingsHappenHasNoNumber) {
 
 TEST(CostText, PricesStandBelow) {
   cost::Exploration exploration = cost::example();
-  EXPECT_THAT(text_of(exploration), Not(HasSubstr("what each effect")));
+  EXPECT_THAT(text_of(exploration), Not(HasSubstr("cost and influence of each effect")));
   exploration.prices = {
       {.name = "ageing", .without = cost::CpuTime{0.015, 0.014, 0.016, 9}, .share = 0.25, .low = 0.2, .high = 0.3}};
   EXPECT_THAT(text_of(exploration), HasSubstr("  ageing      25.0 %  20.0 to 30.0"));

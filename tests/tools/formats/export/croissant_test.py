@@ -142,7 +142,7 @@ class Croissant(ExportTest):
         lines, _ = rows("robomimic")  # all at the rate of the slowest
         self.assertEqual([line[2] for line in lines if line[-1].startswith("pad frame")], ["500 Hz"] * 3)
         _, text = rows("myrmex-csv")
-        self.assertIn("an image a line at the rate of the sensor", text)
+        self.assertIn("one image per line at the rate of the sensor", text)
         lines, _ = rows("myrmex-rotated")
         self.assertEqual(sorted(line[2] for line in lines if line[1:2] == ["`taxels`"]), ["[12, 12, 12]", "[12, 12, 12]", "[4, 3]"])
 
@@ -164,7 +164,7 @@ class Croissant(ExportTest):
             out.mkdir()
             (out / name).write_text("mine")
             _, said = export(make(STAGE), out, "--format", format, status=2)
-            self.assertRegex(said, f"{out / name}( exists and is no|: would be replaced and is not a) (dataset card|description)")
+            self.assertRegex(said, f"{out / name}( exists and is not a|: would be replaced, but is not a) (dataset card|description)")
             self.assertNotIn("trials", said)  # the conflict is found before the data is written
             self.assertEqual(contents(out), {name: b"mine"})
 

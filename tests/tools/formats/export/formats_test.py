@@ -135,8 +135,8 @@ class Formats(ExportTest):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2)
                 self.assertRegex(told, "trial 0.* 1001 Hz .*'pad'.* 1000 Hz")
-        for format, reason in (("training-csv", "1000 rows a second"), ("slip-csv", "100 rows a second"), ("myrmex-csv", "every image of the sensor"),
-                               ("grasp-csv", "a row a grasp")):
+        for format, reason in (("training-csv", "1000 rows per second"), ("slip-csv", "100 rows per second"), ("myrmex-csv", "every image of the sensor"),
+                               ("grasp-csv", "one row per grasp")):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
                 self.assertRegex(told, f"{format} .*{reason}")

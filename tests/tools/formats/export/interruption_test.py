@@ -21,7 +21,7 @@ from _made import PROGRAM, ROOT, ExportTest, contents, export
 
 FORMATS = ("lerobot", "mcap", "parquet", "rosbag2")
 TRIALS = 3  # after the first trial the export reports the expected total
-NOTICE = "slipbench: stopping after this trial; once more to stop at once\n"
+NOTICE = "slipbench: stopping after this trial; interrupt again to stop at once\n"
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 # Arguments: the format, the request. Writes it as if a signal came after the last trial.

@@ -215,9 +215,9 @@ class LeRobot(ExportTest):
     def test_points_need_forces_of_units(self):
         out = self.folder / "out"
         _, told = export(make("myrmex/slip.yaml"), out, "--format", "lerobot", "--points", status=2)
-        self.assertRegex(told, r"--points: .*the force of each unit is not measured.*papillarray")
+        self.assertRegex(told, r"--points: .*the forces or the positions of the units are not recorded.*papillarray")
         _, told = export(make("papillarray/stage.yaml"), out, "--format", "parquet", "--points", status=2)
-        self.assertIn("parquet has no points of units; allowed: --points with lerobot", told)
+        self.assertIn("parquet cannot contain points of units; --points needs lerobot", told)
         self.assertFalse(out.exists())
 
     def test_what_cannot_be_is_refused_and_nothing_is_left(self):
@@ -226,7 +226,7 @@ class LeRobot(ExportTest):
         _, told = export(dataset, out, "--format", "lerobot", "--rate", "62.5 Hz", status=2)
         self.assertRegex(told, "lerobot.*pad.* 62.5 Hz.*--rate")
         self.assertFalse(out.exists())
-        for name, message in (("1000hz", "is no LeRobot dataset of slipbench"), ("1000hz.partial", "is not what a killed export has left")):
+        for name, message in (("1000hz", "is not a LeRobot dataset of slipbench"), ("1000hz.partial", "is not left by a killed export")):
             with self.subTest(name=name):
                 notes = self.folder / name[6:] / "out" / name / "notes.txt"
                 notes.parent.mkdir(parents=True)

@@ -136,8 +136,7 @@ TEST_F(Import, LogHasItsPillarsItsRateAndTheDevicesOwnSlip) {
   EXPECT_EQ(
       summary.warnings[0].text,
       file +
-          ": its samples are not evenly spaced: 333.333 Hz on average, 500 Hz by the median step, longest step 0.005 s, 0.004 s after "
-          "the first sample; detectors that count samples refuse it unless it is imported with --rate RATE");
+          ": its samples are not evenly spaced: 333.333 Hz on average, 500 Hz by the median step, the longest step is 0.005 s, 0.004 s after the first sample; for detectors that count samples, import it with --rate RATE");
   EXPECT_THAT(sensor.time, ElementsAre(1.0, 1.002, 1.004, 1.009));
   ASSERT_THAT(sensor.channels, SizeIs(2));
   EXPECT_EQ(sensor.channels[0].name, "force");
@@ -253,7 +252,7 @@ TEST_F(Imported, IsVerifiedWithoutTheTruth) {
     const bool of_truth = check["check"] == "events" || check["check"] == "cone" || check["check"] == "contact";
     EXPECT_EQ(check["checked"].get<std::size_t>() == 0, of_truth) << check;
     if (!of_truth) continue;
-    EXPECT_EQ(check["left_out"][0], "all: there is no truth to check (none: imported from bts3v2)");
+    EXPECT_EQ(check["left_out"][0], "all: the dataset has no truth (none: imported from bts3v2)");
   }
 }
 
@@ -473,7 +472,7 @@ TEST_F(Timed, ResamplingTakesValuesBetweenTheSamples) {
   EXPECT_EQ(params(0)["resampled"], nlohmann::json::parse(R"({"rate_hz": 80.0, "samples_in_gaps": 40})"));
   ASSERT_THAT(summary.warnings, SizeIs(2));
   EXPECT_EQ(summary.warnings[1].text,
-            file + ": 40 of 88 samples at 80 Hz lie in gaps of the recording and are on straight lines across them");
+            file + ": 40 of 88 samples at 80 Hz lie in gaps of the recording and are interpolated linearly");
   EXPECT_THAT(DatasetReader(path("out.h5")).header().command, HasSubstr(" --map map.yaml --rate '80 Hz' --seed 7"));
   EXPECT_TRUE(verify_datasets({path("out.h5")}).holds);
 }

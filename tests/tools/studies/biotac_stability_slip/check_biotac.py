@@ -92,7 +92,7 @@ def check_programs(folder):
     assert same.stdout.startswith(again.stdout)  # except the line about the page
     write(folder / "b", 3.0, 2)
     (folder / "b" / "e" / "glass0.csv").write_text("a,b\n1,2\n", encoding="ascii")
-    for words, message in (((folder / "none", folder / "a"), "none/n: holds no CSV file"), ((folder / "a", folder / "b"), "e/glass0.csv:1: columns a,b")):
+    for words, message in (((folder / "none", folder / "a"), "none/n: contains no CSV file"), ((folder / "a", folder / "b"), "e/glass0.csv:1: columns a,b")):
         refused = run(TOOLS / "compare.py", *words)
         assert refused.returncode == 2 and message in refused.stderr and "Traceback" not in refused.stderr, refused.stderr
 

@@ -51,7 +51,7 @@ class FolderTest(unittest.TestCase):
         cluster = self.cluster("a folder", 3)
         for k in (2, 1, 3):
             self.assertIn(f"shard {k}/3 is finished", self.script(cluster / "shard.sh", k, "by-hand").stdout)
-        self.assertIn("shard 2/3 is there, and its digests hold", self.script(cluster / "shard.sh", 2, "again").stdout)
+        self.assertIn("shard 2/3 exists, and its digests are correct", self.script(cluster / "shard.sh", 2, "again").stdout)
         self.script(cluster / "merge.sh")
         self.assertEqual(content_sha256(cluster / "a scene.h5"), content_sha256(self.folder / "whole.h5"))
         self.assertEqual(list((cluster / "attempts").iterdir()), [])

@@ -189,7 +189,7 @@ class IsolateTest(unittest.TestCase):
                 library.write_bytes(LIBRARY.read_bytes() + b"other")
                 _, error = process.communicate(timeout=60)
             self.assertEqual(process.returncode, 2, error)
-            self.assertIn("misbehaves.so has changed since the first trial began", error)
+            self.assertIn("misbehaves.so has changed during the run", error)
             shutil.rmtree(self.folder / "out.h5.partial", ignore_errors=True)
 
     def test_signals_end_all_processes(self):

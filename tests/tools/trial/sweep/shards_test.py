@@ -232,7 +232,7 @@ class ShardsTest(unittest.TestCase):
         self.wait_for_a_trial(self.folder / "merged.h5.partial", stopped)
         stopped.terminate()
         self.assertNotEqual(stopped.wait(), 0)
-        self.assert_refused("of finished trials of a sweep that did not come to its end", "merge", one, two, "-o", merged)
+        self.assert_refused("of finished trials of an unfinished sweep", "merge", one, two, "-o", merged)
         self.assertTrue((self.folder / "merged.h5.partial/batch.h5").exists())
 
     def test_verify_tells_of_the_shards(self):

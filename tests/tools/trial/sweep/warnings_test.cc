@@ -41,7 +41,7 @@ struct Warnings : FolderTest {
 
 TEST_F(Warnings, MotionThatBeginsAtTheEndOrLater) {
   EXPECT_THAT(told("motion: {start: 4 s}\n"),
-              ElementsAre("s.yaml:3: motion.start: 4 s is not before the end of the trial, 4 s: what begins then is not in it"));
+              ElementsAre("s.yaml:3: motion.start: 4 s is not before the end of the trial, 4 s, so the motion never starts"));
   EXPECT_THAT(told("motion: {start: 3.9 s}\n"), IsEmpty());
   EXPECT_THAT(told("motion: {start: 4 s, speed: 0}\n"), IsEmpty());  // a pad that is only pressed
 }
@@ -66,10 +66,10 @@ TEST_F(Warnings, TextureThatTheTaxelsPointsDoNotSample) {
         of_taxels("points: 3", std::string("wavelength: 4 mm, angle: ") + angle),
         ElementsAre(AllOf(
             HasSubstr(
-                "effects.texture.wavelength: 4 mm is cancelled by sensor 'skin': the 9 points of a unit are 1.333 mm apart"),
-            HasSubstr("is 0.000; the unit reads 3 speed/wavelength"))));
+                "effects.texture.wavelength: 4 mm is cancelled by sensor 'skin': the 9 points of a unit have a distance of 1.333 mm"),
+            HasSubstr("= 0.000 over them; the unit vibrates at 3 speed/wavelength"))));
   }
-  EXPECT_THAT(of_taxels("points: 2", "wavelength: 4 mm"), ElementsAre(HasSubstr("reads 2 speed/wavelength")));
+  EXPECT_THAT(of_taxels("points: 2", "wavelength: 4 mm"), ElementsAre(HasSubstr("vibrates at 2 speed/wavelength")));
   EXPECT_THAT(of_taxels("points: 2", "wavelength: 2 mm"),
               ElementsAre(AllOf(HasSubstr("2 mm is not resolved"), HasSubstr("is 1.000"))));
   // At 45 degrees the columns of the grid are 4/3 mm/sqrt 2 apart: the sum is D(pi/3/sqrt 2)^2 =
@@ -84,7 +84,7 @@ TEST_F(Warnings, TextureThatTheTaxelsPointsDoNotSample) {
 
 TEST_F(Warnings, SpeedWithoutAUnit) {
   EXPECT_THAT(told("motion: {speed: 4}\n"),
-              ElementsAre("s.yaml:3: motion.speed: 4 has no unit and is in m/s; with a unit it is as it is meant: '4 mm/s'"));
+              ElementsAre("s.yaml:3: motion.speed: 4 has no unit, so it is in m/s; if mm/s is meant, write '4 mm/s'"));
   EXPECT_THAT(told("motion: {speed: 4 m/s}\n"), IsEmpty());
   EXPECT_THAT(told("motion: {speed: 0.004}\n"), IsEmpty());
   EXPECT_THAT(told("sweep: {motion.speed: [4 mm/s, 4, 5]}\n"),
@@ -114,13 +114,14 @@ TEST_F(Warnings, MaterialThatTheScenesFrictionReplaces) {
 TEST_F(Warnings, PartsOfASplitWithoutATrial) {
   const std::string two = "sweep: {surface.material: [ptfe, felt], trials: 10}\n",
                     three = "sweep: {surface.material: [ptfe, felt, paper]}\n";
-  EXPECT_THAT(told(two), ElementsAre(AllOf(HasSubstr("split: by material there are 2 to divide: valid is without a trial"))));
+  EXPECT_THAT(told(two),
+              ElementsAre(AllOf(HasSubstr("split: by material there are only 2 to divide, so valid is without trials"))));
   EXPECT_THAT(told(three), IsEmpty());
   EXPECT_THAT(told(two + "split: {by: trial}\n"), IsEmpty());
   EXPECT_THAT(told(two + "split: {shares: [0.5, 0, 0.5]}\n"), IsEmpty());
   EXPECT_THAT(
       told("sweep: {trials: 10}\nsplit: {by: material}\n"),
-      ElementsAre(AllOf(StartsWith("s.yaml:4: "), HasSubstr("there is 1 to divide: valid and test are without a trial"))));
+      ElementsAre(AllOf(StartsWith("s.yaml:4: "), HasSubstr("there is only 1 to divide, so valid and test are without trials"))));
   EXPECT_THAT(told("sweep: {trials: 10}\n"), IsEmpty());
   EXPECT_THAT(told("sweep: {motion.speed: [1 mm/s, 2 mm/s, 3 mm/s], trials: 2}\nsplit: {by: speed}\n"), IsEmpty());
   EXPECT_THAT(told("sweep: {surface.shape: [plane, sphere, box]}\nsplit: {by: object}\n"), IsEmpty());
@@ -140,10 +141,10 @@ TEST_F(Warnings, StepsThatTakeTenMinutes) {
   const std::vector<Warning> found = of("box: {mass: 1e-9 kg}\n");
   const auto steps = std::ranges::find(found, "time_step", &Warning::about);
   ASSERT_NE(steps, found.end());
-  EXPECT_THAT(steps->text, AllOf(HasSubstr("auto makes steps of"), HasSubstr("days or more")));
+  EXPECT_THAT(steps->text, AllOf(HasSubstr("auto gives steps of"), HasSubstr("days or more")));
   EXPECT_EQ(std::ranges::count(of("box: {mass: 200 g}\n"), "time_step", &Warning::about), 0);
   EXPECT_THAT(told("fidelity: articulated\ntime_step: 0.05 us\n"),
-              ElementsAre(AllOf(StartsWith("s.yaml:4: time_step: 0.05 us makes steps of 5e-08 s"), HasSubstr("; auto takes"))));
+              ElementsAre(AllOf(StartsWith("s.yaml:4: time_step: 0.05 us gives steps of 5e-08 s"), HasSubstr("; auto chooses"))));
 }
 
 TEST_F(Warnings, ShippedScenesHaveNone) {

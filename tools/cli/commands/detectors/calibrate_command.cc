@@ -40,23 +40,29 @@ std::string command_text(const calibrate::Options& options, const std::vector<st
 void CalibrateCommand::declare(Arguments& arguments) {
   arguments.about("calibrate", "Fit a scene to recordings of a real sensor",
                   fmt::format(R"(
-Fits what --fit names to recordings, by simulation alone, and says how well each is known and what the recordings do not determine. The scene's
-sweep has a trial for each recording, in their order, or one trial that all repeat: it says how the stage moved. The first samples of both are
-taken for the same instant; --fit 'lag: {{min: -50 ms, max: 50 ms}}' fits the difference.
+Fits the parameters given by --fit to recordings, and reports how well the recordings determine each.
+The sweep of the scene has one trial for each recording, in the same order, or a single trial that
+all repeat; it describes the motion of the stage. The first samples of recording and trial are taken
+as simultaneous; --fit 'lag: {{min: -50 ms, max: 50 ms}}' fits the difference.
 
-  --fit 'KEY: {{min: .., max: ..}}'         a key of the scene between two bounds
-  draw: log_uniform                       searched by its logarithm
-  each: true                              a value for each recording; the fitted scene draws it with the scatter that was found
+  --fit 'KEY: {{min: .., max: ..}}'         a key of the scene, between two bounds
+  draw: log_uniform                       search by the logarithm
+  each: true                              fit one value per recording; the fitted scene draws it with
+                                          the scatter of these values
 
---groups class=n,e,s compares recordings whose motion nobody knows: those whose label class is n belong to the first cell of the grid of the scene's sweep,
-and so on. Its trials are draws, and means over a group are compared. What the sweep draws can be fitted: sweep.motion.compression.median.
+--groups class=n,e,s is for recordings with unknown motion: recordings whose label class is n belong
+to the first cell of the grid of the scene's sweep, and so on. The means of each group are compared
+with those of random trials. Parameters of the sweep can be fitted:
+sweep.motion.compression.median.
 
--o writes the scene with the fitted values, and beside it FILE.html and FILE.json: intervals, profiles, residuals, real beside synthetic.
---synthetic-truth simulates the recordings from values drawn between the bounds, with the scene's electronics, and shows how well it finds
-them: status 1 where a value is missed by more than twice its interval.
+-o writes the scene with the fitted values, and FILE.html and FILE.json with intervals, profiles,
+residuals, and real and synthetic curves. --synthetic-truth simulates recordings with values drawn
+between the bounds, and reports how well the fit recovers them; the exit status is 1 if a value is
+missed by more than twice its interval.
 
---snapshots needs no scene: REAL are recordings with the force and the displacement of every unit, in any order. It fits a stiffness matrix to
-each unit by least squares and prints k_normal, k_tangential and, for a PapillArray, the limits of coupling and the scales of gain and noise, with standard errors.
+--snapshots needs no scene: REAL are recordings with force and displacement of each unit, in any
+order. It fits a stiffness matrix to each unit by least squares, and prints k_normal, k_tangential
+and, for a PapillArray, limits of coupling and scales of gain and noise, with standard errors.
 
 Formats:
 {}
@@ -67,26 +73,25 @@ Examples:
                               import_formats_text()));
   arguments
       .inputs("SCENE REAL ...", words_,
-              "Scene file (YAML), unless --snapshots is given, then datasets, or with --format CSV files and folders")
+              "Scene file (YAML; not with --snapshots), then datasets or, with --format, CSV files and folders")
       .required();
   arguments.lines("--fit KEY:BOUNDS ...", fits_,
-                  "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
+                  "Key to fit with its bounds, e.g. 'friction.static: {min: 0.2, max: 1}'; repeatable");
   arguments
-      .read("--format NAME", fmt::format("REAL are {}, see below", fmt::join(import_format_names(), " or ")),
+      .read("--format NAME", fmt::format("Format of REAL: {}, see below", fmt::join(import_format_names(), " or ")),
             [this](const std::string& name) { options.format = &import_format(name); })
       .offers(import_format_names);
-  arguments.read("--groups LABEL=VALUES",
-                 "Unknown motion: recordings by a label, a value for each cell of the grid, e.g. class=n,e,s",
+  arguments.read("--groups LABEL=VALUES", "For unknown motion: label, and its value for each cell of the grid, e.g. class=n,e,s",
                  [this](const std::string& text) { options.groups = calibrate::parse_groups(text); });
-  arguments.flag("--synthetic-truth", options.synthetic_truth, "In place of REAL: recordings of drawn parameters");
-  arguments.flag("--snapshots", snapshots_, "Stiffness, coupling and noise from force against displacement");
+  arguments.flag("--synthetic-truth", options.synthetic_truth, "Instead of REAL: simulate recordings with random parameters");
+  arguments.flag("--snapshots", snapshots_, "Fit stiffness, coupling and noise from force against displacement");
   arguments.text("--sensor NAME", sensor_, "Sensor of the snapshots (default: the only one with force and displacement)");
-  arguments.quantity("--idle LENGTH", idle_, "Units that moved less are idle (default: 20 um)", Quantity::length);
+  arguments.quantity("--idle LENGTH", idle_, "Units that move less count as idle (default: 20 um)", Quantity::length);
   arguments.overrides(options.overrides, options.seed);
-  arguments.number("--starts N", starts_, "Searches from different points, 1 to 64 (default: 4)", 1, 64);
+  arguments.number("--starts N", starts_, "Number of searches from different starting points, 1 to 64 (default: 4)", 1, 64);
   arguments.jobs(jobs_);
-  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
-  arguments.file("-o,--output FILE.yaml", output, "Fitted scene to write, with FILE.html and FILE.json beside it");
+  arguments.flag("-q,--quiet", quiet, "Print no progress and no summary");
+  arguments.file("-o,--output FILE.yaml", output, "Write the fitted scene, FILE.html and FILE.json");
   arguments.then([this] {
     if (snapshots_) {
       for (const auto& [given, name] : {std::pair{!fits_.empty(), "--fit"},
@@ -97,7 +102,7 @@ Examples:
                                         {starts_.has_value(), "--starts"},
                                         {jobs_.has_value(), "--jobs"},
                                         {!output.empty(), "-o"}}) {
-        if (given) reject("calibrate: --snapshots fits a fixed law without a scene and cannot be combined with {}", name);
+        if (given) reject("calibrate: --snapshots fits a fixed law without a scene, so it cannot be combined with {}", name);
       }
       options.recordings = words_;
       return;
@@ -109,7 +114,7 @@ Examples:
     options.scene_path = scene_path(words_.front());
     options.recordings.assign(words_.begin() + 1, words_.end());
     if (options.recordings.empty() != options.synthetic_truth)
-      throw InputError("calibrate: recordings and --synthetic-truth: allowed: one of the two");
+      throw InputError("calibrate: give either recordings or --synthetic-truth");
     for (const std::string& fit : fits_) {
       for (calibrate::FitKey& key : calibrate::parse_fit_keys(fit)) options.keys.push_back(std::move(key));
     }

@@ -43,33 +43,34 @@ void print_detection(Json result, const std::vector<std::string>& files, bool js
   Table table(eval::detections_table(result, most_trials_shown));
   text += table.text(style);
   if (const std::size_t trials = result.at("trials").size(); trials > most_trials_shown)
-    text += fmt::format("  {}; -o FILE writes all\n", counted(trials - most_trials_shown, "more trial"));
+    text += fmt::format("  {}; -o FILE writes all of them\n", counted(trials - most_trials_shown, "more trial"));
   fmt::print("{}", text);
   print_written(files);
 }
 
 void DetectCommand::declare(Arguments& arguments) {
   arguments.about("detect", "Run a slip detector on recordings", R"(
-Shows when the detector alarms, and writes its state and probability at each sample. The recordings need no labels; where they have labels,
-the share of wrong samples is shown too. The alarms are those that `slipbench eval` judges.
+Prints the alarms of the detector, and writes its state and probability at each sample. Recordings
+need no labels; if they have labels, the share of wrong samples is printed too. The alarms are the
+same as in `slipbench eval`.
 
 -o writes one of:
-  FILE.csv      a row an alarm; FILE_samples.csv beside it has a row a sample: time, state, probability, label
+  FILE.csv      one row per alarm; FILE_samples.csv has one row per sample: time, state, probability, label
   FILE.parquet  the same two tables, for pandas, polars and DuckDB
   FILE.json     both in one object
-  FILE.html     a page with the signals, the probability and the alarms, the worst trials first, and FILE.json beside it
+  FILE.html     a page with signals, probability and alarms, the worst trials first, and FILE.json
   -             the alarms as CSV, on standard output
 
-DETECTOR is as in `slipbench eval`. `slipbench import` makes recordings of logs.
+DETECTOR is as in `slipbench eval`. `slipbench import` converts logs to recordings.
 
 Examples:
   slipbench detect force_ratio recorded.h5 -o alarms.html
   slipbench detect cl_gst_hd recorded.h5 -o alarms.csv)");
-  arguments.input("DETECTOR", detector, "A detector's name, FILE.onnx, or a folder of memories").required();
-  arguments.inputs("RECORDING ...", options.recordings, "Datasets (HDF5) of the detector's sensor", ".h5").required();
-  arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
-  arguments.text("--sensor NAME", options.sensor, "The name of the sensor in the recordings (default: the only one)");
-  arguments.output("-o,--output FILE", output, "File to write, .csv, .parquet, .json or .html (default: none)", ".csv");
+  arguments.input("DETECTOR", detector, "Name of a detector, FILE.onnx, or a folder of memories").required();
+  arguments.inputs("RECORDING ...", options.recordings, "Datasets (HDF5) with the sensor of the detector", ".h5").required();
+  arguments.sets(parameters, "Set a parameter of the detector, e.g. ratio=0.35");
+  arguments.text("--sensor NAME", options.sensor, "Name of the sensor in the recordings (default: the only one)");
+  arguments.output("-o,--output FILE", output, "Write a .csv, .parquet, .json or .html file", ".csv");
 }
 
 int DetectCommand::run() {

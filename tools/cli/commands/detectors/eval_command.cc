@@ -57,10 +57,11 @@ double step_time(network::Engine& engine) {
 // Reports the time of a step. A network may refuse the made-up features and still accept the dataset's.
 std::string step_text(network::Engine& engine) {
   try {
-    return fmt::format("  a step of the network takes {:.3g} us on this machine (median of {}); `latency` makes a loop feel it\n",
-                       1e6 * step_time(engine), steps_timed);
+    return fmt::format(
+        "  a step of the network takes {:.3g} us on this machine (median of {}); set `latency` to simulate it in a loop\n",
+        1e6 * step_time(engine), steps_timed);
   } catch (const InputError& error) {
-    return fmt::format("  a step of the network is not timed: of made-up features, {}\n", error.what());
+    return fmt::format("  a step of the network was not timed, because it fails with artificial features: {}\n", error.what());
   }
 }
 
@@ -79,7 +80,7 @@ void check_libraries(const benchmark::Asked& submitted, const std::vector<Overri
   for (const Override& change : submitted.parameters) {
     const auto names = [&](const Override& own) { return own.path == change.path && own.value == change.value; };
     if (change.path == "library" && std::ranges::none_of(allowed, names))
-      reject("{}: runs a library; allowed: with --set library={}, to run its code here", file, change.value);
+      reject("{}: the submission runs a library; to run its code here, add --set library={}", file, change.value);
   }
 }
 
@@ -96,36 +97,40 @@ bool same_file(const std::string& a, const std::string& b) {
 }  // namespace
 
 void EvalCommand::declare(Arguments& arguments) {
-  arguments.about("eval", "Judge any slip detector on a dataset", R"(
-Feeds the recorded samples of every trial to the detector, as the loop does, and compares what it sees with the truth: recall of slip, balanced
-accuracy, delay from the true first slip, early, missed, false alarms a minute of true stick, each with an interval of 95 % by trial; then by
-material or object, by speed and by the dataset's masks. The same samples give the same classes as in the loop.
+  arguments.about("eval", "Evaluate a slip detector on a dataset", R"(
+Feeds the recorded samples of each trial to the detector, as the control loop does, and compares the
+result with the truth: recall of slip, balanced accuracy, delay after the true onset, early alarms,
+missed slips and false alarms per minute of true stick, each with a 95 % interval by trial. Then the
+same by material or object, by speed and by the dataset's masks. The classes are those of the loop.
 
-DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that `slipbench train` wrote (gst_hd); cl_gst_hd and
-learn_gst_hd are those that ship with the program. Trials of this dataset that a network or memories were trained on are left out, wherever they
-are stored; where the detector does not record them, the output says so.
+DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that
+`slipbench train` wrote (gst_hd); cl_gst_hd and learn_gst_hd are included. Trials on which a network
+or memories were trained are left out, in whichever file they are stored; the output warns if the
+detector does not record these trials.
 
-Labels: strict (a unit slips when all of it does), micro (when a part of it does), paper (the rule of the sensor's paper), latched (micro, and what
-has slipped stays so until contact is lost), masked (micro, without the frames that stick again after a slip), has_slipped (of a PapillArray: a pillar whose tip was fast stays so until it loses contact),
-recorded (of `slipbench import`: the labels of the recordings).
+Labels: strict (a unit slips if all of it slips), micro (if a part of it slips), paper (the rule of
+the sensor's paper), latched (micro, and slip lasts until contact is lost), masked (micro without the
+frames that stick again after a slip), has_slipped (PapillArray: a pillar whose tip was fast slips
+until it loses contact), recorded (labels of imported recordings).
 
 Examples:
   slipbench eval memories hexapod.h5 --labels paper
   slipbench eval force_ratio hexapod.h5 --set ratio=0.35 -o ratio.html
   slipbench eval cl_gst_hd hexapod.h5 --split test --json)");
-  arguments.input("DETECTOR", detector, "A detector's name, FILE.onnx, or a folder of memories").required();
-  arguments.input("FILE", options.dataset, "Dataset (HDF5) of the detector's sensor", ".h5").required();
-  arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
-  arguments.read("--labels RULE",
-                 fmt::format("Truth to judge by: {} (default: recorded for recordings; else what a network learnt by, or strict)",
-                             fmt::join(eval::label_rule_names(), ", ")),
-                 [this](const std::string& name) { options.labels = eval::parse_label_rule(name); });
-  arguments.text("--sensor NAME", options.sensor, "The scene's name of the sensor (default: the only one)");
-  arguments.word("--split PART", options.split, "Trials to judge, by the dataset's masks: {} (default: all)", splits);
-  arguments.flag("--all", options.all, "Also trials that the detector was trained on");
-  arguments.output(
-      "-o,--output FILE.html", output,
-      "Write a page with figures, curves and the worst trials over time, and FILE.json beside it; -: the page alone");
+  arguments.input("DETECTOR", detector, "Name of a detector, FILE.onnx, or a folder of memories").required();
+  arguments.input("FILE", options.dataset, "Dataset (HDF5) with the sensor of the detector", ".h5").required();
+  arguments.sets(parameters, "Set a parameter of the detector, e.g. ratio=0.35");
+  arguments.read(
+      "--labels RULE",
+      fmt::format(
+          "Labels to compare with: {} (default: for recordings recorded, otherwise the labels of the network's training, or strict)",
+          fmt::join(eval::label_rule_names(), ", ")),
+      [this](const std::string& name) { options.labels = eval::parse_label_rule(name); });
+  arguments.text("--sensor NAME", options.sensor, "Name of the sensor in the scene (default: the only one)");
+  arguments.word("--split PART", options.split, "Trials to evaluate, by the dataset's masks: {} (default: all)", splits);
+  arguments.flag("--all", options.all, "Include trials that the detector was trained on");
+  arguments.output("-o,--output FILE.html", output,
+                   "Write a page with figures, curves and the worst trials over time, and FILE.json; -: only the page");
 }
 
 int EvalCommand::run() {
@@ -148,36 +153,42 @@ int EvalCommand::run() {
 }
 
 void BenchmarkCommand::declare(Arguments& arguments) {
-  arguments.about("benchmark", "Judge all slip detectors by one protocol", R"(
-Puts every detector on a board: those that ship, those that the protocol teaches, the negative controls (always slip, never slip, a
-clock, the motion known, the motion known and timed), and the DETECTORs given. A protocol is fixed: recordings and grasps
-of scenes/benchmark/PROTOCOL, which share no seed with what is learnt from, and a score that false alarms lower
+  arguments.about("benchmark", "Compare slip detectors by one protocol", R"(
+Ranks detectors on a board: the included detectors, those that the protocol trains, the negative
+controls (always slip, never slip, a clock, known motion with and without time), and the DETECTORs
+given. A protocol consists of fixed recordings and grasps (scenes/benchmark/PROTOCOL), which share no
+seed with the training data, and of a score that false alarms lower
 (tools/benchmark/README.md).
 
-Three tracks: open recordings; closed loop, where a gripper tightens by what the detector says; transfer, with --real, where what was taught on
-simulations is judged on recordings of real sensors.
+The board has three tracks: open recordings; closed loop, where a gripper tightens when the detector
+reports slip; and transfer (--real), where detectors trained on simulations are evaluated on
+recordings of real sensors.
 
-DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that `slipbench train` wrote.
+DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that
+`slipbench train` wrote.
 
---verify recomputes a submission. It exits with status 1 and says what differs first where a number differs by more than 1e-9 (MuJoCo, FFTW and networks round by the processor) or anything else does. The library of
-a plugin, which is code of others, runs where --set library=PATH names it.
+--verify recomputes a submission. It prints the first difference and exits with status 1 if a number
+differs by more than 1e-9 (the rounding of MuJoCo, FFTW and networks on other processors), or if
+anything else differs. A plugin is other people's code; its library runs only if
+--set library=PATH names it.
 
 Examples:
   slipbench benchmark -o board.html
   slipbench benchmark my.onnx --sensor papillarray -o board.html --submit my.json
   slipbench benchmark --verify my.json
   slipbench benchmark shear_rate --set flip=0.05 --sensor papillarray --trials 8 --untaught)");
-  arguments.texts("DETECTOR", asked.detectors, "Detectors beside those that ship");
+  arguments.texts("DETECTOR", asked.detectors, "Detectors to add to the included ones");
   arguments.text("--protocol NAME", protocol, fmt::format("slip-1, slip-2 or slip-3 (default: {})", benchmark::default_protocol));
-  arguments.sets(asked.parameters, "A parameter of the DETECTOR given, e.g. ratio=0.35");
-  arguments.inputs("--real FILE", asked.real, "Datasets of real recordings (slipbench import), for the track transfer");
-  arguments.text("--sensor TYPE", asked.sensor, "One type of sensor alone (default: all)");
-  arguments.number("--trials N", asked.trials, "To try things: N trials of each scene; no board of the protocol", 1, 100'000);
-  arguments.flag("--untaught", asked.untaught, "To try things: without the detectors that the protocol teaches");
+  arguments.sets(asked.parameters, "Set a parameter of the DETECTOR, e.g. ratio=0.35");
+  arguments.inputs("--real FILE", asked.real, "Dataset of real recordings (slipbench import), for the track transfer");
+  arguments.text("--sensor TYPE", asked.sensor, "Run only one type of sensor (default: all)");
+  arguments.number("--trials N", asked.trials, "For quick tests: N trials of each scene; not a board of the protocol", 1,
+                   100'000);
+  arguments.flag("--untaught", asked.untaught, "For quick tests: leave out the detectors that the protocol trains");
   arguments.jobs(jobs);
-  arguments.output("-o,--output FILE.html", output, "Write a page, and FILE.json beside it; -: the page alone");
+  arguments.output("-o,--output FILE.html", output, "Write a page, and FILE.json; -: only the page");
   arguments.file("--submit FILE", submission, "Write the board as a submission");
-  arguments.input("--verify FILE", verified, "Recompute a submission; takes no other option but --jobs and --set library=PATH");
+  arguments.input("--verify FILE", verified, "Recompute a submission; only with --jobs and --set library=PATH");
   arguments.flag("-q,--quiet", quiet, "Print no progress");
   arguments.then([this] {
     const bool sets = std::ranges::any_of(asked.parameters, [](const Override& change) { return change.path != "library"; });
@@ -185,12 +196,12 @@ Examples:
                       asked.untaught || !protocol.empty() || !output.empty() || !submission.empty();
     if (!verified.empty() && asks)
       throw InputError(
-          "benchmark: --verify takes what was asked from its file; allowed: it alone, --jobs, and --set library=PATH");
+          "benchmark: --verify reads all options from the submission; it can only be combined with --jobs and --set library=PATH");
     if (!output.empty() && !submission.empty() &&
         (same_file(output, submission) || same_file(page::json_path(output), submission)))
-      reject("benchmark: --submit {}: --output {} writes that file; allowed: another name", submission, output);
+      reject("benchmark: --submit {}: --output {} also writes this file; choose another name", submission, output);
     if (verified.empty() && asked.detectors.empty() && !asked.parameters.empty())
-      throw InputError("benchmark: --set is of the DETECTOR given, and none is; allowed: a DETECTOR, e.g. shear_rate");
+      throw InputError("benchmark: --set sets a parameter of a DETECTOR, but no DETECTOR is given");
   });
 }
 
@@ -209,12 +220,12 @@ std::string BenchmarkCommand::text(const Json& result) const {
   for (const Json& set : result.at("sets")) {
     const benchmark::BoardTable board = benchmark::board_table(set);
     all += style.heading(board.title) + "\n" + Table(board.cells).text(style);
-    for (const std::string& one : board.left_out) all += style.dim("  not on this board: " + one) + "\n";
+    for (const std::string& one : board.left_out) all += style.dim("  no score: " + one) + "\n";
     all += "\n";
   }
   if (result.contains("transfer")) all += style.heading("transfer") + "\n  " + result.at("transfer").get<std::string>() + "\n";
   if (!result.at("protocol").at("whole").get<bool>())
-    all += "a part of the protocol: no board of " + result.at("protocol").at("name").get<std::string>() + "\n";
+    all += "only a part of the protocol, so this is not a board of " + result.at("protocol").at("name").get<std::string>() + "\n";
   return all;
 }
 
@@ -231,9 +242,10 @@ int BenchmarkCommand::verify() const {
   } else {
     const Style style = style_for(stdout);
     fmt::print("{}\n", difference.empty()
-                           ? style.good(verified + ": recomputed, the same: numbers compared within 1e-9, all else byte for byte")
+                           ? style.good(verified +
+                                        ": recomputed with the same result: numbers agree within 1e-9, everything else exactly")
                            : style.error(verified + ": differs: ") + difference);
-    if (!same_machine) fmt::print("made on another machine or by another build, which its `machine` names\n");
+    if (!same_machine) fmt::print("made on another machine or by another build; see `machine` in the file\n");
   }
   return difference.empty() ? exit_good : exit_check_failed;
 }

@@ -65,7 +65,7 @@ std::vector<Column> needed_columns() {
 
 void HdCommand::declare(Arguments& arguments) {
   arguments.about("hd", "Work with the hyperdimensional classifier", R"(
-Its memories are a folder of hex files, as detectors/hd/README.md explains.)");
+The memories of a classifier are a folder of hex files; detectors/hd/README.md explains them.)");
   arguments.command(replay);
 }
 
@@ -73,20 +73,21 @@ int HdCommand::run() { throw InputError("hd: no command given; commands: replay"
 
 void HdReplayCommand::declare(Arguments& arguments) {
   arguments.about("replay", "Classify quantised input step by step", R"(
-Prints step,class,d1,d2,d3 as CSV: class 1 non-slip, 2 incipient, 3 gross, and the Hamming distances of the three; from the first step
-on whose window is full. VECTORS.csv has the columns n (step), L0 to L8 (levels, 0 to 20) and ctx (context, 0 to 3); others are left alone.
+Prints step,class,d1,d2,d3 as CSV, from the first step with a full window: class 1 non-slip,
+2 incipient, 3 gross, and the Hamming distances to the three prototypes. VECTORS.csv has the columns
+n (step), L0 to L8 (levels, 0 to 20) and ctx (context, 0 to 3); other columns are ignored.
 
-DIR holds AM.hex, CIM.hex, CM.hex, IM.hex and model.txt. Without model.txt, as the published memories are, --encoder must be given and
-ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd and learn_gst_hd are the classifiers that
-ship with the program; a folder of that name is ./cl_gst_hd.
+DIR contains AM.hex, CIM.hex, CM.hex, IM.hex and model.txt. Published memories have no model.txt;
+they need --encoder, and ties default to one. With model.txt, --encoder and --ties override it.
+cl_gst_hd and learn_gst_hd are included classifiers; a folder of the same name is ./cl_gst_hd.
 
 Examples:
   slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
   slipbench hd replay vectors.csv --memories published --encoder paper --ties zero --engine reference)");
   arguments.input("VECTORS", vectors, "Quantised input (CSV)", ".csv").required();
-  arguments.text("--memories DIR", memories, "Folder of the classifier, cl_gst_hd or learn_gst_hd").required();
-  arguments.word("--encoder NAME", compat, "Whose bundle: {}", hd::compat_words);
-  arguments.word("--ties NAME", ties, "A bundle that sums to zero becomes {}", hd::ties_words);
+  arguments.text("--memories DIR", memories, "Folder of the classifier, or cl_gst_hd or learn_gst_hd").required();
+  arguments.word("--encoder NAME", compat, "Bundling: {}", hd::compat_words);
+  arguments.word("--ties NAME", ties, "Bit of a bundle whose sum is zero: {}", hd::ties_words);
   arguments.text("--engine NAME", engine, fmt::format("{} (default: kernel)", fmt::join(hd_engine_names(), " or ")));
 }
 
@@ -116,7 +117,7 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
   std::ifstream stream(file);
   std::string line;
   if (!stream) reject("{}: {}", file, std::strerror(errno));
-  if (!std::getline(stream, line)) reject("{}:1: the file is empty; needed: n, L0 to L8, ctx", file);
+  if (!std::getline(stream, line)) reject("{}:1: the file is empty; expected the columns n, L0 to L8, ctx", file);
 
   std::vector<Column> columns = needed_columns();
   const std::vector<std::string_view> names = cells_of(line);
@@ -124,7 +125,7 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
   for (Column& column : columns) {
     const auto count = std::ranges::count(names, column.name);
     if (count != 1) {
-      reject("{}:1: {} column {}; needed: n, L0 to L8, ctx", file, count == 0 ? "no" : "more than one", quote(column.name));
+      reject("{}:1: {} column {}; expected n, L0 to L8, ctx", file, count == 0 ? "no" : "more than one", quote(column.name));
     }
     column.index = static_cast<std::size_t>(std::ranges::find(names, column.name) - names.begin());
   }
@@ -132,7 +133,7 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
   std::vector<HdVector> vectors;
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
     const std::vector<std::string_view> cells = cells_of(line);
-    if (cells.size() != width) reject("{}:{}: {} cells; the header has {}", file, number, cells.size(), width);
+    if (cells.size() != width) reject("{}:{}: {} cells, but the header has {}", file, number, cells.size(), width);
     std::array<std::uint64_t, 1 + hd::pillar_count + 1> values{};
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const std::string_view cell = cells[columns[i].index];
@@ -146,7 +147,7 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
     for (std::size_t p = 0; p < hd::pillar_count; ++p) vector.frame.level[p] = static_cast<std::uint8_t>(values[1 + p]);
     vector.frame.context = static_cast<std::uint8_t>(values.back());
     if (!vectors.empty() && vector.step != vectors.back().step + 1) {
-      reject("{}:{}: step {} after step {}; a window has no gaps", file, number, vector.step, vectors.back().step);
+      reject("{}:{}: step {} follows step {}; steps must have no gaps", file, number, vector.step, vectors.back().step);
     }
     vectors.push_back(vector);
   }

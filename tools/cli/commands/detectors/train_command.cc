@@ -31,7 +31,7 @@ double alarms_a_minute(const std::string& text) {
     if (unit == "/min") return rate;
     if (unit == "/h") return rate / 60.0;
   }
-  reject("train: --alarms is {}; allowed: a number from 0 on and its unit, as 1/min or 10/h", quote(text));
+  reject("train: --alarms is {}; expected a rate of 0 or more with its unit, such as 1/min or 10/h", quote(text));
 }
 
 // One of `names`.
@@ -47,79 +47,87 @@ std::string next_text(const Style& style, const std::string& output, const std::
                       const std::string& options) {
   const std::string eval = style.dim("next:") + " " + as_called("slipbench eval " + shell_word(output));
   if (!unseen.empty()) return eval + " " + shell_word(unseen) + options + (part.empty() ? "" : " --split " + part);
-  return eval + " NEW.h5" + options + "  # NEW.h5: trials not learnt from, such as those of a sweep with another --seed";
+  return eval + " NEW.h5" + options + "  # NEW.h5: trials outside the training, such as a sweep with another --seed";
 }
 
 }  // namespace
 
 void TrainCommand::declare(Arguments& arguments) {
   arguments.about("train", "Train a slip detector on a dataset", R"(
-Without --recipe, and with --recipe gst_hd, trains the hyperdimensional slip detector of a PapillArray in a single pass. Six
-draws are made first, by sequence and, to compare, by frame: within each compression and speed as many sequences are drawn with
-replacement as there are; those never drawn are the test. Draw 0 is for choosing options, the other five make the figures. Then all
-sequences train the classifier that is saved. With --epochs mistakes teach in place of that single pass: every epoch judges all frames in a
-drawn order, adds those called wrongly, or rightly by a small margin, to their class and takes them from the nearest other. The paper has
-none. With --score or --alarms draw 0 chooses how many frames in a row begin and end an alarm.
+Trains the hyperdimensional detector of a PapillArray (recipe gst_hd, the default) or a network
+(all other recipes of `slipbench list recipes`). The output records the trials that it was trained
+on, and `eval` leaves them out.
 
-Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
-Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
+Data: if the dataset has a split, gst_hd trains on the part train. A network trains on train, chooses
+its state on valid (or on a fifth of train, if valid is empty) and is tested on test. Without a split,
+or with --all, a network first holds out a fifth of the trials for the test, or of the materials,
+objects or octaves of speed (--split), and then a fifth of the rest for validation.
 
-A dataset's own split counts: gst_hd learns from its part train alone; a network learns from train, validates on valid (a fifth of train where
-valid is empty) and is judged on test. --all does without it. What is trained records the trials that it has seen, and `eval` leaves them out.
+gst_hd makes one pass over the data. It first draws six random partitions by sequence and, for
+comparison, by frame: within each compression and speed, as many sequences as there are, drawn with
+replacement; sequences that are never drawn are the test. Draw 0 serves to choose options, draws 1 to
+5 give the printed figures. The saved classifier is trained on all sequences. --epochs adds passes
+that correct misclassified frames, which the paper does not have. --encoder: shdc (pillars of one
+frame), sthdc (over a window), gsthdc (with graphs, over a window). --compat: paper bundles each
+frame anew, published_core keeps the counts of the pillars over a window.
 
-Any other recipe (`slipbench list recipes`) is a network. With --all, or of a dataset without a split, what judges is held out first: a fifth of the trials, or of the materials,
-objects or octaves of speed that --split names. A fifth of the rest chooses the best state and the operating point: threshold, frames in a row
-that begin and end an alarm and the least it lasts, of the greatest balanced accuracy with no more false alarms a minute than --alarms, or of
-the greatest score of open recordings (`slipbench benchmark`) with --score. The ONNX file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
+The output of a network is an ONNX file with the complete detector, including its operating point:
+the threshold, the consecutive frames that begin and end an alarm, and the minimum duration of an
+alarm. It is chosen on the validation trials: the highest balanced accuracy with at most --alarms
+false alarms or, with --score, the highest score of open recordings (`slipbench benchmark`). For
+gst_hd these options choose the frames that begin and end an alarm, on draw 0. A network is trained
+on one thread. --resume continues a killed training with a bit-identical result.
 
-Labels: strict and micro are the truth (a unit slips as a whole, or in part), paper is the rule of the sensor's paper. Of networks:
-latched is micro, and slip until contact is lost; masked leaves out frames that stick again after a slip, tightened does so on a stage alone. Of gst_hd: with has_slipped
-a pillar that slipped by the paper's rule so counts until it loses contact.
+Labels: strict and micro are the truth (a unit slips as a whole, or a part of it slips), paper is the
+rule of the sensor's paper. Networks: latched is micro, and slip lasts until contact is lost; masked
+is micro without frames that stick again after a slip; tightened is masked on a stage and micro in a
+grasp. gst_hd: with has_slipped a pillar that slipped by the paper's rule counts as slipping until it
+loses contact.
 
 Examples:
   slipbench train hexapod.h5 -o memories
   slipbench train hexapod.h5 --encoder shdc --labels strict -o plain
   slipbench train hexapod.h5 --recipe papillarray_gru --steps 20 -o detector.onnx)");
-  arguments.input("FILE", options.dataset, "Dataset (HDF5); of gst_hd with a PapillArray, on a stage or in a grasp", ".h5")
+  arguments.input("FILE", options.dataset, "Dataset (HDF5); gst_hd: with a PapillArray on a stage or in a grasp", ".h5")
       .required();
-  arguments.file("-o,--output PATH", options.output, "Folder for the memories of gst_hd, ONNX file of a network; always needed")
+  arguments.file("-o,--output PATH", options.output, "Folder for the memories of gst_hd, or ONNX file for a network (required)")
       .required();
-  arguments.text("--recipe NAME", recipe_, "What is taught: `slipbench list recipes` (default: gst_hd)")
+  arguments.text("--recipe NAME", recipe_, "What to train: `slipbench list recipes` (default: gst_hd)")
       .offers(train::recipe_names);
   arguments.text(
       "--labels RULE", labels_,
-      "Truth to learn: paper, has_slipped, strict, micro of gst_hd (default: paper); micro, strict, paper, latched, masked, tightened, recorded of a network "
-      "(default: the recipe's)");
+      "Labels. gst_hd: paper, has_slipped, strict, micro (default: paper). Network: micro, strict, paper, latched, masked, tightened, recorded "
+      "(default: of the recipe)");
   arguments.text("--sensor NAME", options.sequences.sensor,
-                 "The scene's name of the sensor (default: the only one; of a network every one that fits)");
+                 "Name of the sensor in the scene (default: the only one; network: every sensor that fits)");
   arguments.number("--seed N", options.seed, "Seed of weights, memories and draws (default: 1)", 0);
-  arguments.word("--split FACT", split_, "Network: what learns and judges differ in: {} (default: the recipe's)",
-                 train::split_words);
-  arguments.number("--held-out PERCENT", held_out_, "Network: trials that judge, 0 to 50 (default: 20)", 0, 50);
-  arguments.number("--steps N", steps_, "Network: steps of training (default: the recipe's)", 1, 10'000'000);
-  arguments.number("--turned N", turned_,
-                   "Network of a Myrmex: copies of each trial with its images turned, 0 to 11 (default: 0)", 0, 11);
+  arguments.word("--split FACT", split_,
+                 "Network: property by which training and test are separated: {} (default: of the recipe)", train::split_words);
+  arguments.number("--held-out PERCENT", held_out_, "Network: share of the trials for the test, 0 to 50 (default: 20)", 0, 50);
+  arguments.number("--steps N", steps_, "Network: training steps (default: of the recipe)", 1, 10'000'000);
+  arguments.number("--turned N", turned_, "Network of a Myrmex: copies of each trial with rotated images, 0 to 11 (default: 0)",
+                   0, 11);
   arguments.text("--alarms RATE", alarms_,
-                 "False alarms that are tolerated in the trials that validate (default: 1/min; of gst_hd none is chosen)");
-  arguments.flag("--score", score_, "In place of --alarms, the operating point of the greatest score of open recordings");
-  arguments.lines("--with FILE", with_, "One more dataset, such as of grasps beside a stage; may be repeated");
+                 "Maximum rate of false alarms on the validation trials (default: 1/min; gst_hd: no operating point)");
+  arguments.flag("--score", score_, "Instead of --alarms: operating point with the highest score of open recordings");
+  arguments.lines("--with FILE", with_, "Another dataset for training, e.g. of grasps; repeatable");
   arguments.flag("--all", all_,
-                 "Learn from every trial, whatever a dataset's own split (/mask) says; a network divides them anew");
-  arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
+                 "Ignore the split of the dataset (/mask): gst_hd trains on all trials, a network divides them anew");
+  arguments.flag("--resume", resume_, "Network: continue a killed training from OUTPUT.checkpoint-0");
   arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
-  arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");
-  arguments.flag("--no-context", no_context_, "gst_hd: do not (default with shdc and sthdc)");
+  arguments.flag("--context", context_, "gst_hd: use the compression of the centre pillar as context (default with gsthdc)");
+  arguments.flag("--no-context", no_context_, "gst_hd: use no context (default with shdc and sthdc)");
   arguments.number("--dimension D", dimension_, "gst_hd: bits of a hypervector, 8 to 65535 (default: 1000)", 8, 65535);
-  arguments.number("--window N", window_, "gst_hd: frames at 100 Hz, 1 to 1000 (default: 15)", 1, 1000);
-  arguments.number("--epochs N", epochs_, "gst_hd: passes over the mistakes in place of the paper's one, 0 to 1000 (default: 0)",
-                   0, 1000);
-  arguments.word("--compat NAME", compat_, "gst_hd: whose bundle: {} (default: paper)", hd::compat_words);
-  arguments.word("--ties RULE", ties_, "gst_hd: what an even bundle gives: {} (default: one)", hd::ties_words);
-  arguments.word("--quantiser NAME", quantiser_, "gst_hd: how displacements become levels: {} (default: fixed_point)",
+  arguments.number("--window N", window_, "gst_hd: frames in a window at 100 Hz, 1 to 1000 (default: 15)", 1, 1000);
+  arguments.number("--epochs N", epochs_,
+                   "gst_hd: passes that correct mistakes, which the paper does not have, 0 to 1000 (default: 0)", 0, 1000);
+  arguments.word("--compat NAME", compat_, "gst_hd: bundling: {} (default: paper)", hd::compat_words);
+  arguments.word("--ties RULE", ties_, "gst_hd: bit of a bundle whose sum is zero: {} (default: one)", hd::ties_words);
+  arguments.word("--quantiser NAME", quantiser_, "gst_hd: quantisation of displacements to levels: {} (default: fixed_point)",
                  hd::quantiser_words);
-  arguments.jobs(jobs_, "gst_hd: worker threads, 1 to 1024 (default: one a hardware thread)");
+  arguments.jobs(jobs_, "gst_hd: worker threads, 1 to 1024 (default: one per hardware thread)");
   arguments.then([this] {
-    if (score_ && !alarms_.empty()) throw InputError("train: --score and --alarms are two choices; allowed: one of them");
+    if (score_ && !alarms_.empty()) throw InputError("train: give either --score or --alarms");
     recipe_.empty() || recipe_ == train::hd_recipe ? read_hd() : read_network();
   });
 }
@@ -130,9 +138,9 @@ void TrainCommand::read_hd() {
                                     {steps_.has_value(), "--steps"},
                                     {turned_.has_value(), "--turned"},
                                     {resume_, "--resume"}}) {
-    if (given) reject("train: {} is of networks; allowed: it with another --recipe than gst_hd", name);
+    if (given) reject("train: {} applies only to networks, that is to recipes other than gst_hd", name);
   }
-  if (context_ && no_context_) throw InputError("train: --context and --no-context exclude each other");
+  if (context_ && no_context_) throw InputError("train: give either --context or --no-context");
   if (!labels_.empty()) options.sequences.labels = parse_slip_rule(checked_labels(labels_, train::hd_recipe, slip_rule_names()));
   hd::Model& model = options.model;
   model.encoding = encoding_.value_or(model.encoding);
@@ -162,7 +170,7 @@ void TrainCommand::read_network() {
                                     {ties_.has_value(), "--ties"},
                                     {quantiser_.has_value(), "--quantiser"},
                                     {jobs_.has_value(), "--jobs"}}) {
-    if (given) reject("train: {} is of gst_hd; allowed: it without --recipe {}", name, recipe_);
+    if (given) reject("train: {} applies only to gst_hd, not to --recipe {}", name, recipe_);
   }
   std::vector<std::string> datasets{options.dataset};
   datasets.insert(datasets.end(), with_.begin(), with_.end());
@@ -185,7 +193,7 @@ void TrainCommand::read_network() {
   if (held_out_) request["held_out"] = 0.01 * static_cast<double>(*held_out_);
   if (!alarms_.empty()) request["alarms"] = alarms_a_minute(alarms_);
   if (!options.output.ends_with(".onnx"))
-    reject("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output);
+    reject("train: -o {}: a network is an ONNX file, whose name must end with .onnx", options.output);
 }
 
 int TrainCommand::run() {
@@ -204,19 +212,19 @@ int TrainCommand::train_hd() {
   const std::string point =
       options.point
           ? fmt::format(
-                "slip from {} frames in a row on, for {} frames and until {} do not slip; the figures above are without\n",
+                "operating point: slip is reported after {} consecutive frames of slip, for at least {}, until {} consecutive frames do not slip (not included above)\n",
                 summary.alarm.on, summary.alarm.least, summary.alarm.off)
           : "";
   const std::string learnt =
       summary.own_split
-          ? fmt::format("learnt from {} of {} trials: the part train of the dataset's own split; --all learns from every trial\n",
+          ? fmt::format("trained on {} of {} trials, the part train of the dataset's split; --all trains on all trials\n",
                         summary.sequences, summary.trials)
           : "";
   fmt::print(
       "{}\n{}\n{}\n{}{}\n{}{}{} {}\n{}\n",
       style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
                                 slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
-      draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"), delays_text(sum.delays),
+      draws_text(summary, style), style.heading("by sequence, tests of draws 1 to 5 together"), delays_text(sum.delays),
       confusion_text(sum.all, style), learnt, point, style.good("written:"), options.output,
       next_text(style, options.output, summary.test, "test",
                 fmt::format(" --sensor {} --labels {}", shell_word(summary.sensor), slip_rule_name(options.sequences.labels))));

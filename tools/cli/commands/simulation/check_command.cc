@@ -93,7 +93,7 @@ std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalog
   }
   if (!any) {
     throw InputError(
-        "check: no scene expects anything; allowed: at least one with a key 'expect', such as 'expect: {gross_slip_by: 1 s}'");
+        "check: no scene has expectations; at least one needs a key 'expect', such as 'expect: {gross_slip_by: 1 s}'");
   }
   return planned;
 }
@@ -124,25 +124,27 @@ SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, cons
 }  // namespace
 
 void CheckCommand::declare(Arguments& arguments) {
-  arguments.about("check", "Hold the trials of scenes against what they expect", R"(
-A scene says under `expect` what must come out of its trials, and under `sweep` how many there are; `slipbench list expectations` shows
-what can be asked. An expectation passes where enough trials keep it (`pass`, `reliability`); beside the count stands the exact
-(Clopper-Pearson) interval of the rate. Then all trials run again with the negative control, a controller that never tightens on slip: where it
-passes as well, the scene tests nothing, which is a failure. A scene without `expect` is not checked.
+  arguments.about("check", "Test scenes against their expectations", R"(
+The key `expect` of a scene states the expected results of its trials (`slipbench list expectations`),
+and `sweep` the number of trials. An expectation passes if enough trials meet it (`pass`,
+`reliability`); the exact (Clopper-Pearson) interval of the rate is printed too. Then all trials run
+again with the negative control, a controller that never tightens on slip. If the control passes too,
+the scene tests nothing, which is a failure. Scenes without `expect` are skipped.
 
-A scene that fails leaves the trial that shows most of it as DIR/SCENE/trial_K.h5 and .html, and the command that replays it. To put a
-controller of one's own to the test: --set "controller={type: plugin, library: /path/to/mine.so}"; a detector likewise.
+For a failed scene the most informative trial is written to DIR/SCENE/trial_K.h5 and .html, and the
+command that replays it is printed. To test your own controller or detector, use
+--set "controller={type: plugin, library: /path/to/mine.so}".
 
 Examples:
   slipbench check scenes/grasp/*.yaml --junit check.xml
   slipbench check scenes/grasp/check_ptfe.yaml --set controller.debounce=2 --trials 5 -o check)");
   arguments.scenes("SCENE ...", scenes, "Scene files (YAML), or names of shipped scenes").required();
   arguments.overrides(options.overrides, options.seed);
-  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
-  arguments.number("--trials N", options.trials, "Number of random draws of each cell of the grid", 1);
+  arguments.flag("-q,--quiet", quiet, "Print no progress and no summary");
+  arguments.number("--trials N", options.trials, "Number of random draws for each cell of the grid", 1);
   arguments.jobs(options.jobs);
   isolation.declare(arguments);
-  arguments.output("--junit FILE.xml", junit, "Write what was found as JUnit XML, to standard output with -");
+  arguments.output("--junit FILE.xml", junit, "Write the results as JUnit XML; -: to standard output");
   arguments.folder("-o,--output DIR", output, "Folder for the trials of failed checks (default: slipbench-check)");
 }
 
@@ -178,7 +180,8 @@ int CheckCommand::run() {
 
 void settle_accuracy(SweepOptions& sweep, const Catalogues& catalogues, const Command& command) {
   const std::optional<KeptSetting> setting = setting_for(sweep, catalogues, [&] {
-    command.tell(fmt::format("accuracy: looking once for the cheapest setting that meets the wish of {}", sweep.scene_path));
+    command.tell(
+        fmt::format("accuracy: searching for the cheapest setting that meets the accuracy of {} (only once)", sweep.scene_path));
   });
   if (!setting) return;
   command.tell(fmt::format("accuracy: {}; {}", setting->text, setting->file));

@@ -35,7 +35,7 @@ std::string command_text(const CostCommand& command) {
 cost::Exploration explored(const CostCommand& command) {
   cost::ExploreOptions explore = command.explore;
   explore.say = [&command](const std::string& what) { command.tell(what); };
-  const InterruptGuard guard("summing up what has been measured");
+  const InterruptGuard guard("summarising the measurements");
   explore.interrupt = &InterruptGuard::flag();
   cost::Exploration exploration = cost::explore(explore, program_catalogues());
   exploration.command = command_text(command);
@@ -53,33 +53,37 @@ Stability measured_stability() {
   return {cost::stability_json(map), cost::stability_text(map)};
 }
 #else
-Stability measured_stability() { throw InputError("cost: --stability needs MuJoCo, which this program was built without"); }
+Stability measured_stability() { throw InputError("cost: --stability needs MuJoCo, but this program was built without it"); }
 #endif
 
 }  // namespace
 
 void CostCommand::declare(Arguments& arguments) {
-  arguments.about("cost", "Show what accuracy costs in time", R"(
-Runs a trial of the scene with other time steps, integrators, solvers, fidelities, numbers of elements and output rates, and with MuJoCo's own
-contact in place of the field; measures the CPU time of each and how far onsets, slipped distances, forces, labels, the outcome and the detector
-are from the closed form or from a far finer run; and what each effect and each part of the electronics costs and changes. It takes the
-time of the budget. With -o the diagram goes to FILE.html and all figures to FILE.json beside it.
---stability measures the longest stable step over stiffness, mass and damping, beside the one that is predicted; a scene is not needed then.
+  arguments.about("cost", "Measure CPU time against accuracy", R"(
+Runs a trial of the scene with other time steps, integrators, solvers, fidelities, numbers of elements
+and output rates, and with MuJoCo's own contact instead of the field. It measures the CPU time of
+each, and the errors of onsets, slip distances, forces, labels, outcome and detector against the
+closed form or a much finer run. It also measures the cost and influence of each effect and each part
+of the electronics. It runs until the budget is used up. With -o the diagram is written to FILE.html
+and all figures to FILE.json.
+
+--stability measures the longest stable time step against stiffness, mass and damping, and compares
+it with the predicted one; it needs no scene.
 
 Examples:
   slipbench cost scenes/papillarray/stage.yaml --budget 30s -o cost.html
   slipbench cost scenes/grasp/lift.yaml --set box.mass="0.5 kg" --json
   slipbench cost --stability -o stability.html)");
-  arguments.scene("SCENE", explore.scene_path, "Scene file (YAML), or name of a shipped scene");
-  arguments.quantity("--budget TIME", explore.budget, "Time to spend, e.g. 60s or '2 min' (default: 60 s)", Quantity::time);
-  arguments.flag("--stability", stability, "Map the longest stable steps");
+  arguments.scene("SCENE", explore.scene_path, "Scene file (YAML), or name of a scene of the program");
+  arguments.quantity("--budget TIME", explore.budget, "Total time, e.g. 60s or '2 min' (default: 60 s)", Quantity::time);
+  arguments.flag("--stability", stability, "Measure the longest stable time steps");
   arguments.overrides(explore.overrides, explore.seed);
-  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
-  arguments.number("--trial K", explore.trial, "Trial of the scene's sweep (default: the first)", 0);
-  arguments.output("-o,--output FILE.html", output, "Write the page, and FILE.json beside it; -: the page alone");
+  arguments.flag("-q,--quiet", quiet, "Print no progress and no summary");
+  arguments.number("--trial K", explore.trial, "Trial of the sweep to run (default: the first)", 0);
+  arguments.output("-o,--output FILE.html", output, "Write the page, and FILE.json; -: only the page");
   arguments.then([this] {
     if (explore.scene_path.empty() && !stability) {
-      throw InputError("cost: a scene is missing; allowed: SCENE.yaml, --stability, or both");
+      throw InputError("cost: give SCENE.yaml, --stability, or both");
     }
   });
 }

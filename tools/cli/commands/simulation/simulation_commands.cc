@@ -38,7 +38,7 @@ struct Finished {
 class TrialsJson {
  public:
   TrialsJson() : file_(std::tmpfile(), &std::fclose) {
-    if (!file_) reject("cannot make a temporary file: {}", std::strerror(errno));
+    if (!file_) reject("cannot create a temporary file: {}", std::strerror(errno));
   }
   void add(const TrialSummary& trial) {
     fmt::print(file_.get(), "{}{}", empty_ ? "" : ",", trial_json(trial));
@@ -120,7 +120,7 @@ void print_only_trial(const SweepOptions& options, const SweepSummary& summary, 
   fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
              trial_text(summary.trials.front(), sensors_of(summary.scene), style));
   if (summary.available > 1) {
-    fmt::print("  this is trial {} of the {} of the scene's sweep; all of them: {}\n", summary.trials.front().trial,
+    fmt::print("  trial {} of the {} trials of the scene's sweep; run all of them with: {}\n", summary.trials.front().trial,
                summary.available, as_called(with_input(options, "slipbench sweep " + shell_word(options.scene_path))));
   }
 }
@@ -130,10 +130,10 @@ void print_next_step(const SweepOptions& options, const SweepSummary& summary, b
   if (streams) return;
   if (summary.files.empty()) {
     print_next(with_input(options, fmt::format("slipbench {} {} -o FILE.h5", options.verb, shell_word(options.scene_path))) +
-               " keeps the recordings");
+               " stores the recordings");
   } else {
     fmt::print("{} {}\n", style.good("written:"), files_text(summary.files));
-    print_next(summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there"
+    print_next(summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, when all shards are finished"
                              : "slipbench report " + shell_word(summary.files.front()));
   }
 }
@@ -170,13 +170,13 @@ SweepShard parse_shard_option(const std::string& text) {
   const auto [slash, error] = std::from_chars(text.data(), end, shard.number);
   if (error == std::errc() && slash != end && *slash == '/') std::from_chars(slash + 1, end, shard.count);
   if (shard_text(shard) == text && shard.number >= 1 && shard.number <= shard.count) return shard;
-  reject("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text));
+  reject("sweep: --shard is {}; expected k/n with whole numbers 1 <= k <= n, e.g. 3/8", quote(text));
 }
 
 int report_interrupted(const SweepSummary& summary, bool streams) {
   const std::string kept = summary.files.empty() || streams
                                ? "nothing is kept"
-                               : fmt::format("kept in {}; the same command with --resume goes on", files_text(summary.files));
+                               : fmt::format("kept in {}; continue by the same command with --resume", files_text(summary.files));
   say(stderr, fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", std::max(summary.trials.size(), summary.kept),
                           summary.planned, kept));
   return exit_interrupted;
@@ -188,14 +188,13 @@ bool names_plugin(const YamlNode& node) { return node.text == "plugin" || std::r
 }  // namespace
 
 void IsolationOptions::declare(Arguments& arguments) {
-  arguments.flag("--isolate", isolate,
-                 "Run each trial in a process of its own, so that a crash of a plugin fails that trial alone");
+  arguments.flag("--isolate", isolate, "Run each trial in a separate process, so that a crash of a plugin fails only that trial");
   arguments.flag("--no-isolate", together, "Run trials in threads (default, except for sweeps with plugins)");
   arguments.quantity("--trial-limit TIME", limit, "Fail a trial that takes longer; implies --isolate", Quantity::time);
   arguments.then([this, &arguments] {
     isolate = isolate || std::isfinite(limit);
     if (isolate && together)
-      throw InputError(arguments.name() + ": --no-isolate stands beside --isolate or --trial-limit; allowed: one of them");
+      throw InputError(arguments.name() + ": --no-isolate cannot be combined with --isolate or --trial-limit");
   });
 }
 
@@ -208,20 +207,20 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
   sweep.verb = arguments.name();
   arguments.scene("SCENE", sweep.scene_path, "Scene file (YAML), name of a shipped scene, or - for standard input").required();
   arguments.overrides(sweep.overrides, sweep.seed);
-  arguments.flag("-q,--quiet", quiet, "No progress and no summary");
+  arguments.flag("-q,--quiet", quiet, "Print no progress and no summary");
   arguments.number("--trials N", trials, trials_help, 1);
   arguments.jobs(sweep.jobs);
-  arguments.output("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5), to standard output with -");
-  arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
+  arguments.output("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5); -: to standard output");
+  arguments.word("--record NAME", sweep.recording, "What -o writes: full (everything, the default) or outcome (only outcomes)",
                  recording_words);
   isolation.declare(arguments);
-  arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
+  arguments.flag("--resume", sweep.resume, "Continue a killed or interrupted run of the same command");
   arguments.then([this] {
     if (sweep.resume && (sweep.output.empty() || streams()))
-      throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o FILE.h5");
+      throw InputError(sweep.verb + ": --resume continues a dataset, so it needs -o FILE.h5");
     if (streams()) sweep.shard_limit = std::numeric_limits<std::uint64_t>::max();  // standard output is one file
     if (sweep.recording != Recording::full && sweep.output.empty()) {
-      throw InputError(sweep.verb + ": --record says what -o writes; allowed: with -o");
+      throw InputError(sweep.verb + ": --record sets what -o writes, so it needs -o");
     }
   });
 }
@@ -248,34 +247,34 @@ int SimulationCommand::run() {
   if (json) {
     print_json(finished, warnings, trials);
   } else if (summary.was_complete && sums_up) {
-    fmt::print("{} is complete, with {} trials: there is nothing to resume\n", sweep.output, summary.resumed);
+    fmt::print("{} is complete with {} trials; there is nothing to resume\n", sweep.output, summary.resumed);
   } else if (sums_up && !summary.interrupted && !summary.trials.empty()) {
     print_summary(sweep, finished, streams(), catalogues);
   }
   if (!summary.damaged.empty()) {
-    say(stderr,
-        fmt::format("slipbench: damaged, so that the trials in it were simulated again: {}\n", fmt::join(summary.damaged, ", ")));
+    say(stderr, fmt::format("slipbench: damaged, so its trials were simulated again: {}\n", fmt::join(summary.damaged, ", ")));
   }
   if (!summary.failed.empty()) print_failed(sweep, summary);
-  if (!sweep.output.empty() && summary.files.empty() && !summary.interrupted) say(stderr, "slipbench: nothing is written\n");
+  if (!sweep.output.empty() && summary.files.empty() && !summary.interrupted) say(stderr, "slipbench: nothing was written\n");
   if (summary.interrupted) return report_interrupted(summary, streams());
   return summary.failed.empty() ? exit_good : exit_check_failed;
 }
 
 void RunCommand::declare(Arguments& arguments) {
   arguments.about("run", "Simulate one trial of a scene", R"(
-One trial, the first of the scene's sweep where it has one. With --trials N: the first N trials of the sweep; a scene with
-fewer trials is repeated with fresh random draws until there are N. With --trial K: trial K of these alone, byte for byte as it is
-among them. The same command and seed give the same bytes in FILE.h5,
-whatever --jobs is. Relative paths start from the scene's folder, in --set and in a scene on standard input from the current folder.
+Runs the first trial of the scene's sweep, if it has a sweep. --trials N runs the first N trials; if
+the scene has fewer, they are repeated with new random draws. --trial K runs only trial K of these,
+with a bit-identical result. The same command and seed write the same bytes to FILE.h5 with any
+number of --jobs. Relative paths in a scene start from its folder; those in --set and in a scene on
+standard input start from the current folder.
 
 Examples:
   slipbench run scenes/papillarray/stage.yaml
   slipbench run scenes/papillarray/stage.yaml --set motion.speed="8 mm/s" friction.scale=0.8 -o slide.h5
   slipbench run scenes/papillarray/stage.yaml --set "effects=[stribeck, {ageing: {}}]" --json
   slipbench run - -o - < scenes/papillarray/stage.yaml > slide.h5)");
-  declare_both(arguments, sweep.limit, "Simulate N trials instead of one");
-  arguments.number("--trial K", sweep.only, "Simulate trial K alone", 0);
+  declare_both(arguments, sweep.limit, "Simulate N trials");
+  arguments.number("--trial K", sweep.only, "Simulate only trial K", 0);
   arguments.then([this] {
     if (sweep.limit == 0 && !sweep.only) sweep.limit = 1;
   });
@@ -283,38 +282,41 @@ Examples:
 
 void SweepCommand::declare(Arguments& arguments) {
   arguments.about("sweep", "Simulate all trials of a scene's sweep", R"(
-All trials of the scene's sweep: every cell of its grid, times the number of random draws of each cell. --trials N sets the number
-of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the trials are simulated and summed up, and nothing is written. With --record outcome FILE.h5 holds what was swept and how each
-trial ended, a few kB a trial: enough for the report's maps and curves, not for training.
+Runs each cell of the sweep's grid as many times as it has random draws. --trials N sets the number of
+draws per cell (default: sweep.trials of the scene, or 1). Without -o it only prints a summary.
+--record outcome stores only the swept values and the outcome of each trial, a few kB per trial:
+enough for the maps and curves of the report, but not for training.
 
-FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
-FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials end, all finished ones are kept in the folder FILE.h5.partial, the exit status is 130;
-a second Ctrl-C stops at once. A kill loses at most the work of the last 5 s. The same command with --resume goes on with what a killed or interrupted run has left. Where trials
-fail the others are written, and the exit status is 1.
+FILE.h5 is written under a temporary name and renamed at the end; an existing dataset is replaced.
+Above 1 GB it is split into FILE.h5, FILE-0001.h5, ... Ctrl-C lets running trials finish, keeps all
+finished trials in the folder FILE.h5.partial and exits with status 130; a second Ctrl-C stops at
+once. A kill loses at most the work of the last 5 s. The same command with --resume continues a killed
+or interrupted run. If trials fail, the others are written and the exit status is 1.
 
 Examples:
   slipbench sweep scenes/papillarray/hexapod.yaml -o hexapod.h5
   slipbench sweep scenes/papillarray/stage.yaml --set "sweep={motion.speed: [1 mm/s, 4 mm/s]}" -o speeds.h5
   slipbench sweep scenes/papillarray/hexapod.yaml --shard 1/2 -o shard-1.h5
   slipbench sweep scenes/papillarray/hexapod.yaml --shard 2/2 -o shard-2.h5)");
-  declare_both(arguments, sweep.trials, "Number of random draws of each cell of the grid");
-  arguments.read("--shard k/n", "Simulate part k of n alone, for slipbench merge: the parts of all machines make up the sweep",
-                 [this](const std::string& text) {
-                   sweep.shard = parse_shard_option(text);
-                   if (sweep.output.empty()) throw InputError("sweep: --shard writes a part of a dataset; allowed: with -o");
-                 });
+  declare_both(arguments, sweep.trials, "Number of random draws for each cell of the grid");
+  arguments.read("--shard k/n", "Simulate only part k of n; slipbench merge joins the parts", [this](const std::string& text) {
+    sweep.shard = parse_shard_option(text);
+    if (sweep.output.empty()) throw InputError("sweep: --shard writes a part of a dataset, so it needs -o");
+  });
 }
 
 void MergeCommand::declare(Arguments& arguments) {
-  arguments.about("merge", "Put the shards of a sweep together", R"(
-Writes the dataset that the undivided sweep would have written, with the same digests, from the files of sweep --shard k/n of all k. Arrays are copied
-as they are compressed, so it takes little memory and no simulation. Shards of another scene, seed, version or n are refused, missing trials too.
-A trial that stands in several files is taken once, if its digests are equal, or where MuJoCo, FFTW or a network computed it its numbers within 1e-9. A trial that does not hold its digest is refused.
+  arguments.about("merge", "Merge the shards of a sweep", R"(
+Writes the dataset of the undivided sweep, with the same digests, from all files of sweep --shard k/n.
+It copies compressed arrays, so it needs little memory and no simulation. Shards of another scene,
+seed, version or n, missing trials and trials with a wrong digest are errors. A trial in several
+files is written once; its copies must have equal digests or, if MuJoCo, FFTW or a network computed
+them, numbers that agree within 1e-9.
 
 Examples:
   slipbench merge shard-1.h5 shard-2.h5 -o hexapod.h5)");
-  arguments.inputs("FILE ...", shards, "Shards (HDF5), by their first files", ".h5").required();
-  arguments.file("-o,--output FILE.h5", output, "Dataset to write; always needed").required();
+  arguments.inputs("FILE ...", shards, "Shards (HDF5); for split shards the first file", ".h5").required();
+  arguments.file("-o,--output FILE.h5", output, "Dataset to write (required)").required();
 }
 
 int MergeCommand::run() {
@@ -327,9 +329,9 @@ int MergeCommand::run() {
                            {"duplicates", merged.duplicates},
                            {"within_rounding", merged.within_rounding}});
   std::string about = fmt::format("{} trials", merged.trials);
-  if (merged.failed > 0) about += fmt::format(", {} have failed", merged.failed);
+  if (merged.failed > 0) about += fmt::format(", {} failed", merged.failed);
   if (merged.duplicates > 0) {
-    about += fmt::format(", {} stood in several files ({} compared bit by bit, {} within 1e-9)", merged.duplicates,
+    about += fmt::format(", {} were in several files ({} bit-identical, {} within 1e-9)", merged.duplicates,
                          merged.duplicates - merged.within_rounding, merged.within_rounding);
   }
   fmt::print("{} {}: {}\n", style_for(stdout).good("written:"), files_text(merged.files), about);
@@ -338,24 +340,25 @@ int MergeCommand::run() {
 }
 
 void ClusterCommand::declare(Arguments& arguments) {
-  arguments.about("cluster", "Write a folder of scripts that run a sweep on many machines", R"(
-A Slurm array, a Snakefile, and the two scripts that both call: one runs a shard with sweep --shard, the other verifies the shards and merges
-them. The merged dataset has the digests of the undivided sweep. A shard may be killed, run again or run twice at once. The folder's README.md
-says how to start; its paths are those of this machine.
+  arguments.about("cluster", "Write scripts that run a sweep on many machines", R"(
+The folder contains a Slurm array, a Snakefile, and the two scripts that they call: one runs a shard
+with sweep --shard, the other verifies and merges the shards. The merged dataset has the digests of
+the undivided sweep. A shard may be killed, repeated or run twice at the same time. README.md in the
+folder explains how to start it; its paths are those of this machine.
 
 Examples:
   slipbench cluster scenes/papillarray/hexapod.yaml -o hexapod-cluster --shards 64
   slipbench cluster scenes/grasp/map.yaml -o map-cluster --shards 1000 --throttle 200 --record outcome)");
   SweepOptions& sweep = options.sweep;
-  arguments.scene("SCENE", sweep.scene_path, "Scene file (YAML), or name of a shipped scene").required();
-  arguments.folder("-o,--output DIR", options.folder, "Folder to write, new or empty; always needed").required();
-  arguments.number("--shards N", options.shards, "Parts that the sweep is cut into; always needed", 1).required();
-  arguments.number("--throttle N", options.throttle, "Most Slurm tasks at a time (default: all)", 1);
+  arguments.scene("SCENE", sweep.scene_path, "Scene file (YAML), or name of a scene of the program").required();
+  arguments.folder("-o,--output DIR", options.folder, "Folder to write, new or empty (required)").required();
+  arguments.number("--shards N", options.shards, "Number of shards (required)", 1).required();
+  arguments.number("--throttle N", options.throttle, "Maximum number of simultaneous Slurm tasks (default: all)", 1);
   arguments.overrides(sweep.overrides, sweep.seed);
-  arguments.number("--trials N", sweep.trials, "Number of random draws of each cell of the grid", 1);
+  arguments.number("--trials N", sweep.trials, "Number of random draws for each cell of the grid", 1);
   arguments.word("--record NAME", sweep.recording,
-                 "What the shards hold: everything (full, the default), or outcomes alone (outcome)", recording_words);
-  arguments.jobs(sweep.jobs, "Worker threads of each shard, 1 to 1024 (default: 1)");
+                 "What the shards contain: full (everything, the default) or outcome (only outcomes)", recording_words);
+  arguments.jobs(sweep.jobs, "Worker threads per shard, 1 to 1024 (default: 1)");
 }
 
 int ClusterCommand::run() {

@@ -34,20 +34,21 @@ void check_replaceable(const std::string& dataset, const std::string& scene) {
   const std::string command = reader.header().command;
   const std::string own = fmt::format("slipbench {} {}", verb, shell_word(scene));
   if (reader.trials().size() <= 1 && (command == own || command.starts_with(own + ' '))) return;
-  reject("view: {} is there and not one trial of this scene, but of {}; allowed: -o with another name, or slipbench view {}",
-         dataset, command, dataset);
+  reject("view: {} exists, but contains {}; choose another name with -o, or run slipbench view {}", dataset, command, dataset);
 }
 
 }  // namespace
 
 void ViewCommand::declare(Arguments& arguments) {
-  arguments.about("view", "Open the report of a dataset or of a scene in the browser", R"(
-Of a dataset: makes its report, as slipbench report does, and opens it. Of a scene: runs it first, as slipbench run does, and keeps the
-recording and the page in the current folder. On a machine without a screen it says where the page lies. Recordings without truth (slipbench
-import) are shown with their signals and recorded labels.
+  arguments.about("view", "Open the report of a dataset or scene in the browser", R"(
+For a dataset, writes its report as slipbench report does, and opens it. A scene is run first, as by
+slipbench run, and the recording and the page are kept in the current folder. On a machine without a
+display, the path of the page is printed. Recordings without truth (slipbench import) are shown with
+their signals and recorded labels.
 
-With --rerun the trial is shown in the viewer Rerun, where the Python that you use (python3) has rerun-sdk. Of a run that is still writing its
-dataset the newest trial is shown, again and again, until the run ends. With -o FILE.rrd no viewer opens.
+--rerun shows the trial in the viewer Rerun, which needs rerun-sdk in your Python (python3). If a run
+is still writing the dataset, the newest trial is shown until the run ends. With -o FILE.rrd no
+viewer opens.
 
 Examples:
   slipbench view hexapod.h5
@@ -56,23 +57,22 @@ Examples:
   slipbench view hexapod.h5 --trial 17 --rerun)");
   arguments.input("FILE", subject, "Dataset (HDF5), scene (YAML) or name of a shipped scene").required();
   arguments.overrides(sweep.overrides, sweep.seed);
-  arguments.flag("-q,--quiet", quiet, "No progress");
-  arguments.number("--trials N", sweep.limit, "Of a scene: simulate N trials instead of one", 1);
+  arguments.flag("-q,--quiet", quiet, "Print no progress");
+  arguments.number("--trials N", sweep.limit, "Scene: simulate N trials", 1);
   arguments.jobs(sweep.jobs);
   arguments.file("-o,--output FILE.html", output,
-                 "Page to write (default: named after FILE); of a scene the recording lies beside it; with --rerun a FILE.rrd");
-  arguments.flag("--rerun", rerun, "Show the trial in the viewer Rerun; follows a run that is writing FILE.h5");
-  arguments.number("--trial K", trial, "Trial to show in full (default: the first); of a scene it alone is simulated", 0);
+                 "Page to write (default: named after FILE), next to the recording of a scene; with --rerun FILE.rrd");
+  arguments.flag("--rerun", rerun, "Show the trial in the viewer Rerun, also of a run that is still writing FILE.h5");
+  arguments.number("--trial K", trial, "Trial to show in detail (default: the first); scene: simulate only this trial", 0);
   arguments.then([this] {
     subject = scene_path(subject);
     const char* const ending = rerun ? ".rrd" : ".html";
     if (!output.empty() && std::filesystem::path(output).extension() != ending) {
-      reject("view: -o is {}; allowed: a name that ends in {}", quote(output), ending);
+      reject("view: -o is {}; the name must end in {}", quote(output), ending);
     }
     if (of_scene()) return;
     const bool simulates = !sweep.overrides.empty() || sweep.seed || sweep.limit > 0 || sweep.jobs > 0;
-    if (simulates)
-      reject("view: {} is a dataset, which is not simulated again; --set, --seed, --trials and --jobs go with a scene", subject);
+    if (simulates) reject("view: {} is a dataset; --set, --seed, --trials and --jobs apply only to a scene", subject);
   });
 }
 

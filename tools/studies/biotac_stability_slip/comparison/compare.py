@@ -153,7 +153,7 @@ def main():
     print_summary(rows, outside)
     print_windows(real, synthetic)
     print("\nThe contact sites, depths and spreads of scenes/biotac_sp/slip.yaml were read from the recordings that this table compares with: it "
-          "says\nhow well the model can be made to agree, not how well it foretells.")
+          "shows\nhow well the model can be fitted, not how well it predicts.")
     if options.output:
         with open(options.output, "w", encoding="utf-8") as file:
             file.write(page.drawn(real, synthetic, rows, bars(rows)))

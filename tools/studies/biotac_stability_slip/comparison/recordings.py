@@ -50,7 +50,7 @@ def read_recording(kind, path):
         try:
             counts = np.loadtxt(file, delimiter=",", ndmin=2)
         except ValueError as error:
-            raise BadInput(f"{path}: {error}; allowed: 24 numbers a row") from error
+            raise BadInput(f"{path}: {error}; expected 24 numbers per row") from error
     if counts.shape[0] < SEGMENT or counts.shape[1] != 24:
         raise BadInput(f"{path}: {counts.shape[0]} rows of {counts.shape[1]}; allowed: at least {SEGMENT} rows of 24")
     return Recording(kind, path, counts)
@@ -62,7 +62,7 @@ def read_folder(folder):
     for kind in CLASSES:
         files = sorted((Path(folder) / kind).glob("*.csv"))
         if not files:
-            raise BadInput(f"{folder}/{kind}: holds no CSV file; allowed: folders {' '.join(CLASSES)} of them")
+            raise BadInput(f"{folder}/{kind}: contains no CSV file; expected folders {' '.join(CLASSES)} with CSV files")
         recordings += [read_recording(kind, path) for path in files]
     return recordings
 
