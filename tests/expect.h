@@ -51,7 +51,7 @@ inline MessageMatcher mentions(const std::vector<std::string>& words) {
 }
 
 MATCHER_P2(BeginsAt, place, rest,
-           "begins with the place " + ::testing::PrintToString(place) + " and goes on with what " +
+           "begins with the place " + ::testing::PrintToString(place) + " and continues with what " +
                ::testing::DescribeMatcher<const std::string&>(rest)) {
   const std::string_view text(arg);
   return text.starts_with(place) && stands_alone(text, 0, place.size()) &&

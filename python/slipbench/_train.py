@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TextIO
 
 from slipbench import InputError
-from slipbench._program import Interrupt, Interrupted, styled
+from slipbench._program import Interrupt, Interrupted, counted, styled
 
 if TYPE_CHECKING:
     from slipbench.learning import Report, Trained
@@ -150,10 +150,12 @@ def print_summary(request: Request, trained: Trained) -> None:
     rate = facts["validation"]["alarms_per_minute"]
     print(styled(sys.stdout, "1;36", f"{facts['recipe']}, labels {facts['labels']}"))
     print(figures_text(trained))
-    print(f"  {parts['learns']} trials learnt, {parts['validates']} validated ({share_text(trained.validation)}), {parts['judges']} held out"
-          f"{', by the dataset' + chr(39) + 's own split' if trained.own_split else ''}; {facts['frames']} frames, {facts['parameters']} parameters, state of "
-          f"step {facts['steps'][-1]}\nslip from {alarm['on']} frames in a row at {described['threshold']:.3f} on, for {alarm['least']} frames and until "
-          f"{alarm['off']} are below: {'nan' if rate is None else f'{rate:.1f}'} false alarms a minute of hold in validation")
+    split = " by the dataset's split" if trained.own_split else ""
+    print(f"  {counted(parts['learns'], 'trial')} for training, {parts['validates']} for validation, {parts['judges']} for the test{split}; "
+          f"{facts['frames']} frames, {facts['parameters']} parameters, state of step {facts['steps'][-1]}")
+    print(f"  operating point: slip after {counted(alarm['on'], 'consecutive frame')} with a probability of {described['threshold']:.3f} or more, "
+          f"for at least {alarm['least']}, until {counted(alarm['off'], 'consecutive frame')} below")
+    print(f"  validation: {share_text(trained.validation)} balanced accuracy, {'nan' if rate is None else f'{rate:.1f}'} false alarms per minute of hold")
     print(styled(sys.stdout, "32", "written:"), request.output)
     print(next_text(request, trained))
 

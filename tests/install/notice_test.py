@@ -115,7 +115,7 @@ def findings(text):
             found += [f"{package} is named and not compiled in" for package in row_packages if package not in compiled_in()]
         words = re.sub(r"\bWITH ([\w.-]+)", lambda end: "" if end[1] in EXCEPTIONS else end[1], licence)
         if any(word not in LICENCES for word in re.split(r" AND | OR ", words.strip())):
-            found.append(f"{licence} is no licence of SPDX")
+            found.append(f"{licence} is not a licence of SPDX")
         for package in row_packages:
             if not package.startswith(("PyPI: ", "npm: ")) and not Path(f"/usr/share/doc/{package}/copyright").exists():
                 found.append(f"{package} has no copyright file here")
@@ -153,7 +153,7 @@ class NoticeTest(unittest.TestCase):
         self.assertEqual(findings(text), ["verilator is compiled in and not named"])
         self.assertEqual(findings(self.text + "| libgone.so.1 | libc6 | 2.36 | MIT |\n"), ["libgone.so.1 is named and not loaded"])
         self.assertEqual(findings(self.text + "| a work | libcurl4 | 7.88 | MIT |\n"), ["libcurl4 is named and not compiled in"])
-        self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | 2.36 | BSD |\n"), ["BSD is no licence of SPDX"])
+        self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | 2.36 | BSD |\n"), ["BSD is not a licence of SPDX"])
         self.assertEqual(findings(self.text + "| libc.so.6 | libgone1 | 1.0 | MIT |\n"), ["libgone1 has no copyright file here"])
         self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | 2.35 | MIT |\n"), ["libc6 is 2.36 here, not 2.35"])
 

@@ -340,7 +340,7 @@ class Command(TrainingTest):
         self.assertEqual(set(summary["alarm"]), {"on", "off", "least"})
         text = self.run_program("-o", output)
         self.assertIn("papillarray_gru, labels latched", text.stdout)
-        self.assertIn("15 trials learnt, 4 validated", text.stdout)
+        self.assertIn("15 trials for training, 4 for validation", text.stdout)
         self.assertIn(f"next: {PROGRAM} eval {output} {self.data} --sensor pad --labels latched", text.stdout)
         self.assertIn("step 4/4, loss", text.stderr)
 

@@ -29,7 +29,7 @@ void check_keys(const SceneFile& file, const std::vector<FitKey>& keys, Trials k
       reject("calibrate: {} is fitted twice", keys[k].path);
     fitted.push_back(split_path(keys[k].path, {}));
     if (kind == Trials::groups && (keys[k].each || keys[k].path == lag_key))
-      reject("calibrate: {} cannot have each: true with --groups, which fits values of all trials",
+      reject("calibrate: {} is fitted to each recording alone; with --groups only values of all recordings can be fitted",
              keys[k].each ? keys[k].path + " with each: true" : keys[k].path);
   }
   if (kind == Trials::groups) return;

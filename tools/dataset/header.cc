@@ -47,10 +47,10 @@ std::string line_difference(const std::string& left, const std::string& now, con
   for (std::size_t number = 1;; ++number) {
     const bool left_has = static_cast<bool>(std::getline(left_lines, left_line));
     const bool now_has = static_cast<bool>(std::getline(now_lines, now_line));
-    if (!left_has) left_line = "(its end)";
-    if (!now_has) now_line = "(its end)";
-    if (left_line != now_line || !left_has || !now_has) {
-      return fmt::format("scene with '{1}' in line {0}, where the scene of {2} has '{3}'", number, left_line, other, now_line);
+    if (!left_has) return fmt::format("scene that ends at line {}, where the scene of {} has '{}'", number, other, now_line);
+    if (!now_has) return fmt::format("scene with '{}' in line {}, where the scene of {} ends", left_line, number, other);
+    if (left_line != now_line) {
+      return fmt::format("scene with '{}' in line {}, where the scene of {} has '{}'", left_line, number, other, now_line);
     }
   }
 }

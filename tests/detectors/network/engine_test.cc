@@ -308,7 +308,7 @@ TEST(Engine, RefusesWeightsThatAreNoNumbers) {
     const auto with = [&](const std::string& bytes) {
       return refusal_of("mlp13.onnx", [&](onnx::ModelProto& m) { add_scalar(m, "mask", one.type, bytes); });
     };
-    EXPECT_THAT(with(one.nan), mentions({"mask", "nan"})) << one.type;
+    EXPECT_THAT(with(one.nan), mentions({"mask", "NaN"})) << one.type;
     EXPECT_EQ(with(one.infinity), "accepted") << one.type;
   }
   const auto typed = [](onnx::ModelProto& m) {
@@ -316,14 +316,14 @@ TEST(Engine, RefusesWeightsThatAreNoNumbers) {
     tensor->clear_raw_data();
     for (std::size_t i = 0; i < 24; ++i) tensor->add_float_data(i == 23 ? std::numeric_limits<float>::quiet_NaN() : 1.0F);
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", typed), mentions({"W1", "nan"}));
+  EXPECT_THAT(refusal_of("mlp13.onnx", typed), mentions({"W1", "NaN"}));
   const auto attribute = [](onnx::ModelProto& m) {
     onnx::AttributeProto* const alpha = m.mutable_graph()->mutable_node(2)->add_attribute();
     alpha->set_name("alpha");
     alpha->set_type(onnx::AttributeProto::FLOAT);
     alpha->set_f(std::numeric_limits<float>::quiet_NaN());
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", attribute), mentions({"alpha", "nan"}));
+  EXPECT_THAT(refusal_of("mlp13.onnx", attribute), mentions({"alpha", "NaN"}));
 }
 
 // mlp13.onnx takes two frames of three values; if it leaves the two open, one is taken.

@@ -127,7 +127,7 @@ std::string refusal(const Parameters& parameters, const FrameSource& source) {
 
 TEST(BandEnergy, RefusesWhatTheSensorCannotGive) {
   EXPECT_THAT(refusal(with({}), source_at(rate, {{"signal", "", {9, 3}, {}}})), mentions({"signal", "one value"}));
-  EXPECT_THAT(refusal(with({{"window", 0.25e-3}}), skin()), mentions({"whole number", "samples"}));
+  EXPECT_THAT(refusal(with({{"window", 0.25e-3}}), skin()), mentions({"whole number of sampling times"}));
   EXPECT_THAT(refusal(with({{"hop", 0.0}}), skin()), mentions({"1,000,000"}));
   EXPECT_THAT(refusal(with({{"low", 60.0}, {"high", 90.0}}), skin()), mentions({"multiple", "50 Hz"}));
   EXPECT_THAT(refusal(with({{"low", 5100.0}, {"high", 6000.0}}), skin()), mentions({"half", "rate"}));

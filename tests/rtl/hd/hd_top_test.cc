@@ -301,7 +301,7 @@ TEST_F(HdTop, ReadsARequestThatFollowsAnErrorAfterAPause) {
   send(bad);
   wait(2);
   send(request_of(sample()));
-  EXPECT_EQ(received(), reply_of(0x80)) << "two bytes are no pause";
+  EXPECT_EQ(received(), reply_of(0x80)) << "a time of two bytes is too short for a pause";
 
   send(bad);
   wait(2, 1);

@@ -106,7 +106,7 @@ TEST(OwnSensor, ThatCastsConstAwayChangesNoLabel) {
 // wrong.cc is also built into this program: as a bundled sensor it gives the same values and
 // errors, under the scene's type.
 TEST(OwnSensor, OfTheProgramItselfIsCheckedAsALibrary) {
-  static constexpr slipbench_note note{"What goes wrong.", "the test's", 0.0, 0.0,
+  static constexpr slipbench_note note{"The kind of fault.", "the test's", 0.0, 0.0,
                                        "none|refuses|rate|bare|soft|gap|mute|empty|times|nan|throws"};
   static constexpr slipbench_about about{"A sensor with a fault.", "", "the test's", &note};
   static constexpr BundledSensor bundled{"faulty", slipbench_sensor_parameters, &about, &slipbench_make_sensor};

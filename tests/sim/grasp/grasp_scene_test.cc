@@ -136,7 +136,7 @@ TEST(GraspScene, IdealForceIsTheWeightOverBothPads) {
 
 TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"scatter: {}\n", "scene.yaml:3: 'scatter' is of the trials of a grasp"},
+      {"scatter: {}\n", "scene.yaml:3: 'scatter' applies only to a grasp"},
       {"grip: {}\nbodies: {b: {shape: box}}\n", "scene.yaml:4: 'bodies' cannot be used in a grasp"},
       {"grip: {}\nmodel: a.xml\n", "scene.yaml:4: 'model' cannot be used in a grasp"},
       {"grip: {}\nfield_solver: implicit\nfidelity: mujoco_contact\n",

@@ -30,7 +30,7 @@ TEST(Push, KnockShorterThanTheStepKeepsItsImpulse) {
 
 TEST(Push, RefusesWhatIsNoTimetable) {
   EXPECT_TRUE(Push({}).empty());
-  EXPECT_THAT(refusal_of([] { (void)Push({"", {{1.0, 0.0, 0.0, 0.0}}}); }), refused_at("box.push", {"one time", "two"}));
+  EXPECT_THAT(refusal_of([] { (void)Push({"", {{1.0, 0.0, 0.0, 0.0}}}); }), refused_at("box.push", {"single time", "two"}));
   EXPECT_THAT(refusal_of([] {
                 (void)Push({"", {{2.0, 0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}});
               }),

@@ -219,15 +219,15 @@ TEST(Override, KeepsASweepThatWasTyped) {
        {Override{"sweep", "{motion.speed: [1 mm/s, 2 mm/s]}"}, Override{"sweep.motion.speed", "[1 mm/s, 2 mm/s]"}}) {
     EXPECT_EQ(TrialPlan(with({whole, typed}), catalogues, 0, 0).size(), 2u);
     EXPECT_EQ(TrialPlan(with({typed, whole}), catalogues, 0, 0).size(), 2u);
-    const auto refused = refused_at("--set " + typed.path + "=" + typed.value, {"sweep.motion.speed", "command line"});
+    const auto refused = refused_at("--set " + typed.path + "=" + typed.value, {"sweep.motion.speed", "fixes"});
     EXPECT_THAT(refusal({fixed, typed}), refused);
     EXPECT_THAT(refusal({typed, fixed}), refused);
   }
   EXPECT_THAT(refusal({fixed, {"sweep", "{motion: [{speed: 1 mm/s}, {speed: 2 mm/s}]}"}}),
-              refused_at("--set sweep={motion: [{speed: 1 mm/s}, {speed: 2 mm/s}]}", {"sweep.motion", "command line"}));
+              refused_at("--set sweep={motion: [{speed: 1 mm/s}, {speed: 2 mm/s}]}", {"sweep.motion", "fixes"}));
   EXPECT_THAT(refusal({{"sweep.motion.speed.max", "2 mm/s"}, fixed},
                       std::string(base) + "sweep: {motion.speed: {draw: uniform, min: 0, max: 1 mm/s}}"),
-              refused_at("s.yaml:5 (drawn)", {"sweep.motion.speed", "command line"}));
+              refused_at("s.yaml:5 (drawn)", {"sweep.motion.speed", "fixes"}));
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(SceneMessages, OfYaml) {
       {"effects:\n\t- ageing\n\t- stribeck", "4", {"tab"}},
       {"\tseed: 1", "3", {"tab"}},
       {"seed:\t1\nmotion: {speed: 1", "5", {"YAML"}},
-      {"---\nslipbench: 1", "3", {"second document"}},
+      {"---\nslipbench: 1", "3", {"second YAML document"}},
       {"seed: 1\nseed: 2", "4", {"duplicate", "seed", "s.yaml:3"}},
       {"motion:\n  speed: 1\n  gap: 1\n  speed: 2", "6", {"duplicate", "speed", "s.yaml:4"}},
       {"motion: &a {speed: 1}", "3", {"anchors"}},

@@ -141,7 +141,7 @@ TEST(StageSimulation, RefusesWhatItCannotDo) {
   // deepest.
   asked = scene();
   asked.motion.parameters.set("tilt", std::vector{0.3, 0.0});
-  EXPECT_EQ(refusal(asked, {1000.0}).find("motion.gap: the pad begins 1.37"), 0U) << refusal(asked, {1000.0});
+  EXPECT_EQ(refusal(asked, {1000.0}).find("motion.gap: the pad starts 1.37"), 0U) << refusal(asked, {1000.0});
 
   // A crest of 5 mm is 7 mm from the middle (a quarter of the wavelength), under an edge pillar
   // that is 0.5 + 0.2 mm above the plane.

@@ -138,7 +138,7 @@ TEST_F(BatchesTest, FinishedTrialsAreNotThrownAway) {
       "cannot write " + path("out.h5") + ": " + path("out.h5.partial") +
           " contains 2 batches of finished trials of an unfinished sweep; continue it with --resume, choose a new name, or move " +
           path("out.h5.partial") + " away");
-  EXPECT_THAT(refusal_of([&] { DatasetWriter(path("out.h5"), header); }), HasSubstr("holds 2 batches"));
+  EXPECT_THAT(refusal_of([&] { DatasetWriter(path("out.h5"), header); }), HasSubstr("contains 2 batches"));
   EXPECT_EQ(run(3, &keep), 3U);
 }
 
@@ -148,8 +148,8 @@ TEST_F(BatchesTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
   const std::string before = file_sha256(batch(0));
   const std::vector<std::pair<std::function<void(DatasetHeader&)>, std::string>> changes{
       {[](DatasetHeader& now) { now.seed = 8; }, "seed 7, this run has 8"},
-      {[](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; }, "line 2 'seed: 7', this run's has 'seed: 9'"},
-      {[](DatasetHeader& now) { now.scene = "slipbench: 1\n"; }, "line 2 'seed: 7', this run's has '(its end)'"},
+      {[](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; }, "scene with 'seed: 7' in line 2, where the scene of this run has 'seed: 9'"},
+      {[](DatasetHeader& now) { now.scene = "slipbench: 1\n"; }, "scene with 'seed: 7' in line 2, where the scene of this run ends;"},
       {[](DatasetHeader& now) { now.version = "1.2.4"; }, "version 1.2.3, this run has 1.2.4"},
       {[](DatasetHeader& now) { now.overrides = R"({"a": "1"})"; }, R"(overrides {}, this run has {"a": "1"})"},
       {[](DatasetHeader& now) { now.command += " --trials 3"; }, "command slipbench sweep a.yaml, this"},
@@ -183,8 +183,8 @@ TEST_F(BatchesTest, FilesOfTheSceneAreTheSame) {
     now.files = files;
     return refusal_of([&] { SweepWriter(path("out.h5"), now).resume(&params_of); });
   };
-  EXPECT_THAT(refusal({{"mine.so", std::string(64, 'b')}, {"model.xml", digest}}), HasSubstr("mine.so has changed since;"));
-  EXPECT_THAT(refusal({{"mine.so", digest}}), HasSubstr("file model.xml, which this run's scene does not name;"));
+  EXPECT_THAT(refusal({{"mine.so", std::string(64, 'b')}, {"model.xml", digest}}), HasSubstr("mine.so has changed since then;"));
+  EXPECT_THAT(refusal({{"mine.so", digest}}), HasSubstr("file model.xml, which the scene of this run does not use;"));
 }
 
 // The lock belongs to the folder: runs that write, continue or only read hold it.

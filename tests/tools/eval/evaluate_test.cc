@@ -236,7 +236,7 @@ TEST_F(Evaluated, PageShowsTextAsText) {
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
   const auto trial = std::to_string(result.at("worst")[0].at("trial").get<std::size_t>());
-  EXPECT_THAT(page, HasSubstr("href=\"data.html#trial-" + trial + "\"")) << "the report stands beside the page";
+  EXPECT_THAT(page, HasSubstr("href=\"data.html#trial-" + trial + "\"")) << "the report is in the folder of the page";
   const auto write = [&] { return page::write_page_files(path("page.html"), page_kind, page, result); };
   const std::vector<std::string> files = write();
   ASSERT_EQ(files.size(), 2U);

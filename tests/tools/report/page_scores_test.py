@@ -83,7 +83,7 @@ class PageScoresTest(unittest.TestCase):
         (row,) = page.table(["recall of slip", "balanced accuracy"])
         for name, text in scores(self.trials).items():
             self.assertEqual(row[name], text, name)
-        self.assertEqual([*row][-2:], ["accuracy", "of the best constant detector"], "accuracy is no headline")
+        self.assertEqual([*row][-2:], ["accuracy", "of the best constant detector"], "accuracy must not be a headline")
         return row
 
     # The ratio is exceeded long before slip, and the alarm is on when slip begins: the 1 ms after

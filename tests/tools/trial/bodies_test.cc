@@ -195,7 +195,7 @@ TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
 TEST_F(BodiesRun, RunThatGoesWrongFailsWithWhatWasSeen) {
   const SweepSummary summary = run(scenes + "pressed_box.yaml", "x.h5", 1, {{"bodies.box.position", "[0 mm, 0 mm, -15 mm]"}});
   ASSERT_EQ(summary.failed.size(), 1U);
-  EXPECT_THAT(summary.failed[0].message, mentions({"trial 0", scenes + "pressed_box.yaml:6", "wrong"}));
+  EXPECT_THAT(summary.failed[0].message, mentions({"trial 0", scenes + "pressed_box.yaml:6", "diverged"}));
   EXPECT_THAT(summary.failed[0].message, HasSubstr("body 'box'"));
 }
 

@@ -62,7 +62,7 @@ TEST(ChildProcesses, SayHowTheyWereLost) {
     return "never";
   });
   EXPECT_EQ(killed.kind, Kind::lost);
-  EXPECT_EQ(killed.loss(plenty), "was ended by SIGKILL (Killed)");
+  EXPECT_EQ(killed.loss(plenty), "was killed by SIGKILL (Killed)");
   EXPECT_EQ(ended([]() -> std::string { std::_Exit(0); }).loss(plenty), "ended with status 0 before its work was done");
   // A child that has closed the pipe and continues is waited for.
   const ChildEnd closed = ended([]() -> std::string {
@@ -79,7 +79,7 @@ TEST(ChildProcesses, EndWithTheirLimitAndWithTheirOwner) {
     ::sleep(60);
     return std::string();
   };
-  EXPECT_EQ(ended(sleep, 0.1).loss(0.1), "was still running after 0.1 s, the limit");
+  EXPECT_EQ(ended(sleep, 0.1).loss(0.1), "was still running at the limit of 0.1 s");
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
   {

@@ -286,7 +286,7 @@ TEST(ArticulatedScene, FrictionOfOtherContactsIsRefusedWhenItComes) {
   const std::string dropped = replaced(table, "{left: 4 N, right: 4 N}", "{left: 0 N, right: 0 N}");
   EXPECT_THAT(answer(dropped, two_fingers(""), 1.0),
               AllOf(StartsWith("fidelity: at 0."), HasSubstr("the bodies 'table' and 'box' touch by MuJoCo's own contact"),
-                    EndsWith("or fidelity: field")));
+                    EndsWith("or use fidelity: field")));
   EXPECT_EQ(answer(pressed_box("fidelity: articulated\ntime_step: 1 ms\n"), "", 0.0), "accepted");
   EXPECT_THAT(answer(pressed_box("fidelity: articulated\ntime_step: 1 ms\n"), "", 0.1), StartsWith("fidelity: at 0"));
 }

@@ -160,7 +160,7 @@ TEST(PadFollower, ChangesNothingForWhatCarries) {
     }
     EXPECT_EQ(differ, 0U);
   }
-  ASSERT_EQ(alone->bodies().size(), beside->bodies().size()) << "a follower is no body";
+  ASSERT_EQ(alone->bodies().size(), beside->bodies().size()) << "a follower must not be a body";
   EXPECT_TRUE(same(alone.body("box").pose.position, beside.body("box").pose.position));
   EXPECT_TRUE(same(alone.body("box").pose.rotation, beside.body("box").pose.rotation));
 }

@@ -554,7 +554,7 @@ TEST_F(ImportErrors, LogsAreChecked) {
   refused(with(log_header(2), "S1_FrictionEst", "S2_FrictionEst"), 1, {"column 163", "S2_FrictionEst", "S1_FrictionEst"});
   refused(first, 2, {"1 sample", "two"});
   refused(first + log_row(500, {log_cells(held)}), 3, {"T_us", "500", "1000"});
-  refused(first + log_row(1000, {log_cells(std::vector<int>(9, 2))}), 3, {"T_us", "1000", "rising"});
+  refused(first + log_row(1000, {log_cells(std::vector<int>(9, 2))}), 3, {"T_us", "1000", "ascending"});
   refused(first + log_row(2000, {log_cells({1, 1, 1, 1, 1, 1, 1, 1, 0})}), 3, {"column 81", "S0_P8_slipState", "0", "-2"});
   refused(first + with(log_row(2000, {log_cells(held)}), ",-1", ",inf"), 3, {"column 82", "S0_FrictionEst", "inf"});
 }
@@ -565,7 +565,7 @@ TEST_F(ImportErrors, TrainingFilesAreChecked) {
   };
   const std::vector<std::string> held(9, "1,0");
   refused("", 1, {"0 samples", "two"});
-  refused(training_row("0", held) + training_row("0", held), 2, {"column 1", "time", "0", "rising"});
+  refused(training_row("0", held) + training_row("0", held), 2, {"column 1", "time", "0", "ascending"});
   refused(training_row("0", held) + "0.001\n", 2, {"1 column", "73"});
   refused(training_row("0", std::vector<std::string>(9, "1,2")), 1, {"column 3", "P0 slip", "2", "0, 1"});
   refused(training_row("0", std::vector<std::string>(9, "1,0.5")), 1, {"column 3", "P0 slip", "0.5", "0, 1"});
