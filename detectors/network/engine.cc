@@ -12,8 +12,8 @@ namespace slipbench::network {
 namespace {
 
 constexpr const char* remedy =
-    "install it with pip install 'slipbench[network]', or build slipbench with OpenVINO and libonnx-dev, which tools/setup/setup.sh "
-    "build python installs";
+    "install the requirement openvino of the Python package slipbench, which pip check examines, or build slipbench with OpenVINO and "
+    "libonnx-dev, which tools/setup/setup.sh build python installs";
 
 }  // namespace
 
