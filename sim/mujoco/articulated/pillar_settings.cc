@@ -10,6 +10,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/mujoco/articulated/articulated.h"
 
 namespace slipbench {
 namespace {
