@@ -211,7 +211,7 @@ class Training(TrainingTest):
             self.train(dataset=still)
         mine = self.folder / "mine.onnx"
         mine.write_text("mine")
-        with self.assertRaisesRegex(InputError, "exists and is no detector"):
+        with self.assertRaisesRegex(InputError, "exists and is not a detector"):
             self.train(output=str(mine))
         self.assertEqual(mine.read_text(), "mine")
 
