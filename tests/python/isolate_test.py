@@ -35,14 +35,14 @@ def be_deaf():
     loop()
 
 
-ENDED_BY = "its worker process was ended by "
-LATE = f"its worker process was still running after {LIMIT:g} s, the limit"
+KILLED_BY = "its worker process was killed by "
+LATE = f"its worker process was still running at the limit of {LIMIT:g} s"
 # Each deed, and words in the failed trial's message; None: no failure.
 DEEDS = [
     (lambda: os._exit(0), "its worker process ended with status 0 before its work was done"),
-    (lambda: ctypes.string_at(0), ENDED_BY + "SIGSEGV"),
-    (os.abort, ENDED_BY + "SIGABRT"),
-    (lambda: os.kill(os.getpid(), signal.SIGKILL), ENDED_BY + "SIGKILL"),
+    (lambda: ctypes.string_at(0), KILLED_BY + "SIGSEGV"),
+    (os.abort, KILLED_BY + "SIGABRT"),
+    (lambda: os.kill(os.getpid(), signal.SIGKILL), KILLED_BY + "SIGKILL"),
     (loop, LATE),
     (be_deaf, LATE),
     (lambda: KEPT.append(bytearray(1 << 46)), "MemoryError"),

@@ -58,7 +58,7 @@ std::string longest_step(const SensorRecord& sensor) {
   return fmt::format("{:.4g}", 1.0 / sensor.rate);
 }
 
-// "12.5 %, from 1.1 s on": share and start of the samples with slip by the recorded labels.
+// "12.5 %, from 1.1 s": share and start of the samples with slip by the recorded labels.
 std::string labelled_slip(const SensorRecord& sensor) {
   const std::vector<PadState> states = labels_of(sensor);
   if (states.empty()) return no_value;

@@ -216,21 +216,21 @@ for suite in root:
   EXPECT_EQ(read.out, R"x(testsuites ['6', '2', '0', '1']
 testsuite 'a&b<"\'>\t?.yaml' ['3', '1', '0', '0']
   testcase max_slip True
-    failure expectation max_slip: at most 3 mm in 18 of 20 trials, needed in 20; worst: 4.1 mm in trial 7
-max_slip: at most 3 mm in 18 of 20 trials, needed in 20; worst: 4.1 mm in trial 7
+    failure expectation max_slip: at most 3 mm in 18 of 20 trials, but 20 are needed; worst: 4.1 mm in trial 7
+max_slip: at most 3 mm in 18 of 20 trials, but 20 are needed; worst: 4.1 mm in trial 7
 replay: slipbench run 'a&b<">.yaml' --set 'description=]]>' --seed 1 --trial 7
 trial 3: <unstable>
-left: left/trial_7.h5
+file: left/trial_7.h5
   testcase dropped True
   testcase negative_control True
 testsuite 'second.yaml' ['2', '1', '0', '0']
   testcase dropped True
   testcase negative_control True
     failure expectation tests nothing
-tests nothing: the negative control, controller hold_preset, keeps all of it too; a heavier box, a smoother surface or a lower preset make a test of it
+tests nothing: the negative control, controller hold_preset, also meets all expectations; use a heavier box, a smoother surface or a lower preset
 testsuite 'third.yaml' ['1', '0', '0', '1']
   testcase expect True
-    skipped None the scene expects nothing
+    skipped None the scene has no expectations
 None
 )x");
 }

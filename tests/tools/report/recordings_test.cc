@@ -58,7 +58,7 @@ TEST_F(Recordings, ShowsWhatThereIsAndSaysWhatThereIsNot) {
 TEST_F(Recordings, ShowsRecordedLabels) {
   const std::string page = page_of({recording(0, {1, 1, 1, 3, 3}), recording(1, {1, 1, 1, 1, 1})});
   EXPECT_THAT(page, HasSubstr("Recorded labels: a button held by hand"));
-  EXPECT_THAT(page, AllOf(HasSubstr("<td>40.0 %, from 0.3 s on</td>"), HasSubstr("<td>none</td>")));  // 2 of 5 samples
+  EXPECT_THAT(page, AllOf(HasSubstr("<td>40.0 %, from 0.3 s</td>"), HasSubstr("<td>none</td>")));  // 2 of 5 samples
   EXPECT_THAT(page, AllOf(HasSubstr(">labels</text>"), HasSubstr("class=\"bar gross\"")));
 }
 

@@ -48,10 +48,10 @@ TEST(PluginProgram, RefusesWrongLibraries) {
 TEST(PluginProgram, ACrashFailsAnIsolatedTrial) {
   const ChildResult isolated = run_own("wrong", "crash=1,in=3");
   EXPECT_EQ(isolated.status, 2) << isolated.err;
-  EXPECT_THAT(isolated.err, HasSubstr("trial 0: its worker process was ended by SIGSEGV"));
+  EXPECT_THAT(isolated.err, HasSubstr("trial 0: its worker process was killed by SIGSEGV"));
   const ChildResult before = run_own("wrong", "crash=1,in=2");
   EXPECT_EQ(before.status, 2);
-  EXPECT_THAT(before.err, HasSubstr("before the first trial: its process was ended by SIGSEGV"));
+  EXPECT_THAT(before.err, HasSubstr("before the first trial: its process was killed by SIGSEGV"));
   EXPECT_NE(run_own("wrong", "crash=1,in=3", "", "--no-isolate").status, 0);
 }
 

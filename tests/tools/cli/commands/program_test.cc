@@ -263,7 +263,7 @@ TEST(Program, EvalPrintsOneObject) {
   // A slipping pillar has f_t = 0.5 f_n, which is less than this: nothing is seen.
   const ChildResult text = run_program_file({"eval", "force_ratio", file, "--set", "ratio=0.6"});
   EXPECT_THAT(text.out, HasSubstr("recall of slip"));
-  EXPECT_THAT(text.out, HasSubstr("of 1 trials that slip: seen 0, early 0, missed 1"));
+  EXPECT_THAT(text.out, HasSubstr("slipping trials: 1, detected 0, early 0, missed 1"));
 }
 
 TEST(Program, FullStandardOutputIsAnError) {
@@ -319,7 +319,7 @@ TEST(Program, Check) {
               AllOf(HasSubstr("replay: "), HasSubstr("slipbench run " + stage), HasSubstr("0 of 1 scenes passed, 1 failed")));
   EXPECT_TRUE(std::filesystem::exists(folder / "left/stage/trial_0.html"));
   EXPECT_TRUE(std::filesystem::exists(folder / "j.xml"));
-  expect_refusal({"check", stage}, mentions({"expects"}));
+  expect_refusal({"check", stage}, mentions({"expectations"}));
   expect_refusal({"check", stage, "--set", "expect={dropped: false}"}, mentions({"dropped", "gripper"}));
   expect_refusal({"check", stage, "--junit", stage}, HasSubstr("stage.yaml"));
 }

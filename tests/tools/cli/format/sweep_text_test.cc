@@ -117,8 +117,8 @@ TEST(Summary, TrialSaysHowTheDetectorDid) {
   trial.detector->confusion = {{{4, 0, 0, 0}, {0, 19, 1, 0}, {}, {}}};
   EXPECT_THAT(
       text(Detection::false_alarm),
-      HasSubstr("\n  ratio on pad: false alarm at 0.5000 s; nothing slips; recall of slip -, balanced accuracy 95.0 % (any "
-                "constant answer: 100.0 %)\n"));
+      HasSubstr("\n  ratio on pad: false alarm at 0.5000 s; nothing slips; recall of slip -, balanced accuracy 95.0 % (constant "
+                "detector: 100.0 %)\n"));
   trial.detector->confusion = {};
   EXPECT_THAT(text(Detection::quiet), HasSubstr("\n  ratio on pad: no slip and no alarm; no contact\n"));
 }

@@ -22,19 +22,19 @@ LIBRARY = Path(sys.argv.pop(2)).resolve()
 PROGRAM = Path(sys.argv.pop(1)).resolve()
 
 LIMIT = 2.0  # s, above the time of an honest trial on a busy machine
-ENDED_BY = "its worker process was ended by "
+KILLED_BY = "its worker process was killed by "
 UNFINISHED = "its worker process ended with status {} before its work was done"
 LATE = f"its worker process was still running after {LIMIT:g} s, the limit"
 IN_UPDATE = "detector.library: 'misbehaves.so' threw {} in update"
 # Words in the failed trial's message; None: no trial fails.
 DEEDS = {
-    "segv": ENDED_BY + "SIGSEGV",
-    "abort": ENDED_BY + "SIGABRT",
-    "fpe": ENDED_BY + "SIGFPE",
-    "stack": ENDED_BY + "SIGSEGV",
-    "heap": ENDED_BY + "SIGABRT",
-    "thread": ENDED_BY + "SIGSEGV",
-    "kill": ENDED_BY + "SIGKILL",
+    "segv": KILLED_BY + "SIGSEGV",
+    "abort": KILLED_BY + "SIGABRT",
+    "fpe": KILLED_BY + "SIGFPE",
+    "stack": KILLED_BY + "SIGSEGV",
+    "heap": KILLED_BY + "SIGABRT",
+    "thread": KILLED_BY + "SIGSEGV",
+    "kill": KILLED_BY + "SIGKILL",
     "exit": UNFINISHED.format(0),
     "_exit": UNFINISHED.format(0),
     "files": UNFINISHED.format(1),
@@ -169,7 +169,7 @@ class IsolateTest(unittest.TestCase):
         self.assertIn("2 of 6 trials failed: 2 and 3", error)
 
     def test_what_is_wrong_before_the_first_trial_is_refused(self):
-        texts = {"make segv": "was ended by SIGSEGV", "make _exit": "ended with status 0", "make loop": "was still running after 3 s, the limit"}
+        texts = {"make segv": "was killed by SIGSEGV", "make _exit": "ended with status 0", "make loop": "was still running at the limit of 3 s"}
         for deed, text in texts.items():
             _, error = self.sweep([deed], "--trial-limit", "0.5 s", status=2)
             self.assertIn(f"before the first trial: its process {text}", error)
