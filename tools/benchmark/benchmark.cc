@@ -86,9 +86,11 @@ struct Board {
 DetectorScene told(const Entrant& entrant, const Held& held, const Scene& scene) {
   switch (entrant.told) {
     case Told::nothing: return entrant.detector;
-    case Told::clock: return control_of(held.clock, never);
     case Told::motion: return motion_known(scene, held.mover);
-    case Told::motion_and_time: return motion_known_and(held.time, scene, held.mover);
+    case Told::clock:
+    case Told::motion_and_time:
+    case Told::speed:
+    case Told::travel: return timed_control(entrant.told, held, scene);
   }
   return {};
 }

@@ -14,6 +14,7 @@
 #include "detectors/network/engine.h"
 #include "sim/api/detector.h"
 #include "sim/api/motion.h"
+#include "sim/core/math/rotation.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/motion/motion_catalogue.h"
 #include "tools/dataset/reader.h"
@@ -121,16 +122,20 @@ bool can_train(const Lesson& lesson, const Teaching& teaching) {
 
 class Control final : public Detector {
  public:
-  explicit Control(const Parameters& parameters) : from_(parameters.number("from")), until_(parameters.number("until")) {}
+  explicit Control(const Parameters& parameters)
+      : from_(parameters.number("from")), until_(parameters.number("until")), once_(parameters.flag("once")) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
     estimate_.time = frame.time;
-    estimate_.state = frame.time >= from_ && frame.time < until_ ? PadState::gross : PadState::non_slip;
+    const bool reports = frame.time >= from_ && frame.time < until_;
+    estimate_.state = reports ? PadState::gross : PadState::non_slip;
+    if (reports && once_) until_ = frame.time;
     return estimate_;
   }
 
  private:
   double from_, until_;
+  bool once_;
   SlipEstimate estimate_;
 };
 
@@ -142,7 +147,8 @@ Entry control_entry() {
           "",
           "none: a negative control",
           {number_spec("from", Quantity::time, "0 s", time, "Time at which slip is first reported.", source),
-           number_spec("until", Quantity::time, "inf", time, "Time at which slip is no longer reported.", source)}};
+           number_spec("until", Quantity::time, "inf", time, "Time at which slip is no longer reported.", source),
+           flag_spec("once", "false", "Reports slip in one sample only.", source)}};
 }
 
 // Returns how long a stage moves sideways or turns [s].
@@ -212,14 +218,25 @@ std::vector<Entrant> control_entrants() {
     return Entrant{
         .name = name, .kind = Kind::control, .detector = control_of(from, never), .told = told, .sha256 = text_sha256(name)};
   };
-  return {control("always slip", 0.0, Told::nothing), control(never_slip, never, Told::nothing),
-          control("clock", never, Told::clock), control("motion known", never, Told::motion),
-          control("motion known, timed", never, Told::motion_and_time)};
+  return {control("always slip", 0.0, Told::nothing),
+          control(never_slip, never, Told::nothing),
+          control("clock", never, Told::clock),
+          control("motion known", never, Told::motion),
+          control("motion known, timed", never, Told::motion_and_time),
+          control("motion and speed known", never, Told::speed),
+          control("travel known", never, Told::travel)};
 }
 
 bool can_be_told(const Entrant& entrant, const Held& held) {
-  if (entrant.told == Told::clock) return !std::isnan(held.clock);
-  return entrant.told != Told::motion_and_time || !std::isnan(held.time);
+  switch (entrant.told) {
+    case Told::clock: return !std::isnan(held.clock);
+    case Told::motion_and_time: return !std::isnan(held.time);
+    case Told::speed: return !std::isnan(held.speed);
+    case Told::travel: return !std::isnan(held.travel);
+    case Told::nothing:
+    case Told::motion: break;
+  }
+  return true;
 }
 
 Entrant oracle_entrant() {
@@ -270,8 +287,9 @@ void register_control() {
   });
 }
 
-DetectorScene control_of(double from, double until) {
+DetectorScene control_of(double from, double until, bool once) {
   DetectorScene detector = eval::chosen_detector(control_type, {});
+  detector.parameters.set("once", once);
   detector.parameters.set("from", from);
   detector.parameters.set("until", until);
   return detector;
@@ -293,6 +311,53 @@ DetectorScene motion_known_and(double time, const Scene& scene, const std::strin
   const DetectorScene known = motion_known(scene, mover);
   const double from = known.parameters.number("from"), until = known.parameters.number("until");
   return scene.grasp ? control_of(from, from + time) : control_of(from + time, until);
+}
+
+double HandMotion::passes(double distance) const {
+  const auto first = std::ranges::find_if(travel, [distance](double way) { return way >= distance; });
+  return first == travel.end() ? never : step * static_cast<double>(first - travel.begin());
+}
+
+HandMotion hand_motion(const Scene& scene, const std::string& mover) {
+  HandMotion hand;
+  hand.start = motion_known(scene, mover).parameters.number("from");
+  std::function<double(double)> travel;
+  if (mover.empty()) {
+    const std::shared_ptr<const Motion> motion = stage_motion().create(scene.motion.parameters, {});
+    const Pose begin = motion->pad_at(hand.start).pose;
+    travel = [motion, begin](double time) {
+      constexpr double arm = 0.01;  // m, where a turn is counted
+      const Pose now = motion->pad_at(time).pose;
+      const Eigen::Vector3d way = now.position - begin.position;
+      return std::hypot(way.x(), way.y()) + arm * rotation_vector(now.rotation * begin.rotation.transpose()).norm();
+    };
+  } else {
+    const std::vector<ControlScene::Point>& points = std::ranges::find(scene.controls, mover, &ControlScene::actuator)->points;
+    travel = [&points](double time) {
+      const auto next = std::ranges::upper_bound(points, time, {}, &ControlScene::Point::time);
+      if (next == points.begin()) return 0.0;
+      const ControlScene::Point& last = *std::prev(next);
+      const double share = next == points.end() ? 0.0 : (time - last.time) / (next->time - last.time);
+      return std::abs(last.value + share * ((next == points.end() ? last : *next).value - last.value) - points.front().value);
+    };
+  }
+  for (double time = 0.0; time <= scene.duration; time = HandMotion::step * static_cast<double>(hand.travel.size())) {
+    const double way = time < hand.start ? 0.0 : travel(time);
+    if (!hand.travel.empty()) hand.top_speed = std::max(hand.top_speed, (way - hand.travel.back()) / HandMotion::step);
+    hand.travel.push_back(way);
+  }
+  return hand;
+}
+
+DetectorScene timed_control(Told told, const Held& held, const Scene& scene) {
+  if (told == Told::clock) return control_of(held.clock, never, held.pulses());
+  if (told == Told::motion_and_time) {
+    if (!held.pulses()) return motion_known_and(held.time, scene, held.mover);
+    return control_of(motion_known(scene, held.mover).parameters.number("from") + held.time, never, true);
+  }
+  const HandMotion hand = hand_motion(scene, held.mover);
+  if (told == Told::travel) return control_of(hand.passes(held.travel), never, true);
+  return control_of(hand.top_speed >= held.speed ? hand.start + held.speed_time : never, never, true);
 }
 
 double judged_from(const Held& held, const Scene& scene) {

@@ -33,6 +33,8 @@ enum class Told {
   clock,            // Held::clock
   motion,           // when the motion of each trial begins and ends
   motion_and_time,  // the motion and Held::time
+  speed,            // the motion, Held::speed and Held::speed_time
+  travel,           // the motion and Held::travel
 };
 
 struct Entrant {
@@ -99,8 +101,8 @@ inline constexpr double never = std::numeric_limits<double>::infinity();  // s
 // Registers that detector in the catalogue of this process.
 void register_control();
 
-// Returns that detector with its times [s]; `never` is allowed.
-DetectorScene control_of(double from, double until);
+// Returns that detector with its times [s]; `never` is allowed. `once`: it reports slip in the first sample from then on alone.
+DetectorScene control_of(double from, double until, bool once = false);
 
 // Returns a control that knows the scene's commands but not its truth: slip from the instant at which the
 // motion, or the actuator `mover`, begins until it stops. In a grasp: from the lift on.
@@ -109,6 +111,23 @@ DetectorScene motion_known(const Scene& scene, const std::string& mover);
 // Returns the same control with `time` [s]: in an open recording it reports slip so much later, in a grasp
 // for so long.
 DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover);
+
+// How the hand moves in an open recording, as the scene commands it: the pad's distance from where its motion begins, a turn
+// counted at 10 mm from the axis [m], or the change of the actuator `mover` [m or N].
+struct HandMotion {
+  static constexpr double step = 1e-3;  // s
+  std::vector<double> travel;           // at every step from 0 s to the end of the recording
+  double start = 0.0;                   // s
+  double top_speed = 0.0;               // greatest change of a step [1/s]
+
+  // s, the first step with so much travel; `never` if there is none.
+  [[nodiscard]] double passes(double distance) const;
+};
+HandMotion hand_motion(const Scene& scene, const std::string& mover);
+
+// Returns the controls `clock`, `motion known, timed`, `motion and speed known` and `travel known` of an open recording that
+// know the best values of `held`.
+DetectorScene timed_control(Told told, const Held& held, const Scene& scene);
 
 // Returns the time [s] from which on the slip of a recording is judged. slip-3 judges open recordings from
 // the beginning of the motion, since a sensor may slip as it is touched. Otherwise -inf: from the start.

@@ -22,7 +22,8 @@ namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 struct Controls {
-  double clock, time;  // s
+  double clock, time;                                     // s
+  double speed = none, speed_time = none, travel = none;  // as in Held
 };
 
 Held slip_1_open(const std::string& sensor, std::vector<std::string> readers, Controls controls, std::string mover = "") {
@@ -104,14 +105,44 @@ Protocol slip_2() {
 Protocol slip_3() {
   const std::string folder = "scenes/benchmark/slip-3/";
   const std::vector<SensorSets> sensors{
-      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", {4.1, 2.4}, {4.1, 2.35}, {"pad", "fast"}},
-      {"piezo_skin", {"pad"}, {"skin"}, "", {none, 2.6}, {none, 2.55}, {"skin"}},
-      {"nib_pad", {"pad"}, {"skin"}, "pull", {8.9, 6.75}, {8.9, 6.9}, {"nibs"}},
-      {"myrmex", {"left"}, {"skin"}, "apart", {none, none}, {none, 6.4}, {"foam"}},
-      {"biotac_sp", {"pad"}, {"skin"}, "", {3.9, 2.45}, {3.9, 2.4}, {"finger"}},
-      {"magnetic_skin", {"pad"}, {"skin"}, "", {none, 2.55}, {none, 2.65}, {"magnets"}},
-      {"gel_markers", {"pad"}, {"skin"}, "", {3.5, 2.55}, {3.5, 2.35}, {"gel"}},
-      {"taxels", {"pad"}, {"skin"}, "", {3.5, 2.35}, {3.5, 2.3}, {"taxels"}},
+      {"papillarray",
+       {"pad", "slow"},
+       {"pad", "fast"},
+       "",
+       {1.26, 0.09, 0.002724, 0.08, 0.0002665},
+       {1.22, 0.03, 0.01246, 0.02, 5.68e-05},
+       {"pad", "fast"}},
+      {"piezo_skin",
+       {"pad"},
+       {"skin"},
+       "",
+       {1.44, 1.03, 0.0004786, 1.02, 0.0004102},
+       {1.26, 0.07, 0.0008887, 0.06, 0.0002059},
+       {"skin"}},
+      {"nib_pad", {"pad"}, {"skin"}, "pull", {1.28, 0.28, 11.26, 0.08, 1.171}, {1.2, 0.19, 14.87, 0.04, 0.8373}, {"nibs"}},
+      {"myrmex",
+       {"left"},
+       {"skin"},
+       "apart",
+       {1.44, 0.49, 0.02574, 0.2, 0.006339},
+       {1.26, 0.2, 0.04526, 0.12, 0.006385},
+       {"foam"}},
+      {"biotac_sp", {"pad"}, {"skin"}, "", {1.22, 0.03, 0.02596, 0, 2.351e-05}, {1.2, 0.02, 0.02013, 0, 3.216e-05}, {"finger"}},
+      {"magnetic_skin",
+       {"pad"},
+       {"skin"},
+       "",
+       {1.16, 0.13, 0.03342, 0, 0.000288},
+       {1.1, 0.02, 0.02493, 0, 3.159e-05},
+       {"magnets"}},
+      {"gel_markers", {"pad"}, {"skin"}, "", {1.16, 1, 0.02302, 0, 0.000107}, {1.08, 0.01, 0.02495, 0, 3.278e-05}, {"gel"}},
+      {"taxels",
+       {"pad"},
+       {"skin"},
+       "",
+       {1.12, 0.08, 0.004368, 0.06, 0.0002271},
+       {1.12, 0.03, 0.01618, 0.02, 6.216e-05},
+       {"taxels"}},
   };
   constexpr Controls in_loop{none, 0.04};
   Protocol protocol{.name = "slip-3", .held_out = {}, .lessons = {}};
@@ -121,6 +152,9 @@ Protocol slip_3() {
     held.needless = held.track == Track::loop;
     held.clock = controls.clock;
     held.time = controls.time;
+    held.speed = controls.speed;
+    held.speed_time = controls.speed_time;
+    held.travel = controls.travel;
     protocol.held_out.push_back(std::move(held));
   };
   for (const SensorSets& sensor : sensors) {
@@ -202,8 +236,8 @@ std::string protocol_sha256(const Protocol& protocol) {
                         held.mover, held.clock, held.time);
     if (held.grace) text += fmt::format("{} {} {}\n", held.domain, held.grace, held.needless);
     if (held.by_distance)
-      text += fmt::format("{} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length, known_signal_deviations,
-                          held.disturbance);
+      text += fmt::format("{} {} {} {} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length,
+                          known_signal_deviations, held.disturbance, held.speed, held.speed_time, held.travel);
     scenes.insert(held.scene);
   }
   for (const Lesson& lesson : protocol.lessons) {

@@ -49,6 +49,14 @@ struct Held {
   // s: `motion known, timed` reports slip so long after the motion begins; in a loop, for so long from
   // the lift on.
   double time = std::numeric_limits<double>::quiet_NaN();
+  // m/s, or N/s of a pull: `motion and speed known` reports slip so long (s) after the beginning of a motion whose top speed is
+  // this or more.
+  double speed = std::numeric_limits<double>::quiet_NaN(), speed_time = std::numeric_limits<double>::quiet_NaN();
+  // m, or N of a pull: `travel known` reports slip when the hand is so far from where its motion began.
+  double travel = std::numeric_limits<double>::quiet_NaN();
+
+  // True if the controls report slip in a single sample, which costs least: in the open recordings of slip-3.
+  [[nodiscard]] bool pulses() const { return by_distance && track == Track::open; }
 };
 
 // A network that is trained as a part of the protocol, on a scene that shares no seed with the
