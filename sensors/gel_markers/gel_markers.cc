@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <iterator>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -127,7 +128,10 @@ class Gel {
   // Returns why the parameters are invalid; "" if they are valid.
   std::string fault() const {
     for (const Key key : {columns, rows, marker_columns, marker_rows, map}) {
-      if (is_[key] != std::floor(is_[key])) return slipbench_sensor_parameters[key].name + std::string(" must be a whole number");
+      if (is_[key] == std::floor(is_[key])) continue;
+      std::ostringstream message;
+      message << slipbench_sensor_parameters[key].name << " is " << is_[key] << "; it must be a whole number";
+      return message.str();
     }
     if ((is_[marker_columns] - 1.0) * is_[marker_pitch] > across() || (is_[marker_rows] - 1.0) * is_[marker_pitch] > along())
       return "the markers reach beyond the elements; use more elements, or fewer or closer markers";

@@ -104,7 +104,7 @@ TEST(BioTac19, SaysItsOwnRadiiWhereTheyLeaveAnElectrodeWithoutSkin) {
   EXPECT_THAT(scene_refusal_of([] {
                 finger({{"radii", std::vector{100e-3, 1e-3, 1e-3}}});
               }),
-              refused_at("sensors.finger.radii", {"[0.1 m, 1 mm, 1 mm]", "[16 mm, 7 mm, 7 mm]"}));
+              refused_at("sensors.finger.radii", {"[100 mm, 1 mm, 1 mm]", "[16 mm, 7 mm, 7 mm]"}));
 }
 
 }  // namespace

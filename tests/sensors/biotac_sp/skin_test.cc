@@ -90,7 +90,7 @@ TEST(BioTacSkin, RefusesRadiiThatLeaveAnElectrodeWithoutSkin) {
   EXPECT_THAT(scene_refusal_of([&] {
                 make({{"radii", std::vector{100e-3, 1e-3, 1e-3}}});
               }),
-              AllOf(refused_at("sensors.finger.radii", {"[0.1 m, 1 mm, 1 mm]", "[13.85 mm, 10.1 mm, 9.85 mm]"}),
+              AllOf(refused_at("sensors.finger.radii", {"[100 mm, 1 mm, 1 mm]", "[13.85 mm, 10.1 mm, 9.85 mm]"}),
                     testing::ContainsRegex("electrode E[0-9]+")));
 }
 

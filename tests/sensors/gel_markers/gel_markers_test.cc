@@ -118,9 +118,9 @@ TEST(GelMarkers, AreSeenWithNoiseAndDropOuts) {
 
 TEST(GelMarkers, RefuseWhatIsNoPad) {
   const auto refusal = [](const Values& more) { return scene_refusal_of([&] { Gel gel(more); }); };
-  EXPECT_THAT(refusal({{"rows", 4.5}}), mentions({"rows", "4.500000"}));
+  EXPECT_THAT(refusal({{"rows", 4.5}}), mentions({"rows", "4.5", "whole"}));
   EXPECT_THAT(refusal({{"marker_pitch", 1e-3}}), mentions({"markers", "elements"}));
-  EXPECT_THAT(refusal({{"dome", 2e-3}}), mentions({"dome", "narrow"}));
+  EXPECT_THAT(refusal({{"dome", 2e-3}}), mentions({"dome", "diagonal"}));
   EXPECT_THAT(refusal({{"exposure", 50e-3}}), mentions({"exposure", "frame"}));
 }
 

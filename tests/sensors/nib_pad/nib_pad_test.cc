@@ -237,7 +237,7 @@ TEST(NibPad, MaskNeedsRoomBelowTheFabric) {
   EXPECT_THAT(refusal_of([&] {
                 make({{"mask_gap", 0.3e-3}});
               }),
-              AllOf(HasSubstr("sensors.pad.mask_gap"), HasSubstr("0.3 mm"), HasSubstr("254 um")));
+              AllOf(HasSubstr("sensors.pad.mask_gap"), HasSubstr("0.3 mm"), HasSubstr("0.254 mm")));
 }
 
 // The paper's criterion: the pull has moved the object by 2 mm, including the nib's lean.

@@ -224,7 +224,7 @@ TEST(Taxels, AreRefusedWithWhatIsAllowed) {
   EXPECT_THAT(refusal({{"channels", ParameterMap{{"a", "force"}, {"b", "force"}}}}), mentions({"force", "another channel"}));
   EXPECT_THAT(refusal({{"matrix", two}}), refused_at("sensors.skin.matrix", {"signal", "channel"}));
   EXPECT_THAT(refusal({{"channels", signal}, {"matrix", two}}), mentions({"2", "48", "taxel"}));
-  EXPECT_THAT(refusal({{"channels", signal}, {"curve", two}}), mentions({"point", "two"}));
+  EXPECT_THAT(refusal({{"channels", signal}, {"curve", two}}), mentions({"points", "two"}));
   EXPECT_THAT(refusal({{"channels", signal}, {"curve", back}}), mentions({"input 0"}));
   EXPECT_THAT(refusal({{"range", std::vector<double>{1.0, 1.0}}}), mentions({"lowest", "highest"}));
   EXPECT_THAT(refusal({{"rows", std::int64_t{64}}, {"columns", std::int64_t{64}}, {"points", std::int64_t{2}}}),

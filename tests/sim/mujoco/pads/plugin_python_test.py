@@ -199,7 +199,7 @@ class Misuse(unittest.TestCase):
     def test_contact_of_mujoco_beside_a_pad(self):
         both = touching(collide="")
         self.refused(both, "plugin 'left': MuJoCo's own contact between geom 'block', which moves with the pad, and the touched geom "
-                           "'plate': .*<exclude body1=\"block\" body2=\"plate\"/>")
+                           "'plate' .*<exclude body1=\"block\" body2=\"plate\"/>")
         self.accepted(both.replace("<sensor>", '<contact><exclude body1="block" body2="plate"/></contact><sensor>'))
         self.accepted(touching(collide="", geom="contype='2' conaffinity='2'"))
         self.refused(touching().replace("<sensor>", '<contact><pair geom1="block" geom2="plate"/></contact><sensor>'), "own contact between")
@@ -227,7 +227,7 @@ class Misuse(unittest.TestCase):
     def test_all_that_implicit_lacks_in_one_message(self):
         old = not hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
         self.refused(touching(key("solver", "implicit"), option='noslip_iterations="3" iterations="5"'),
-                     f"solver='implicit' needs the integrator discrete, which MuJoCo {mujoco.__version__} lacks" if old else
+                     f"solver='implicit' needs the integrator discrete, which MuJoCo {mujoco.__version__} does not have" if old else
                      "solver='implicit' needs integrator=\"discrete\"; noslip_iterations=\"0\".*; iterations=\"20\" or more, found 5; a tendon between a site "
                      "on body block and a site on body plate")
 

@@ -139,7 +139,7 @@ class Formats(ExportTest):
                                ("grasp-csv", "one row per grasp")):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
-                self.assertRegex(told, f"{format} .*{reason}")
+                self.assertRegex(told, f"{format}, .*{reason}")
         for format in ("parquet", "mcap", "rosbag2", "lerobot", "npz"):
             _, told = export(dataset, self.folder / "out", "--format", format, "--compress", status=2)
             self.assertRegex(told, f"{format} .*--compress.* csv")

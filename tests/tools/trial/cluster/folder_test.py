@@ -116,7 +116,7 @@ class FolderTest(unittest.TestCase):
             self.assertRegex(self.run_program("cluster", *words, status=2).stderr, told)
 
         out = ("-o", "cluster", "--shards")
-        refuse("--shard.* 1/7 .* 6 trials", "a scene.yaml", *SWEEP, *out, 7)
+        refuse("--shard.* 1/7, .* 6 trials", "a scene.yaml", *SWEEP, *out, 7)
         refuse("--shards.*'0'", "a scene.yaml", *out, 0)
         refuse("empty folder", "a scene.yaml", *SWEEP, "-o", ".", "--shards", 2)
         refuse("empty folder", "a scene.yaml", *SWEEP, "-o", "a scene.yaml", "--shards", 2)
@@ -132,7 +132,7 @@ class FolderTest(unittest.TestCase):
         (folder / "README.md").write_text("half")
         self.run_program(*out)
         self.assertNotEqual((folder / "README.md").read_text(), "half")
-        self.assertIn("holds something", self.run_program(*out, status=2).stderr)  # the whole output
+        self.assertIn("it is not empty", self.run_program(*out, status=2).stderr)  # the whole output
 
     def test_scripts_pass_shellcheck(self):
         cluster = self.cluster("cluster", 2)

@@ -151,7 +151,7 @@ class ShardsTest(unittest.TestCase):
         for text in ("0/3", "4/3", "3", "1/0", "a/b", "1/3/5", "-1/3", "01/3"):
             with self.subTest(text):
                 self.assert_refused(f"--shard.*'{text}'.*k/n", "sweep", self.scene, "--shard", text, *out)
-        self.assert_refused("--shard.* 1/22 .* 21 trials",
+        self.assert_refused("--shard.* 1/22, .* 21 trials",
                             "sweep", self.scene, "--shard", "1/22", *out)  # fmt: skip
         self.assert_refused("--shard.* -o", "sweep", self.scene, "--shard", "1/2")
         self.assertFalse((self.folder / "out.h5").exists())
