@@ -49,7 +49,7 @@ TEST_F(KeptSettingTest, IsLookedForOnce) {
   EXPECT_EQ(first.overrides.front().path, "accuracy");
   EXPECT_EQ(first.overrides.front().value, "none");
   EXPECT_EQ(first.overrides.back().path, "time_step");
-  EXPECT_THAT(first.text, HasSubstr("slip onset off by "));
+  EXPECT_THAT(first.text, HasSubstr("slip onset error "));
   const std::string bytes = read("s.yaml.accuracy.json");
   const KeptSetting again = settle().value();
   EXPECT_EQ(searches_, 1);
@@ -143,7 +143,7 @@ TEST_F(KeptSettingTest, RefusesADamagedFile) {
 TEST_F(KeptSettingTest, NamesTheFileThatCannotBeWrittenBeforeItLooks) {
   const std::string without_wish = "--set accuracy=none";
   std::filesystem::create_directory(path("s.yaml.accuracy.json"));
-  EXPECT_THAT(refusal(), refused_at(path("s.yaml.accuracy.json"), {"no file", without_wish}));
+  EXPECT_THAT(refusal(), refused_at(path("s.yaml.accuracy.json"), {"is not a file", without_wish}));
   std::filesystem::remove(path("s.yaml.accuracy.json"));
   std::filesystem::create_directory(path("s.yaml.accuracy.json.partial"));
   EXPECT_THAT(refusal(), mentions({path("s.yaml.accuracy.json.partial"), "a folder", without_wish}));

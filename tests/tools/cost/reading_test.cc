@@ -133,7 +133,7 @@ TEST(CostReading, AVerdictNamesTheLargestChange) {
   Price price{.name = "stribeck", .share = 0.25, .low = 0.2, .high = 0.3, .changes = onset_error(1e-3)};
   EXPECT_EQ(verdict(price), "costs 25 %; changes slip onset most, by 0.1 %");
   price.low = -0.1;
-  EXPECT_EQ(verdict(price), "costs less than the scatter; changes slip onset most, by 0.1 %");
+  EXPECT_EQ(verdict(price), "costs less than the scatter of the CPU time; changes slip onset most, by 0.1 %");
   price.why = "no such law";
   EXPECT_EQ(verdict(price), "does not run: no such law");
 }

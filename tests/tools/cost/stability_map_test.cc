@@ -78,7 +78,7 @@ TEST(StabilityMap, TellsItselfAsJsonAndAsText) {
             R"("damping_s":0.001,"omega":5000.0,"predicted_s":0.00015,"allowed_s":4e-05,"measured_s":0.0002,"ratio":)" +
                 Json(1.5e-4 / 2e-4).dump() + "}");
   EXPECT_GE(json["text"].size(), 4U);
-  EXPECT_THAT(json["remarks"][1].get<std::string>(), HasSubstr("Farthest from 1: two pads hold a box, Euler, 0.005 kg"));
+  EXPECT_THAT(json["remarks"][1].get<std::string>(), HasSubstr("Ratio farthest from 1: two pads hold a box, Euler, 0.005 kg"));
   const std::string text = stability_text(two);
   EXPECT_THAT(text, HasSubstr("two pads hold a box"));
   EXPECT_THAT(

@@ -44,7 +44,7 @@ TEST(Wish, ThatCannotBeMetEndsTheProgramWithWhatCan) {
   const ChildResult run = run_program_file({"run", folder / "wish.yaml", "--set", "accuracy={slip_distance: 0.000001 %}", "--set",
                                             "effects=[texture]", "-o", folder / "out.h5"});
   EXPECT_EQ(run.status, 2);
-  EXPECT_THAT(run.err, mentions({"accuracy.slip_distance", "1e-06 %", "shown"}));
+  EXPECT_THAT(run.err, mentions({"accuracy.slip_distance", "1e-06 %", "demonstrated"}));
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
   EXPECT_FALSE(std::filesystem::exists(folder / "wish.yaml.accuracy.json"));
 }

@@ -140,7 +140,7 @@ class Rerun(unittest.TestCase):
         self.record()
         (self.folder / "mine.rrd").write_text("mine")
         for words, names in ((("a.h5", "--trial", "9"), "view: a.h5.*trial 9"),
-                               (("b.h5",), "view: b.h5.*dataset"),
+                               (("b.h5",), "view: b.h5: does not exist"),
                                (("a.h5", "-o", "mine.rrd"), "mine.rrd"),
                                (("a.h5", "-o", "a.html"), "view: -o.*'a.html'.*.rrd")):
             done = self.run_program("view", *words, "--rerun")

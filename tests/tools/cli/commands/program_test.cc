@@ -154,7 +154,7 @@ TEST_F(Pipes, GiveAScene) {
   const ChildResult piped = shell("cat s.yaml | slipbench run -" + short_run_ + " -o piped.h5");
   EXPECT_EQ(piped.status, 0) << piped.err;
   EXPECT_THAT(piped.out, HasSubstr("next: slipbench report piped.h5"));
-  EXPECT_THAT(shell("slipbench run - < s.yaml" + short_run_).out, HasSubstr("run - -o FILE.h5 < SCENE.yaml keeps"));
+  EXPECT_THAT(shell("slipbench run - < s.yaml" + short_run_).out, HasSubstr("run - -o FILE.h5 < SCENE.yaml stores"));
   EXPECT_EQ(shell("slipbench sweep - -q < s.yaml" + short_run_).status, 0);
   const ChildResult wrong = shell("printf 'slipbench: 1\\nmotion: {sped: 1}\\n' | slipbench run -");
   EXPECT_EQ(wrong.status, 2);
@@ -408,7 +408,7 @@ TEST(Program, SweepPrintsPlainLinesAndATable) {
   const ChildResult result = run_program_file({"sweep", stage, "--set", three_speeds});
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.err, AllOf(HasSubstr("3/3 trials (100 %)"), Not(HasSubstr("\r")), Not(HasSubstr("\033"))));
-  EXPECT_THAT(result.out, AllOf(HasSubstr("3 trials"), HasSubstr("gross slip"), HasSubstr("time in each class")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("3 trials"), HasSubstr("gross slip"), HasSubstr("share of time")));
 }
 
 TEST(Program, QuietSaysNothing) {

@@ -301,7 +301,7 @@ class Recordings(ExportTest):
     def test_frames_are_not_counted_where_samples_are_missing(self):
         dataset, out = self.imported("gap", [k / 100 + (0.5 if k >= 300 else 0) for k in range(600)], 2), self.folder / "gap"
         _, told = export(dataset, out, "--format", "lerobot", status=2)
-        self.assertIn("trial 0: pad: its samples are not evenly spaced (92.2958 Hz on average, 100 Hz by the median step, longest step 0.51 s", told)
+        self.assertIn("trial 0: pad: its samples are not evenly spaced (92.2958 Hz on average, 100 Hz by the median step, the longest step is 0.51 s", told)
         self.assertFalse(out.exists())
 
     def test_other_rates_of_later_trials_are_refused(self):
