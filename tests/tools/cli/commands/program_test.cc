@@ -153,7 +153,7 @@ class Pipes : public testing::Test {
 TEST_F(Pipes, GiveAScene) {
   const ChildResult piped = shell("cat s.yaml | slipbench run -" + short_run_ + " -o piped.h5");
   EXPECT_EQ(piped.status, 0) << piped.err;
-  EXPECT_THAT(piped.out, HasSubstr("next: slipbench report piped.h5"));
+  EXPECT_THAT(piped.out, HasSubstr("slipbench report piped.h5\n"));
   EXPECT_THAT(shell("slipbench run - < s.yaml" + short_run_).out, HasSubstr("run - -o FILE.h5 < SCENE.yaml stores"));
   EXPECT_EQ(shell("slipbench sweep - -q < s.yaml" + short_run_).status, 0);
   const ChildResult wrong = shell("printf 'slipbench: 1\\nmotion: {sped: 1}\\n' | slipbench run -");
