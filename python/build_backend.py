@@ -11,7 +11,7 @@ from pathlib import Path
 
 from scikit_build_core import build as backend
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 SETUP = ROOT / "tools/setup"
 
 build_editable = backend.build_editable

@@ -78,7 +78,7 @@ class Commands(unittest.TestCase):
         with slipbench.open(self.path) as data, self.assertRaisesRegex(
                 slipbench.InputError, "^trial 0: labels 'recorded': the simulated trial has 'strict', 'micro', 'paper'; pass labels='strict' or "):
             data.windows(length=4, labels="recorded")
-        with self.assertRaisesRegex(slipbench.InputError, "--labels paper needs the truth, .*; allowed: --labels recorded"):
+        with self.assertRaisesRegex(slipbench.InputError, "--labels paper needs the truth, .*; use --labels recorded"):
             slipbench.export(self.place / "recorded.h5", self.place / "never", format="npz", labels="paper")
         self.assertFalse((self.place / "never").exists())
         slipbench.export(self.place / "recorded.h5", self.place / "again", format="npz", labels="recorded")
@@ -187,7 +187,7 @@ def test_missing(slipbench_check):
         self.assertNotIn("Traceback", output)
         self.assertNotIn("_pytest_plugin.py", output)
         self.assertRegex(output, r"max_slip +at most 1 um")
-        self.assertIn("the scene expects nothing", output)
+        self.assertIn("the scene has no expectations", output)
 
 
 if __name__ == "__main__":

@@ -75,7 +75,7 @@ class DetectTest(unittest.TestCase):
 
     def test_an_unknown_detector_is_named_without_another_command(self):
         for judge in (slipbench.detect, slipbench.evaluate):
-            with self.assertRaisesRegex(slipbench.InputError, "^no detector 'nope'; allowed: force_ratio, "):
+            with self.assertRaisesRegex(slipbench.InputError, "^unknown detector 'nope'; allowed: force_ratio, "):
                 judge("nope", self.place / "plain.h5")
             with self.assertRaisesRegex(slipbench.InputError, "^no network is given; use FILE.onnx"):
                 judge("network", self.place / "plain.h5")

@@ -363,9 +363,9 @@ class DamagedDatasets(unittest.TestCase):
         self.assertIn("is a folder", self.refusal(Path(self.folder.name)))
         kinds = {
             b"": "is empty",
-            self.whole[:1]: "is cut short",
+            self.whole[:1]: "is truncated",
             self.whole[: len(self.whole) // 2]: f"is truncated: it has {len(self.whole) // 2} of {len(self.whole)} bytes",
-            self.whole[:-1]: "is cut short",
+            self.whole[:-1]: "is truncated",
             bytes(4096): "is not an HDF5 file",
             b"version https://git-lfs.github.com/spec/v1\n": "is a Git LFS pointer, not the data; run 'git lfs pull'",
             b"<!DOCTYPE html>": "is an HTML page",

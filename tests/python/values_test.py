@@ -45,8 +45,11 @@ class Scenes(unittest.TestCase):
             with slipbench.open(out) as data:
                 self.assertEqual([trial.sha256 for trial in data.values()], [trial.sha256 for trial in scene.sweep()])
                 self.assertEqual(data.scene, scene.text)
+            detector = {"type": "network", "model": "missing.onnx"}
             with self.assertRaisesRegex(slipbench.InputError, f"{folder}/missing.onnx"):
-                scene.set({"detector": {"type": "network", "model": "missing.onnx"}}).run()
+                slipbench.Scene.from_dict({**STAGE, "detector": detector}, folder=folder).run()
+            with self.assertRaisesRegex(slipbench.InputError, r"detector\.model: missing\.onnx: cannot be opened"):
+                scene.set({"detector": detector}).run()
 
     def test_wrong_text_is_named_by_line_or_key(self):
         with self.assertRaisesRegex(slipbench.InputError, "<text>:2: unknown key 'sped' in motion"):
@@ -65,9 +68,9 @@ class Scenes(unittest.TestCase):
             slipbench.Scene.from_dict({"motion": {"speed": 1j}})
         with self.assertRaisesRegex(slipbench.InputError, r"scene\.motion: expected names as keys, found int 3"):
             slipbench.Scene.from_dict({"motion": {3: 1}})
-        with self.assertRaisesRegex(slipbench.InputError, "accuracy needs a scene that is a file"):
+        with self.assertRaisesRegex(slipbench.InputError, "accuracy needs a scene in a file"):
             slipbench.Scene.from_dict({**STAGE, "accuracy": {"force": "1 %"}})
-        with self.assertRaisesRegex(slipbench.InputError, "needs a scene that is a file"):
+        with self.assertRaisesRegex(slipbench.InputError, "needs a scene in a file"):
             slipbench.Scene.from_dict(STAGE).check()
 
     def test_wrong_types_are_refused(self):

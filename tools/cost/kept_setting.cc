@@ -510,7 +510,7 @@ std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogu
   const Scene scene = planned.plan.trial(0).scene;
   if (!scene.accuracy) return std::nullopt;
   if (sweep.scene_text) {
-    throw InputError(file.name() + ": accuracy needs a scene that is a file, beside which its setting is kept");
+    throw InputError(file.name() + ": accuracy needs a scene in a file, next to which the chosen time step is stored");
   }
 
   const std::string path = sweep.scene_path + ".accuracy.json";

@@ -322,7 +322,7 @@ TEST(Submission, NamesTheFirstDifference) {
   EXPECT_EQ(difference(submission_text(made), made, elsewhere), "") << "the machine is a claim, not a result";
   Json other = made;
   other["sets"][0]["rows"][0]["credit"] = 0.25;
-  EXPECT_EQ(difference(submission_text(made), made, other), "/sets/0/rows/0/credit: 0.5 in the file, 0.25 here");
+  EXPECT_EQ(difference(submission_text(made), made, other), "/sets/0/rows/0/credit: 0.5 in the file, but 0.25 recomputed");
   other["sets"][0]["rows"][0]["credit"] = 0.5 * (1.0 + 1e-10);
   EXPECT_EQ(difference(submission_text(made), made, other), "") << "MuJoCo, FFTW and networks round by the processor";
   EXPECT_EQ(difference(submission_text(made) + "\n", made, made).substr(0, 5), "byte ");

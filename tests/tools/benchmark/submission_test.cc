@@ -45,7 +45,7 @@ TEST_F(Submissions, AreRecomputed) {
   std::ofstream(file) << text;
   const ChildResult changed = run_program_file({"benchmark", "--verify", file, "--quiet"});
   EXPECT_EQ(changed.status, 1);
-  EXPECT_THAT(changed.out, HasSubstr("/protocol/alarms_per_minute: 9.0 in the file, 1.0 here"));
+  EXPECT_THAT(changed.out, HasSubstr("/protocol/alarms_per_minute: 9.0 in the file, but 1.0 recomputed"));
 
   // A submission to another protocol is recognised by the digest before anything is computed, so no
   // progress is printed.
@@ -111,7 +111,7 @@ TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
   const Json left_out = Json::parse(made.out).at("sets").at(0).at("left_out");
   const auto named = std::ranges::find_if(left_out, [&](const Json& one) { return one.at("detector") == model; });
   ASSERT_NE(named, left_out.end());
-  EXPECT_THAT(named->at("why"), HasSubstr("has learnt from"));
+  EXPECT_THAT(named->at("why"), HasSubstr("was trained on"));
 }
 #endif
 
@@ -153,7 +153,7 @@ TEST_F(Submissions, WhatIsRefused) {
                    {"--submit " + submission, "--output " + folder_ / "b.html"});
   }
   expect_refusal({"benchmark", "--set", "flip=1"}, {"--set", "DETECTOR"});
-  expect_refusal({"benchmark", "--verify", "a.json", "-o", "b.html"}, {"--verify", "file"});
+  expect_refusal({"benchmark", "--verify", "a.json", "-o", "b.html"}, {"--verify", "submission"});
   expect_refusal({"benchmark", "--verify", folder_ / "none.json"}, {"none.json", "read"});
   std::ofstream(folder_ / "no.json") << "{}";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "submission"});

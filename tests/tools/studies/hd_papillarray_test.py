@@ -43,7 +43,7 @@ class CoreFigures(unittest.TestCase):
                                ({"tools": TOOLS, "unrollings": {}}, "unrollings is not an object"),
                                ({"tools": TOOLS, "unrollings": {"big": 3}}, "unrolling 'big': is not a JSON object"),
                                ({"tools": TOOLS, "unrollings": {"big": big}}, "unrolling 'big': lut is missing"),
-                               ({"tools": TOOLS, "unrollings": {"big": BIG | {"lut": True}}}, "lut is true; allowed: a number"),
+                               ({"tools": TOOLS, "unrollings": {"big": BIG | {"lut": True}}}, "lut is true; expected a number"),
                                ({"tools": TOOLS, "unrollings": {"big": {"latency_cycles": -1}}}, "latency_cycles is -1; expected a number of 0 or more")]:
             with self.subTest(named), self.assertRaisesRegex(InputError, named):
                 read(content)

@@ -65,7 +65,7 @@ class Kept(unittest.TestCase):
             train_all(NAME, ["a"] * 3, replace(self.options, jobs=1), fails)
         kept = kept_path(self.options.output)
         self.assertEqual(sorted(path.name for path in kept.iterdir()), ["0.json", "1.json", "identity.txt"])
-        with self.assertRaisesRegex(InputError, "holds 2 networks.*--resume"):
+        with self.assertRaisesRegex(InputError, "contains 2 networks.*--resume"):
             train_all(NAME, ["a"] * 3, self.options, fails)
         with self.assertRaisesRegex(InputError, "belongs to other options"):
             train_all(NAME, ["a"] * 3, replace(self.options, resume=True, seed=2), fails)

@@ -197,7 +197,7 @@ TEST(CrossValidation, RefusesWhenNothingIsLeftToTest) {
   const hd::Memories memories = hd::generate(model, 1);
   const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, one, 1);
   EXPECT_THAT(refusal_of([&] { cross_validate(model, memories, one, samples, Split::by_sequence, 0, 1, 2); }),
-              mentions({"draw 0", "1 sequences", "4 frames"}));
+              mentions({"draw 0", "4 frames", "found 1"}));
 }
 
 struct TrainTest : SmallDatasetTest {
