@@ -148,8 +148,10 @@ TEST_F(BatchesTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
   const std::string before = file_sha256(batch(0));
   const std::vector<std::pair<std::function<void(DatasetHeader&)>, std::string>> changes{
       {[](DatasetHeader& now) { now.seed = 8; }, "seed 7, this run has 8"},
-      {[](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; }, "scene with 'seed: 7' in line 2, where the scene of this run has 'seed: 9'"},
-      {[](DatasetHeader& now) { now.scene = "slipbench: 1\n"; }, "scene with 'seed: 7' in line 2, where the scene of this run ends;"},
+      {[](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; },
+       "scene with 'seed: 7' in line 2, where the scene of this run has 'seed: 9'"},
+      {[](DatasetHeader& now) { now.scene = "slipbench: 1\n"; },
+       "scene with 'seed: 7' in line 2, where the scene of this run ends;"},
       {[](DatasetHeader& now) { now.version = "1.2.4"; }, "version 1.2.3, this run has 1.2.4"},
       {[](DatasetHeader& now) { now.overrides = R"({"a": "1"})"; }, R"(overrides {}, this run has {"a": "1"})"},
       {[](DatasetHeader& now) { now.command += " --trials 3"; }, "command slipbench sweep a.yaml, this"},

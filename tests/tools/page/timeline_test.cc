@@ -105,7 +105,8 @@ TEST(Timeline, ShowsOneSampleAsATable) {
   sensor.time.resize(1);
   sensor.channels[0].values.resize(9);
   sensor.channels[1].values = {0.5F};
-  EXPECT_THAT(timeline_html(sensor, {}, all), AllOf(HasSubstr("A single sample"), HasSubstr("<td>0.5</td>"), Not(HasSubstr("<svg"))));
+  EXPECT_THAT(timeline_html(sensor, {}, all),
+              AllOf(HasSubstr("A single sample"), HasSubstr("<td>0.5</td>"), Not(HasSubstr("<svg"))));
 }
 
 }  // namespace

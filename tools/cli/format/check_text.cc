@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/files/counted.h"
 #include "tools/cli/format/sweep_text.h"
+#include "tools/files/counted.h"
 
 namespace slipbench {
 namespace {

@@ -243,8 +243,7 @@ TEST(Summary, BoxThatIsNotLiftedIsNotHeld) {
   EXPECT_EQ(row.held + row.dropped + row.not_lifted, 3U);
   summary.trials[0].outcome.grasp->lifted = true;
   summary.trials[0].outcome.grasp->lift_height = 0.0998;
-  EXPECT_THAT(trial_text(summary.trials[0], sensors, Style(false)),
-              HasSubstr("lifted by 99.8 mm; grip force up to"));
+  EXPECT_THAT(trial_text(summary.trials[0], sensors, Style(false)), HasSubstr("lifted by 99.8 mm; grip force up to"));
 }
 
 // Ten of ten with one detector, one of two with another; the bounds for all or none of n solve p^n

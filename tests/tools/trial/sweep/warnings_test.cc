@@ -99,7 +99,8 @@ TEST_F(Warnings, ExtremeMassesAndLengths) {
   EXPECT_EQ(told_of("box.mass", "1e-9 kg"), "--set box.mass=1e-9 kg: box.mass: 1e-09 kg is unusual: less than 1e-06 kg");
   EXPECT_EQ(told_of("box.mass", "200"), "");
   EXPECT_EQ(told_of("box.mass", "2000"), "--set box.mass=2000: box.mass: 2000 kg is unusual: more than 1000 kg");
-  EXPECT_EQ(told_of("box.size", "[60, 60 mm, 100 mm]"), "--set box.size=[60, 60 mm, 100 mm]: box.size.0: 60 m is unusual: more than 10 m");
+  EXPECT_EQ(told_of("box.size", "[60, 60 mm, 100 mm]"),
+            "--set box.size=[60, 60 mm, 100 mm]: box.size.0: 60 m is unusual: more than 10 m");
 }
 
 TEST_F(Warnings, MaterialThatTheScenesFrictionReplaces) {
