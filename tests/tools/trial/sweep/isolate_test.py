@@ -24,7 +24,7 @@ PROGRAM = Path(sys.argv.pop(1)).resolve()
 LIMIT = 2.0  # s, above the time of an honest trial on a busy machine
 KILLED_BY = "its worker process was killed by "
 UNFINISHED = "its worker process ended with status {} before its work was done"
-LATE = f"its worker process was still running after {LIMIT:g} s, the limit"
+LATE = f"its worker process was still running at the limit of {LIMIT:g} s"
 IN_UPDATE = "detector.library: 'misbehaves.so' threw {} in update"
 # Words in the failed trial's message; None: no trial fails.
 DEEDS = {
