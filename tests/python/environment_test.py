@@ -229,8 +229,8 @@ class Grasps(unittest.TestCase):
             with self.subTest(told=told), self.assertRaisesRegex(slipbench.InputError, told):
                 slipbench.gym.GraspEnv(**{"values": SHORT, **options})
         vector = slipbench.gym.GraspVectorEnv(3, values=SHORT)
-        for seed in ([7, 8], -1, 2**64):
-            with self.subTest(seed=seed), self.assertRaisesRegex(slipbench.InputError, "allowed"):
+        for seed, told in (([7, 8], "2 seeds; expected one for each of the 3"), (-1, "allowed"), (2**64, "allowed")):
+            with self.subTest(seed=seed), self.assertRaisesRegex(slipbench.InputError, told):
                 vector.reset(seed=seed)
         with self.assertRaisesRegex(slipbench.InputError, "options has 'reset_mask'"):
             vector.reset(seed=1, options={"reset_mask": np.array([True, False, False])})

@@ -669,7 +669,7 @@ class Arrays(ImportTest):
         for columns, message in {
             "f1, f2": "a.npz: 'f2' has 7 rows; expected 10, as most arrays have",
             "f3": "a.npz: 'f3' has one value without rows; expected 10, as most arrays have",
-            "f*": "a.npz: 'f2', which 'f*' means, holds 7 rows; expected 10",
+            "f*": "a.npz: 'f2', which 'f*' means, has 7 rows; expected 10",
         }.items():
             self.assertIn(message, self.refused((MAP % "").replace("f1, f2", columns), self.folder / "a.npz"))
 

@@ -216,7 +216,7 @@ def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> fl
             moment = datetime.strptime(text, pattern)
         except ValueError as error:
             raise InputError(
-                f"{source.place(row)}: column {title}: expected a time in the format of time.format,  {pattern!r}, found {text!r}: "
+                f"{source.place(row)}: column {title}: expected a time in the format of time.format, {pattern!r}, found {text!r}: "
                 f"{error}{source.layout_hint()}"
             ) from None
         return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
