@@ -176,7 +176,7 @@ class Attach(unittest.TestCase):
         self.assertFalse(np.shares_memory(*force))
         with self.assertRaisesRegex(InputError, "no pad 'ad_'"):
             slipbench.mujoco.Pad("ad_").read(data)
-        with self.assertRaisesRegex(InputError, "has a sensor 'left' already"):
+        with self.assertRaisesRegex(InputError, "already has a sensor 'left'"):
             other = stock()
             other.add_sensor(name="left", type=mujoco.mjtSensor.mjSENS_CLOCK)
             slipbench.mujoco.attach_pad(other, "left_pad", "box", name="left")
@@ -186,7 +186,7 @@ class Attach(unittest.TestCase):
             slipbench.mujoco.attach_pad(stock(), "left_pat", "box")
         spec = stock()
         slipbench.mujoco.attach_pad(spec, "left_pad", "box")
-        with self.assertRaisesRegex(InputError, "has a plugin 'left_pad' already"):
+        with self.assertRaisesRegex(InputError, "already has a plugin 'left_pad'"):
             slipbench.mujoco.attach_pad(spec, "left_pad", "box")
         with self.assertRaisesRegex(ValueError, "two|on the same site 'left_pad'"):
             slipbench.mujoco.attach_pad(spec, "left_pad", "box", name="second")

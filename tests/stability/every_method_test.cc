@@ -411,8 +411,9 @@ TEST_P(GivenStep, IsTakenOrRefusedWithTheLongest) {
       } else {
         ++refused;
         ASSERT_THAT(text, HasSubstr(" is too long for "));
-        ASSERT_THAT(text, HasSubstr("allowed: up to "));
-        const double allowed = parse_quantity(text.substr(text.find("allowed: up to ") + 18), Quantity::time);
+        const std::string limit = "allowed: up to ";
+        ASSERT_THAT(text, HasSubstr(limit));
+        const double allowed = parse_quantity(text.substr(text.find(limit) + limit.size()), Quantity::time);
         EXPECT_LT(allowed, step);
         box.time_step = exact(longest_sample / std::ceil(longest_sample / allowed)) + " s";
         EXPECT_EQ(refusal(box), "accepted");
