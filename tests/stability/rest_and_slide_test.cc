@@ -102,7 +102,8 @@ TEST_P(MassStiffnessStep, IsRightOrRefusedWithTheLimit) {
   }
   const std::string text = refusal(box);
   ASSERT_THAT(text, HasSubstr("is too long for explicit springs of the pads, which vibrate at up to "));
-  const double allowed = parse_quantity(text.substr(text.find("allowed: up to ") + 18), Quantity::time);
+  const double allowed =
+      parse_quantity(text.substr(text.find("allowed: up to ") + std::string_view("allowed: up to ").size()), Quantity::time);
   EXPECT_LE(allowed, longest * (1.0 + 1e-9));
   EXPECT_GT(allowed, 0.989 * longest);
 }

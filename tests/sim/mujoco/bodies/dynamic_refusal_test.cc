@@ -51,7 +51,7 @@ TEST(DynamicRefusal, StepTooLongForExplicitSprings) {
   const std::string light = replaced(good, "mass: 100 g", "mass: 5 g");
   const std::string text = answer(light + "time_step: 1 ms\n");
   EXPECT_THAT(text, StartsWith("time_step: 1 ms is too long for explicit springs of the pads"));
-  const std::string allowed = text.substr(text.find("allowed: up to ") + 15);
+  const std::string allowed = text.substr(text.find("allowed: up to ") + std::string_view("allowed: up to ").size());
   EXPECT_LT(parse_quantity(allowed, Quantity::time), 39e-6);
   // The step that the message allows is accepted; 20 us divides 1 ms.
   EXPECT_GT(parse_quantity(allowed, Quantity::time), 5e-6);
