@@ -14,6 +14,7 @@
 #include "detectors/network/engine.h"
 #include "sim/api/detector.h"
 #include "sim/api/motion.h"
+#include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/motion/motion_catalogue.h"
@@ -329,7 +330,7 @@ HandMotion hand_motion(const Scene& scene, const std::string& mover) {
       constexpr double arm = 0.01;  // m, where a turn is counted
       const Pose now = motion->pad_at(time).pose;
       const Eigen::Vector3d way = now.position - begin.position;
-      return std::hypot(way.x(), way.y()) + arm * rotation_vector(now.rotation * begin.rotation.transpose()).norm();
+      return math::hypot(way.x(), way.y()) + arm * rotation_vector(now.rotation * begin.rotation.transpose()).norm();
     };
   } else {
     const std::vector<ControlScene::Point>& points = std::ranges::find(scene.controls, mover, &ControlScene::actuator)->points;
