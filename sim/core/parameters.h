@@ -22,8 +22,8 @@ enum class ParameterType {
   flag,
   choice,
   vector,
-  // of a file or folder, relative to the folder of the scene; a word such as the default is kept as
-  // it is
+  // of a file or folder, relative to the folder of the scene, by --set to the current folder; a word
+  // such as the default is kept as it is
   path,
   map,    // names and values that another part, such as a plugin's library, declares; default: none
   table,  // rows of numbers, written in the scene or in a CSV file; default: none

@@ -93,7 +93,7 @@ VIOLATIONS = (
     ("wording", "cmake/d.cmake", "# What a build reads.\n", ":1:", "'What'"),
     ("wording", "sim/core/d.cc", 'throw Error("the mesh is no box");\n', ":1:", "is not a"),
     ("wording", "sim/core/d.cc", 'throw Error("2 rows; allowed: as many");\n', ":1:", "name what is allowed"),
-    ("wording", "tools/base/d.py", "fail('the run has gone wrong')\n", ":1:", "diverges"),
+    ("wording", "tools/files/e.py", "fail('the run has gone wrong')\n", ":1:", "diverges"),
 )
 
 
