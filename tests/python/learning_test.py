@@ -200,7 +200,7 @@ class Training(TrainingTest):
 
     def test_what_does_not_fit_is_refused(self):
         for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),
-                              ({"split": "material"}, "no material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
+                              ({"split": "material"}, "does not sweep material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
                               ({"turned": 2}, "^turned=2: is for images of a myrmex"),
                               ({"by_score": True, "alarms": "1/min"}, "^by_score=True and alarms='1/min' cannot be combined"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
                               ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]")):

@@ -132,7 +132,7 @@ class Attach(unittest.TestCase):
         spec = stock()
         spec.option.timestep, spec.option.iterations, spec.option.noslip_iterations = 0.002, 5, 3
         if not HAS_IMPLICIT:
-            with self.assertRaisesRegex(InputError, f"MuJoCo {mujoco.__version__} lacks"):
+            with self.assertRaisesRegex(InputError, f"MuJoCo {mujoco.__version__} does not have"):
                 held(spec, solver="implicit")
             return
         pads = held(spec, solver="implicit")
