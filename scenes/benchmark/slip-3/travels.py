@@ -106,7 +106,7 @@ def judged(contact, friction, motion, wanted):
     flat = math.isinf(contact.radius)
     slips = {}
     margin = math.inf
-    # A third of many elements tells that some slip; that none does takes all of them.
+    # If a third of many elements contains one that slips, the pad slips; that none slips needs all of them.
     for e in contact.elements[:: 3 if wanted == "slip" and len(contact.elements) > 100 else 1]:
         x, y, z = tilted((e.x, e.y, e.z), contact.tilt)
         point = (x, y, z - contact.compression)
