@@ -115,7 +115,7 @@ double work_of(const ov::Node& node) {
     const ov::PartialShape& shape = node.get_input_partial_shape(input);
     if (shape.rank().is_dynamic()) return open_extent;
     const std::int64_t rank = shape.rank().get_length();
-    return length_of(shape[static_cast<std::size_t>(std::clamp<std::int64_t>(axis < 0 ? rank + axis : axis, 0, rank - 1))]);
+    return length_of(shape[std::clamp<std::int64_t>(axis < 0 ? rank + axis : axis, 0, rank - 1)]);
   };
   const auto kernel = [](const ov::Shape& shape) {
     double values = 1.0;

@@ -234,7 +234,7 @@ std::uint64_t keyed(std::uint64_t state, const char* name) {
 // Moves the magnets off the middle of their cells, with a separate random stream.
 void misplace(Skin& skin, std::uint64_t random) {
   for (Magnet& magnet : skin.magnets) {
-    for (const std::size_t axis : {0, 1}) magnet.at[axis] += skin.is[placement] * normal(random);
+    for (const std::size_t axis : {0U, 1U}) magnet.at[axis] += skin.is[placement] * normal(random);
   }
 }
 

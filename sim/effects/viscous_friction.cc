@@ -19,7 +19,7 @@ SLIPBENCH_INLINE Quad solve(const Quad& a, const Quad& b, decltype(Quad{} < Quad
   const auto fresh = ~(y >= 1.0);
   if (any(fresh)) {
     const Quad start = 1.0 / (math::exp(-a) + b / (a + b));
-    y = fresh ? (wanted & (start > 1.0) ? start : one) : y;
+    y = fresh ? ((wanted & (start > 1.0)) ? start : one) : y;
   }
   for (int iteration = 0; iteration < 100 && any(wanted); ++iteration) {
     const Quad z1 = 1.0 + b * y, r = a + b * (1.0 - y) - math::log(y);

@@ -136,8 +136,9 @@ struct Box {
         for (int k = 0; k < 3; ++k) {
           const Real looks = a[k] < 0.0 ? one : -one, slope = a[k] < 0.0 ? -a[k] : a[k], depth = half[k] - looks * p[k];
           const Real lateral = distance2 - outside[k] * outside[k];
-          const auto through = (slope >= upright) & (lateral == 0.0) & (depth > 2.0 * half[k]) & (depth <= column * slope) &
-                               enters_by(k, p, a, depth / slope);
+          const double thickness = 2.0 * half[k];
+          const auto entered = enters_by(k, p, a, depth / slope);
+          const auto through = (slope >= upright) & (lateral == 0.0) & (depth > thickness) & (depth <= column * slope) & entered;
           gap = through ? -depth : gap;
           for (int j = 0; j < 3; ++j) n[j] = through ? (j == k ? looks : none) : n[j];
           faces = through ? face_bit(k, looks) : faces;
@@ -217,7 +218,8 @@ struct Box {
       enters_by(int k, const Real (&p)[3], const Real (&a)[3], const Real& way) const {
     const int u = (k + 1) % 3, v = (k + 2) % 3;
     const Real x = p[u] - way * a[u], y = p[v] - way * a[v];
-    return (x <= half[u]) & (x >= -half[u]) & (y <= half[v]) & (y >= -half[v]);
+    const double width = half[u], length = half[v];
+    return (x <= width) & (x >= -width) & (y <= length) & (y >= -length);
   }
 
   // Bits above only_face, which stands for surfaces without edges. `side`: 1 or -1.

@@ -66,7 +66,7 @@ TEST_P(NoiseAtRate, IsStationaryFromTheFirstSample) {
   const double rate = GetParam();
   const auto x = outputs({part("noise")}, two_values_a_source(many, rate), 0.0F, times_at(rate, 31));
   const double rho = correlation_of_law(5.0 / rate);
-  for (const std::size_t start : {0, 1, 5, 25}) {
+  for (const std::size_t start : {0U, 1U, 5U, 25U}) {
     EXPECT_NEAR(mean_product(x[start], x[start], many), 1.0, 5.0 * std::sqrt(2.0 / static_cast<double>(many))) << start;
     EXPECT_NEAR(mean_product(x[start], x[start + 5], many), rho, 5.0 * std::sqrt((1.0 + rho * rho) / static_cast<double>(many)))
         << start;

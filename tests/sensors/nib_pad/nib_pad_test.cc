@@ -100,7 +100,7 @@ TEST(NibPad, ShearNarrowsTheGapOnTheSideLeanedTo) {
 // there is no difference.
 TEST(NibPad, UnequalNibsReadMoreThanTheirMean) {
   ContactFrame shared = contact(), uneven = contact();
-  for (const std::size_t nib : {0, 1, 6, 7}) shared.force(2, nib) = 0.4;  // taxel 0
+  for (const std::size_t nib : {0U, 1U, 6U, 7U}) shared.force(2, nib) = 0.4;  // taxel 0
   uneven.force(2, 7) = 1.6;
   const auto sensor = make(at_once());
   const double mean = image(*sensor, shared)[0], one = image(*sensor, uneven)[0];

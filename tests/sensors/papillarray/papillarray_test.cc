@@ -66,8 +66,8 @@ TEST(PapillArray, HasThreeHeights) {
   // Compression is +Z and the pad is above the object: a shorter pillar's tip lies at larger z.
   Parameters parameters = defaults();
   const auto sensor = make(parameters);
-  for (const std::size_t corner : {0, 2, 6, 8}) EXPECT_DOUBLE_EQ(sensor->layout().elements[corner].tip.z(), 0.45e-3);
-  for (const std::size_t edge : {1, 3, 5, 7}) EXPECT_DOUBLE_EQ(sensor->layout().elements[edge].tip.z(), 0.20e-3);
+  for (const std::size_t corner : {0U, 2U, 6U, 8U}) EXPECT_DOUBLE_EQ(sensor->layout().elements[corner].tip.z(), 0.45e-3);
+  for (const std::size_t edge : {1U, 3U, 5U, 7U}) EXPECT_DOUBLE_EQ(sensor->layout().elements[edge].tip.z(), 0.20e-3);
   EXPECT_EQ(sensor->layout().elements[4].tip.z(), 0.0);
 
   parameters.set("edge_drop", 0.1e-3);
@@ -323,7 +323,7 @@ TEST(PapillArray, CouplingLeavesTheCarrierAlone) {
   truth.force.setConstant(2.0);
   truth.displacement.setConstant(0.3e-3);
   Named coupling = only("coupling");
-  for (const std::size_t clean : {27, 0}) {
+  for (const std::size_t clean : {27U, 0U}) {
     coupling.parameters.set("carrier", std::string(clean == 27 ? "force" : "displacement"));
     const auto values = reading(*make(defaults(), {coupling}), truth);
     for (std::size_t v = 0; v < 27; ++v) {
@@ -347,7 +347,7 @@ TEST(PapillArray, CouplingOfNormalForceAloneTurnsItIntoShear) {
   // The first two draws of the device's stream, which sensors of version 0.2 had.
   RandomStream stream(7, 0, "electronics.pad.coupling");
   for (std::size_t p = 0; p < 9; ++p) {
-    for (const std::size_t axis : {0, 1}) {
+    for (const std::size_t axis : {0U, 1U}) {
       EXPECT_EQ(values[3 * p + axis], static_cast<float>(stream.uniform(-0.042, 0.042)) * 2.0F);
       EXPECT_EQ(values[27 + 3 * p + axis], 0.0F);
     }

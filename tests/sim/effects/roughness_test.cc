@@ -81,11 +81,11 @@ TEST(Roughness, HeightIsAsAskedAndSpectrumFallsAsAsked) {
     double power = 0.0;
     for (int wave = 8; wave <= 400; ++wave) power += 0.5 * std::pow(wave, -2.0 * exponent);
     const double a = height / std::sqrt(power);
-    for (const std::size_t wave : {8, 20, 100, 400}) {
+    for (const std::size_t wave : {8U, 20U, 100U, 400U}) {
       const double expected = a * std::pow(static_cast<double>(wave), -exponent);
       EXPECT_NEAR(amplitude(h, wave), expected, 4e-3 * expected) << "wave " << wave;
     }
-    for (const std::size_t wave : {1, 7, 401, 600}) EXPECT_LT(amplitude(h, wave), 1e-6 * height) << "wave " << wave;
+    for (const std::size_t wave : {1U, 7U, 401U, 600U}) EXPECT_LT(amplitude(h, wave), 1e-6 * height) << "wave " << wave;
   }
 }
 

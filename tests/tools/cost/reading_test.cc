@@ -92,16 +92,16 @@ TEST(CostReading, OfHowManySettingsAFailureIsSaid) {
 // In both remaining rows the outcome differs.
 TEST(CostReading, OtherThingsHappenOnlyWhereSomethingWasCompared) {
   Exploration exploration = example();
-  for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(0.0, true);
+  for (const std::size_t contact : {4U, 5U}) exploration.rows[contact].errors = onset_error(0.0, true);
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("not reached by its 2 settings, in which other events occur"));
-  for (const std::size_t contact : {4, 5}) exploration.rows[contact].status = Status::diverged;
+  for (const std::size_t contact : {4U, 5U}) exploration.rows[contact].status = Status::diverged;
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("no run can be compared"));
 }
 
 // Three digits without exponent: 1 420 % is easier to read than 1.42e+03 %.
 TEST(CostReading, LargeErrorsAreWrittenOut) {
   Exploration exploration = example();
-  for (const std::size_t contact : {4, 5}) exploration.rows[contact].errors = onset_error(14.2);
+  for (const std::size_t contact : {4U, 5U}) exploration.rows[contact].errors = onset_error(14.2);
   EXPECT_THAT(sentences(exploration).front(), HasSubstr("1420 % at best"));
 }
 

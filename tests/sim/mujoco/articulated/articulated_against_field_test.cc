@@ -153,7 +153,7 @@ TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
   for (DynamicRig* one : {&field, &pillars}) {
     one->run_to(0.5);
     // Half the weight on each pad, shared equally by five pillars of equal k_t.
-    for (const std::size_t pad : {0, 1}) {
+    for (const std::size_t pad : {0U, 1U}) {
       const ContactFrame& frame = (*one)->contact(pad);
       for (const Eigen::Index u : {1, 3, 4, 5, 7}) {
         EXPECT_NEAR(frame.contact_force.col(u).head<2>().matrix().norm(), 0.1 * weight_of_100_g, 1e-3 * 0.1 * weight_of_100_g)
@@ -166,7 +166,7 @@ TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
   // A slide compensates for the softer contact between light bodies (articulated.cc): by k_n dt^2
   // w/15, 1.5 % here. Turning of the box and the damped fingers would add some 1/kg each to w,
   // 5e-4.
-  for (const std::size_t pad : {0, 1}) {
+  for (const std::size_t pad : {0U, 1U}) {
     const auto normal_forces = [pad](DynamicRig& of) -> Eigen::ArrayXd { return of->contact(pad).contact_force.row(2); };
     EXPECT_LT((normal_forces(pillars) - normal_forces(field)).abs().maxCoeff(), 1e-4 * normal_forces(field).maxCoeff());
   }
@@ -192,7 +192,7 @@ TEST_F(HeldBox, IsDroppedByBothWhenTheGripIsTooWeak) {
   // weight; the middle, the last to hold, when 2 mu F = m g: at 1.3626 s, and 1.7 ms later due to
   // the fingers' damping (tests/tools/trial/bodies_test.cc). Within a step of 1 ms the grip
   // falls by 0.36 %; the limit for the grip is 0.5 %.
-  for (const std::size_t u : {1, 3, 4, 5, 7}) EXPECT_NEAR(of_pillars[u], of_field[u], 1e-3) << u;
+  for (const std::size_t u : {1U, 3U, 4U, 5U, 7U}) EXPECT_NEAR(of_pillars[u], of_field[u], 1e-3) << u;
   EXPECT_NEAR(of_pillars[4], 1.3626 + 0.0017, 1e-3);
   // Both fall: v grows by g (1 - F/F_least), with F falling by 3.5 N/s.
   for (DynamicRig* one : {&field, &pillars}) {

@@ -73,7 +73,7 @@ TEST(ArticulatedScene, RunBeginsWithThePressesOfTheScenesPoses) {
     const std::unique_ptr<Sensor> sensor = make_sensor(rig.scene().sensors.front(), 0, 0);
     const PadLayout& layout = sensor->layout();
     ASSERT_EQ(layout.elements.size(), layout.units.size());
-    for (const std::size_t pad : {0, 1}) {
+    for (const std::size_t pad : {0U, 1U}) {
       std::vector<std::uint32_t> touching;
       for (std::size_t u = 0; u < layout.units.size(); ++u) {
         const Element& pillar = layout.elements[u];
@@ -240,7 +240,7 @@ TEST(ArticulatedScene, LightBoxIsPressedAsAHeavyOne) {
     folder.write("fingers.xml", two_fingers(""));
     DynamicRig rig(replaced(replaced(scene, "100 g", mass), "time_step: 1 ms", "time_step: " + step), folder.file("scene.yaml"));
     rig.run_to(0.5);
-    for (const std::size_t pad : {0, 1}) {
+    for (const std::size_t pad : {0U, 1U}) {
       for (const Eigen::Index u : {1, 3, 4, 5, 7}) {
         const double wanted = u == 4 ? middle : edge;
         EXPECT_NEAR(rig->contact(pad).contact_force(2, u), wanted, 2e-4 * wanted) << mass << ' ' << u;
