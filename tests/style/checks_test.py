@@ -265,5 +265,21 @@ class TidyTest(PlantedViolation):
             self.assertIn("bugprone-use-after-move", found.stdout)
 
 
+class WarningsTest(PlantedViolation):
+    def test_warning(self):
+        faulty = "double f(int a) {\n  return a & (a > 1) ? 1.0 : 2.0;\n}\n"  # clang alone warns
+        build = self.tree / "build"
+        build.mkdir()
+        command = {"directory": str(build), "file": "../sim/core/d.cc", "command": "g++ -std=c++20 -Wall -o d.o -c ../sim/core/d.cc"}
+        (build / "compile_commands.json").write_text(json.dumps([command]), encoding="utf-8")
+        self.plant("sim/core/d.cc", faulty.replace("a & (a > 1)", "(a & 1) > 0"))
+        clean = self.run_check("clang_warnings", build)
+        self.assertEqual(clean.returncode, 0, clean.stdout + clean.stderr)
+        self.plant("sim/core/d.cc", faulty)
+        found = self.run_check("clang_warnings", build)
+        self.assertEqual(found.returncode, 1, found.stdout + found.stderr)
+        self.assertIn("-Wbitwise-conditional-parentheses", found.stdout)
+
+
 if __name__ == "__main__":
     unittest.main()
