@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "sim/core/error.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace {
@@ -39,10 +40,15 @@ bool may_be_infinite(const ParameterSpec& spec) {
   return spec.range.infinite || spec.default_text.find("inf") != std::string::npos;
 }
 
-std::string allowed_range(const ParameterSpec& spec) {
+// Writes the range in the unit of `given`, the refused value.
+std::string allowed_range(const ParameterSpec& spec, std::string_view given) {
   std::string text;
-  if (spec.range.min >= -largest) text = (spec.range.open_min ? "> " : ">= ") + format_quantity(spec.range.min, spec.quantity);
-  if (spec.range.max <= largest) text += (text.empty() ? "<= " : " and <= ") + format_quantity(spec.range.max, spec.quantity);
+  if (spec.range.min >= -largest) {
+    text = (spec.range.open_min ? "> " : ">= ") + bound_in_unit_of(given, spec.range.min, spec.quantity, Bound::lower);
+  }
+  if (spec.range.max <= largest) {
+    text += (text.empty() ? "<= " : " and <= ") + bound_in_unit_of(given, spec.range.max, spec.quantity, Bound::upper);
+  }
   return text;
 }
 
@@ -52,7 +58,7 @@ void check_range(const ParameterSpec& spec, double value, std::string_view text)
   }
   const bool low = spec.range.open_min ? !(value > spec.range.min) : !(value >= spec.range.min);
   if (low || value > spec.range.max) {
-    throw std::invalid_argument(quote(text) + " is out of range; allowed: " + allowed_range(spec));
+    throw std::invalid_argument(quote(text) + " is out of range; allowed: " + allowed_range(spec, text));
   }
 }
 

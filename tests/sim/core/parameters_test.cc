@@ -28,7 +28,7 @@ TEST(ParseScalar, ReadsEachType) {
 TEST(ParseScalar, ChecksTheRange) {
   using enum ParameterType;
   EXPECT_THAT(refusal(spec(number, Quantity::length, "1 mm", positive), "0"), mentions({"'0'", "> 0 m"}));
-  EXPECT_THAT(refusal(spec(number, Quantity::length, "1 mm", non_negative), "-1 um"), mentions({"-1 um", ">= 0 m"}));
+  EXPECT_THAT(refusal(spec(number, Quantity::length, "1 mm", non_negative), "-1 um"), mentions({"-1 um", ">= 0 um"}));
   EXPECT_THAT(refusal(spec(number, Quantity::none, "0", fraction), "1.5"), mentions({"1.5", ">= 0", "<= 1"}));
   EXPECT_THAT(refusal(spec(integer, Quantity::none, "1", {1, 64}), "65"), mentions({"65", ">= 1", "<= 64"}));
   EXPECT_THAT(refusal(spec(number, Quantity::none, "0", {.max = 2.0}), "3"), mentions({"3", "<= 2"}));

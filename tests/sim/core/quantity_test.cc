@@ -158,5 +158,25 @@ TEST(ReadableQuantity, HasFourDigitsAndLengthsInMillimetres) {
   EXPECT_EQ(readable_quantity(std::numeric_limits<double>::infinity(), Quantity::time), "inf");
 }
 
+TEST(BoundInUnitOf, HasTheUnitOfTheText) {
+  EXPECT_EQ(bound_in_unit_of("5 mm", 1e-6, Quantity::length, Bound::lower), "0.001 mm");
+  EXPECT_EQ(bound_in_unit_of("50mm", 0.01, Quantity::length, Bound::upper), "10 mm");
+  EXPECT_EQ(bound_in_unit_of("[0 mm, 0 mm]", -1.0, Quantity::length, Bound::lower), "-1000 mm");
+  EXPECT_EQ(bound_in_unit_of("4 m/s", 10.0, Quantity::speed, Bound::upper), "10 m/s");
+}
+
+TEST(BoundInUnitOf, RoundsIntoTheRange) {
+  EXPECT_EQ(bound_in_unit_of("40 deg", 0.5, Quantity::angle, Bound::upper), "28.64 deg");
+  EXPECT_EQ(bound_in_unit_of("-40 deg", -0.5, Quantity::angle, Bound::lower), "-28.64 deg");
+  EXPECT_EQ(bound_in_unit_of("9 deg/s", 100.0, Quantity::angular_speed, Bound::upper), "5729 deg/s");
+}
+
+TEST(BoundInUnitOf, WithoutAUnitIsAsFormatted) {
+  EXPECT_EQ(bound_in_unit_of("5", 0.01, Quantity::length, Bound::upper), format_quantity(0.01, Quantity::length));
+  EXPECT_EQ(bound_in_unit_of("inf", 0.01, Quantity::length, Bound::upper), format_quantity(0.01, Quantity::length));
+  EXPECT_EQ(bound_in_unit_of("0.5 %", 1.0, Quantity::none, Bound::upper), "100 %");
+  EXPECT_EQ(bound_in_unit_of("2 mm", std::numeric_limits<double>::infinity(), Quantity::length, Bound::upper), "inf");
+}
+
 }  // namespace
 }  // namespace slipbench
