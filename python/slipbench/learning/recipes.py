@@ -86,7 +86,7 @@ def _piezo() -> list[Recipe]:
 
     return [
         recipe("piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32", "MLP 32", partial(networks.PiezoMlp, width=32), 1000, 64, 1e-2),
-        recipe("piezo_mlp_128", "The same with 128", "MLP 128", partial(networks.PiezoMlp, width=128), 500, 64, 3e-3),
+        recipe("piezo_mlp_128", "Spectra of 20 ms, each by itself, through four layers of 128", "MLP 128", partial(networks.PiezoMlp, width=128), 500, 64, 3e-3),
         recipe("piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8", "TCN 128, kernel 8", networks.PiezoTcn, 800, 16, 1e-3),
         recipe("piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32", "FFT GRU 32", networks.PiezoGru, 300, 64, 4e-3),
         recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", networks.PiezoGru, 300, 64, 4e-3, signal),
@@ -108,13 +108,13 @@ def _papillarray() -> list[Recipe]:
     spans = (10, 20, 40, 80, 160)
     return [
         one,
-        replace(one, name="papillarray_gru5", summary="Five such networks, whose probabilities are averaged in one graph", members=5),
+        replace(one, name="papillarray_gru5", summary="Five networks of papillarray_gru, whose probabilities are averaged in one graph", members=5),
         Recipe("grasp_gru", "Forces and displacements of all nine pillars at 100 Hz through a GRU: slip in a grasp",
                "none published: for scenes/grasp, where the published detector detects almost no slip",
                "all of it; the label is the truth, so that slip ends when the grip holds again, and tightening stops",
                Input(sensor="papillarray", rate=100.0, channels=["force", "displacement"]), networks.FrameGru,
                Training(steps=600, batch=32, clip=100, learning_rate=3e-3, validate_every=30)),
-        _slip("slip_gru", "Three axes of each unit, their ratio and rates, each unit by the same weights, pooled, through a GRU; of any sensor",
+        _slip("slip_gru", "Any sensor: axes of each unit, their ratio and rates through shared weights, pooled, through a GRU",
               frames=Input(sensor="papillarray", rate=1000.0, channels=["force"], window=10, stride=10, transform="units", spans=spans, floor=1e-3),
               network=partial(networks.SlipGru, features=2 + 3 * len(spans)), scaling="common",
               training=Training(steps=5000, batch=32, clip=150, learning_rate=3e-3, validate_every=250, onset_frames=20)),
@@ -135,7 +135,7 @@ def _myrmex() -> list[Recipe]:
             Training(steps=600, batch=64, clip=1, learning_rate=1e-3, balance="drawing", validate_every=50), classes="kind", at_most=60)
 
     return [recipe("net 1", "Spectra of 12 x 12 taxels through one convolution and 512 units", 1, 512),
-            recipe("net 2", "The same through two convolutions", 2, 512), recipe("net 3", "The same through two convolutions and 1024 units", 2, 1024)]
+            recipe("net 2", "Spectra of 12 x 12 taxels through two convolutions and 512 units", 2, 512), recipe("net 3", "Spectra of 12 x 12 taxels through two convolutions and 1024 units", 2, 1024)]
 
 
 def _nib() -> list[Recipe]:

@@ -66,7 +66,7 @@ ExportProgress progress_of(bool quiet) {
   const std::shared_ptr<Progress> bar(new Progress(Progress::for_stream(stderr, false)));  // which cannot be moved
   return [bar](std::size_t done, std::size_t total, std::uintmax_t bytes) {
     if (done == 1 && total > 1) {
-      say(stderr, fmt::format("{} trials, about {}\n", total, size_text(bytes * total)));
+      say(stderr, fmt::format("{}, about {}\n", counted(total, "trial"), size_text(bytes * total)));
     }
     bar->update(done, total, std::nullopt);
   };
@@ -111,7 +111,7 @@ std::string sweep_report(const Json& sweep, const Style& style) {
   std::string text =
       fmt::format("{} {} shards of one sweep", sweep["holds"].get<bool>() ? style.good("ok:") : style.error("failed:"),
                   sweep["shards"].get<std::size_t>());
-  if (!sweep["trials"].is_null()) text += fmt::format(": {} trials", sweep["trials"].get<std::size_t>());
+  if (!sweep["trials"].is_null()) text += ": " + counted(sweep["trials"].get<std::size_t>(), "trial");
   if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
     const auto duplicates = sweep["duplicates"].get<std::size_t>(), within = sweep["within_rounding"].get<std::size_t>();
     text += fmt::format(", {} of them in several files", duplicates);
@@ -203,7 +203,7 @@ Examples:
                   "Names of sensors in the scene (default: all; formats for one sensor: the only one)");
   arguments.quantity(
       "--rate RATE", options.rate,
-      "Rate of the rows, e.g. '100 Hz', with the latest values held (default: rate of each sensor; robomimic: the slowest)",
+      "Rate of the rows, e.g. '100 Hz'; each row has the latest values (default: rate of each sensor; robomimic: the slowest)",
       Quantity::frequency);
   arguments.text("--split PART", options.split, "Export only the trials of train, valid or test (default: all)");
   arguments.number("--trial K", options.trial, "Trial to export (default: all)", 0);
@@ -375,7 +375,7 @@ int VerifyCommand::run() {
 }
 
 void ListCommand::declare(Arguments& arguments) {
-  arguments.about("list", "List the names for scenes, and recipes", R"(
+  arguments.about("list", "List the names that scenes and train --recipe accept", R"(
 Examples:
   slipbench list
   slipbench list effects
@@ -465,7 +465,7 @@ The output is JSON with and without --json.
 Examples:
   slipbench schema > scene.schema.json
   slipbench schema map > map.schema.json)");
-  arguments.text("KIND", of, "scene, or map: of import --map (default: scene)").offers([] {
+  arguments.text("KIND", of, "Schema to print: scene, or map (files of import --map) (default: scene)").offers([] {
     return std::vector<std::string>{schema_kinds.begin(), schema_kinds.end()};
   });
 }

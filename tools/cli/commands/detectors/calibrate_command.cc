@@ -41,9 +41,10 @@ void CalibrateCommand::declare(Arguments& arguments) {
   arguments.about("calibrate", "Fit a scene to recordings of a real sensor",
                   fmt::format(R"(
 Fits the parameters given by --fit to recordings, and reports how well the recordings determine each.
-The sweep of the scene has one trial for each recording, in the same order, or a single trial that
-all repeat; it describes the motion of the stage. The first samples of recording and trial are taken
-as simultaneous; --fit 'lag: {{min: -50 ms, max: 50 ms}}' fits the difference.
+The sweep of the scene has one trial for each recording, in the same order, or a single trial
+that all recordings repeat. The scene describes the motion of the stage. The first samples of
+recording and trial count as simultaneous; --fit 'lag: {{min: -50 ms, max: 50 ms}}' fits the delay
+between them.
 
   --fit 'KEY: {{min: .., max: ..}}'         a key of the scene, between two bounds
   draw: log_uniform                       search by the logarithm

@@ -100,8 +100,9 @@ void EvalCommand::declare(Arguments& arguments) {
   arguments.about("eval", "Evaluate a slip detector on a dataset", R"(
 Feeds the recorded samples of each trial to the detector, as the control loop does, and compares the
 result with the truth: recall of slip, balanced accuracy, delay after the true onset, early alarms,
-missed slips and false alarms per minute of true stick, each with a 95 % interval by trial. Then the
-same by material or object, by speed and by the dataset's masks. The classes are those of the loop.
+missed slips and false alarms per minute of true stick, each with a 95 % interval by trial. The same
+figures follow by material or object, by speed and by the dataset's masks. A frame has the class of
+the pad: non-slip, incipient slip or gross slip.
 
 DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that
 `slipbench train` wrote (gst_hd); cl_gst_hd and learn_gst_hd are included. Trials on which a network

@@ -14,6 +14,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/format/describe.h"
 #include "tools/cli/terminal.h"
+#include "tools/files/counted.h"
 #include "tools/files/reject.h"
 #include "tools/train/recipe_list.h"
 #include "tools/trial/sweep/run_sweep.h"
@@ -60,23 +61,24 @@ on, and `eval` leaves them out.
 
 Data: if the dataset has a split, gst_hd trains on the part train. A network trains on train, chooses
 its state on valid (or on a fifth of train, if valid is empty) and is tested on test. Without a split,
-or with --all, a network first holds out a fifth of the trials for the test, or of the materials,
-objects or octaves of speed (--split), and then a fifth of the rest for validation.
+or with --all, a fifth of the trials is held out for the test of a network, and a fifth of the rest
+for validation. With --split, a fifth of the materials, objects or octaves of speed is held out.
 
 gst_hd makes one pass over the data. It first draws six random partitions by sequence and, for
 comparison, by frame: within each compression and speed, as many sequences as there are, drawn with
 replacement; sequences that are never drawn are the test. Draw 0 serves to choose options, draws 1 to
 5 give the printed figures. The saved classifier is trained on all sequences. --epochs adds passes
-that correct misclassified frames, which the paper does not have. --encoder: shdc (pillars of one
-frame), sthdc (over a window), gsthdc (with graphs, over a window). --compat: paper bundles each
-frame anew, published_core keeps the counts of the pillars over a window.
+that correct misclassified frames; the paper has no such passes. --encoder: shdc encodes the pillars
+of one frame, sthdc those of a window, gsthdc graphs of the pillars over a window. --compat: paper
+bundles each frame anew, published_core keeps the counts of the pillars over a window.
 
 The output of a network is an ONNX file with the complete detector, including its operating point:
 the threshold, the consecutive frames that begin and end an alarm, and the minimum duration of an
-alarm. It is chosen on the validation trials: the highest balanced accuracy with at most --alarms
-false alarms or, with --score, the highest score of open recordings (`slipbench benchmark`). For
-gst_hd these options choose the frames that begin and end an alarm, on draw 0. A network is trained
-on one thread. --resume continues a killed training with a bit-identical result.
+alarm. On the validation trials, training chooses the operating point with the highest balanced
+accuracy and at most --alarms false alarms. With --score it chooses the operating point with the
+highest score of open recordings (`slipbench benchmark`). For gst_hd these options choose only the
+frames that begin and end an alarm, on draw 0. A network is trained on one thread. --resume
+continues a killed training with a bit-identical result.
 
 Labels: strict and micro are the truth (a unit slips as a whole, or a part of it slips), paper is the
 rule of the sensor's paper. Networks: latched is micro, and slip lasts until contact is lost; masked
@@ -108,7 +110,7 @@ Examples:
   arguments.number("--turned N", turned_, "Network of a Myrmex: copies of each trial with rotated images, 0 to 11 (default: 0)",
                    0, 11);
   arguments.text("--alarms RATE", alarms_,
-                 "Maximum rate of false alarms on the validation trials (default: 1/min; gst_hd: no operating point)");
+                 "Maximum rate of false alarms on the validation trials (default: 1/min; gst_hd: no operating point is chosen)");
   arguments.flag("--score", score_, "Instead of --alarms: operating point with the highest score of open recordings");
   arguments.lines("--with FILE", with_, "Another dataset for training, e.g. of grasps; repeatable");
   arguments.flag("--all", all_,
@@ -120,7 +122,8 @@ Examples:
   arguments.number("--dimension D", dimension_, "gst_hd: bits of a hypervector, 8 to 65535 (default: 1000)", 8, 65535);
   arguments.number("--window N", window_, "gst_hd: frames in a window at 100 Hz, 1 to 1000 (default: 15)", 1, 1000);
   arguments.number("--epochs N", epochs_,
-                   "gst_hd: passes that correct mistakes, which the paper does not have, 0 to 1000 (default: 0)", 0, 1000);
+                   "gst_hd: additional passes that correct misclassified frames (not in the paper), 0 to 1000 (default: 0)", 0,
+                   1000);
   arguments.word("--compat NAME", compat_, "gst_hd: bundling: {} (default: paper)", hd::compat_words);
   arguments.word("--ties RULE", ties_, "gst_hd: bit of a bundle whose sum is zero: {} (default: one)", hd::ties_words);
   arguments.word("--quantiser NAME", quantiser_, "gst_hd: quantisation of displacements to levels: {} (default: fixed_point)",
@@ -222,8 +225,8 @@ int TrainCommand::train_hd() {
           : "";
   fmt::print(
       "{}\n{}\n{}\n{}{}\n{}{}{} {}\n{}\n",
-      style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
-                                slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
+      style.heading(fmt::format("{}, labels {}: {}, {}", model_name(options.model), slip_rule_name(options.sequences.labels),
+                                counted(summary.sequences, "sequence"), counted(summary.samples, "frame"))),
       draws_text(summary, style), style.heading("by sequence, tests of draws 1 to 5 together"), delays_text(sum.delays),
       confusion_text(sum.all, style), learnt, point, style.good("written:"), options.output,
       next_text(style, options.output, summary.test, "test",

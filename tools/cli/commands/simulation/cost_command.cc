@@ -74,7 +74,7 @@ Examples:
   slipbench cost scenes/papillarray/stage.yaml --budget 30s -o cost.html
   slipbench cost scenes/grasp/lift.yaml --set box.mass="0.5 kg" --json
   slipbench cost --stability -o stability.html)");
-  arguments.scene("SCENE", explore.scene_path, "Scene file (YAML), or name of a scene of the program");
+  arguments.scene("SCENE", explore.scene_path, "Scene file (YAML), or name of a shipped scene");
   arguments.quantity("--budget TIME", explore.budget, "Total time, e.g. 60s or '2 min' (default: 60 s)", Quantity::time);
   arguments.flag("--stability", stability, "Measure the longest stable time steps");
   arguments.overrides(explore.overrides, explore.seed);

@@ -61,8 +61,8 @@ Examples:
   arguments.number("--trials N", sweep.limit, "Scene: simulate N trials", 1);
   arguments.jobs(sweep.jobs);
   arguments.file("-o,--output FILE.html", output,
-                 "Page to write (default: named after FILE), next to the recording of a scene; with --rerun FILE.rrd");
-  arguments.flag("--rerun", rerun, "Show the trial in the viewer Rerun, also of a run that is still writing FILE.h5");
+                 "Page to write (default: named after FILE); with --rerun: recording FILE.rrd to write");
+  arguments.flag("--rerun", rerun, "Show the trial in the viewer Rerun, even while a run is still writing FILE.h5");
   arguments.number("--trial K", trial, "Trial to show in detail (default: the first); scene: simulate only this trial", 0);
   arguments.then([this] {
     subject = scene_path(subject);
