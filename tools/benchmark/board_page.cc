@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/benchmark/benchmark.h"
+#include "tools/files/counted.h"
 #include "tools/page/svg.h"
 
 namespace slipbench::benchmark {
@@ -219,8 +220,8 @@ BoardTable board_table(const Json& set) {
   const std::string domain = set.contains("domain") ? ", " + set.at("domain").get<std::string>() : "";
   const std::string disturbance = set.contains("disturbance") ? " by " + set.at("disturbance").get<std::string>() : "";
   const std::size_t trials = set.at("trials").get<std::size_t>();
-  table.title = fmt::format("{}{}{}, {}: {} trials", set.at("track").get<std::string>(), domain, disturbance,
-                            set.at("sensor").get<std::string>(), trials);
+  table.title = fmt::format("{}{}{}, {}: {}", set.at("track").get<std::string>(), domain, disturbance,
+                            set.at("sensor").get<std::string>(), counted(trials, "trial"));
   if (!disturbance.empty() && !set.at("rows").empty())
     table.title += fmt::format(", {} of them without slip", set.at("rows")[0].at("judged").get<std::size_t>());
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");

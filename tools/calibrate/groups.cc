@@ -10,6 +10,7 @@
 
 #include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
+#include "tools/files/counted.h"
 #include "tools/files/reject.h"
 #include "tools/workers/ordered_workers.h"
 
@@ -38,8 +39,8 @@ std::string label_of(const RawRecording& recording, const std::string& label) {
 void check_cells(const Model& model, const Groups& groups) {
   const std::size_t cells = model.trials() / model.draws();
   if (cells != groups.values.size())
-    reject("--groups: {} values, but the grid of the scene's sweep has {} cells; give one value for each cell",
-           groups.values.size(), cells);
+    reject("--groups: {}, but the grid of the scene's sweep has {}; give one value for each cell",
+           counted(groups.values.size(), "value"), counted(cells, "cell"));
 }
 
 // Returns a trial's readings; empty if the scene refuses the drawn values.
@@ -145,8 +146,8 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
       rows = std::min(rows, real.values.rows());
     }
     if (rows < least_blocks)
-      reject("{}/{}: the shortest recording has {} samples; at least {} are needed", place.sensor, place.channel, rows,
-             least_blocks);
+      reject("{}/{}: the shortest recording has {}; at least {} are needed", place.sensor, place.channel,
+             counted(static_cast<std::size_t>(rows), "sample"), least_blocks);
     rows_.push_back(static_cast<std::size_t>(rows));
     const auto add = [&](const std::string& name, const std::string& unit) {
       statistics_.push_back({c, name, unit, figures});
@@ -170,8 +171,8 @@ RowVectorXd GroupProblem::figures(const std::vector<SensorRecord>& sensors, Side
     const Samples samples = samples_of(sensors, side, place);
     const auto rows = static_cast<Index>(rows_[c]), width = samples.values.cols();
     if (samples.values.rows() < rows)
-      reject("{}: {}/{} has {} samples, but other trials have {}; all trials must last equally long", name, place.sensor,
-             place.channel, samples.values.rows(), rows);
+      reject("{}: {}/{} has {}, but other trials have {}; all trials must last equally long", name, place.sensor, place.channel,
+             counted(static_cast<std::size_t>(samples.values.rows()), "sample"), rows);
     const MatrixXd found =
         figures_of(samples.values.bottomRows(rows), floor_.segment(static_cast<Index>(place.first), width).transpose());
     for (Index k = 0; k < found.rows(); ++k)
@@ -200,8 +201,8 @@ void GroupProblem::read_real(const std::vector<RawRecording>& recordings) {
         real_.row(static_cast<Index>(r)) / static_cast<double>(sizes_[group_of_[r]]);
   for (std::size_t g = 0; g < sizes_.size(); ++g) {
     if (sizes_[g] < 2)
-      reject("calibrate: {} recordings whose {} is {}; at least two are needed to estimate their scatter", sizes_[g],
-             groups_.label, groups_.values[g]);
+      reject("calibrate: found {} whose {} is {}; at least two are needed to estimate their scatter",
+             counted(sizes_[g], "recording"), groups_.label, groups_.values[g]);
   }
 }
 

@@ -15,6 +15,7 @@
 #include "sim/scene/entry_reader.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
+#include "tools/files/counted.h"
 #include "tools/files/reject.h"
 #include "tools/trial/run_trial.h"
 
@@ -220,8 +221,8 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
 void Model::use_recordings(std::size_t count) {
   if (trials() != 1 && trials() != count)
     reject(
-        "calibrate: {} recordings, but the scene's sweep has {} trials; it needs one trial for each recording, in the same order, or a single trial",
-        count, trials());
+        "calibrate: {}, but the scene's sweep has {}; it needs one trial for each recording, in the same order, or a single trial",
+        counted(count, "recording"), counted(trials(), "trial"));
   recordings_ = count;
 }
 

@@ -13,6 +13,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "tools/files/counted.h"
 #include "tools/page/page.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/report/report.h"
@@ -101,8 +102,8 @@ std::size_t needed_of(const Named& expectation, std::size_t trials, double confi
     throw SceneValueError(
         "expect." + expectation.name + ".reliability",
         fmt::format(
-            "{} cannot be demonstrated with {} trials: if all meet the expectation, the {} % interval begins at {:.4f}; lower the reliability, or run more trials",
-            reliability, trials, 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
+            "{} cannot be demonstrated with {}: if all meet the expectation, the {} % interval begins at {:.4f}; lower the reliability, or run more trials",
+            reliability, counted(trials, "trial"), 100.0 * confidence, clopper_pearson(trials, trials, confidence).low));
   }
   return std::max(share_of(expectation, trials), shown);
 }

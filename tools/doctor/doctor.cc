@@ -18,6 +18,7 @@
 #include <Eigen/Core>
 
 #include "sim/mujoco/mjcf.h"
+#include "tools/files/counted.h"
 
 namespace slipbench {
 namespace {
@@ -51,7 +52,7 @@ void add_machine(std::vector<Check>& checks) {
     checks.push_back({.group = "machine", .name = name, .found = std::move(found)});
   };
   add("system", operating_system());
-  add("processor", fmt::format("{}, {} threads", cpu_name(), std::thread::hardware_concurrency()));
+  add("processor", fmt::format("{}, {}", cpu_name(), counted(std::thread::hardware_concurrency(), "thread")));
   add("SIMD path", has_avx2() ? "avx2" : "baseline (no AVX2 here: same results, slower)");
 }
 

@@ -13,6 +13,7 @@
 #include "detectors/hd/words.h"
 #include "sim/core/choice.h"
 #include "sim/core/random.h"
+#include "tools/files/counted.h"
 #include "tools/files/reject.h"
 #include "tools/train/network/examples.h"
 #include "tools/workers/ordered_workers.h"
@@ -120,8 +121,8 @@ void check_classes(const std::string& dataset, SlipRule labels, std::span<const 
   const auto hold = static_cast<std::size_t>(
       std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
   if (hold != 0 && hold != samples.size()) return;
-  reject("{}: {} frames in contact are non-slip and {} slip by the labels {}; training needs frames of both", dataset, hold,
-         samples.size() - hold, slip_rule_name(labels));
+  reject("{}: by the labels {}, frames in contact: {} non-slip, {} slip; training needs frames of both", dataset,
+         slip_rule_name(labels), hold, samples.size() - hold);
 }
 
 // Encodes the samples of a dataset. Throws InputError if there are none.
@@ -131,8 +132,8 @@ std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedMo
   if (!samples.empty()) return samples;
   const std::size_t longest = longest_contact(sequences);
   if (longest == 0) reject("{}: no frame has contact", dataset);
-  reject("{}: a window of {} frames is longer than the sequences; allowed: up to {}, the last frame with contact", dataset,
-         saved.model.window, longest);
+  reject("{}: a window of {} is longer than the sequences; allowed: up to {}, the last frame with contact", dataset,
+         counted(saved.model.window, "frame"), longest);
 }
 
 constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{

@@ -179,7 +179,7 @@ TEST_F(Grouped, OneRecordedSensorIsNotTakenForTwo) {
 }
 
 TEST_F(Grouped, RefusesWhatDoesNotFit) {
-  EXPECT_THAT(refusal(options({depth}, "motion.start=1.1")), mentions({"--groups", "1 values", "2 cells"}));
+  EXPECT_THAT(refusal(options({depth}, "motion.start=1.1")), mentions({"--groups", "1 value,", "2 cells"}));
   EXPECT_THAT(refusal(options({"lag: {min: 0 ms, max: 5 ms}"})), mentions({"lag", "recordings"}));
   EXPECT_THAT(refusal(options({"friction.scale: {min: 0.5, max: 1, each: true}"})), mentions({"friction.scale", "each: true"}));
   EXPECT_THAT(refusal(options({"sweep.motion.compression.maen: {min: 0.5 mm, max: 1 mm}"})),

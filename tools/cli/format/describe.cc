@@ -11,6 +11,7 @@
 
 #include "sim/api/detector.h"
 #include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_values.h"
 #include "tools/files/reject.h"
@@ -57,8 +58,9 @@ std::string unit_text(const ParameterSpec& spec) {
   return others.empty() ? unit : fmt::format("{} (also {})", unit, others);
 }
 
-std::string bound_text(const ParameterSpec& spec, double value) {
-  return spec.type == ParameterType::integer ? fmt::format("{}", value) : format_quantity(value, spec.quantity);
+std::string bound_text(const ParameterSpec& spec, double value, Bound side) {
+  return spec.type == ParameterType::integer ? fmt::format("{}", value)
+                                             : bound_in_unit_of(spec.default_text, value, spec.quantity, side);
 }
 
 // The parameters at their defaults as YAML lines.
@@ -180,8 +182,9 @@ std::string allowed_text(const ParameterSpec& spec) {
   }
   const bool below = std::isfinite(spec.range.min);
   const bool above = std::isfinite(spec.range.max);
-  const std::string lower = below ? fmt::format("{} {}", spec.range.open_min ? ">" : ">=", bound_text(spec, spec.range.min)) : "";
-  const std::string upper = above ? "<= " + bound_text(spec, spec.range.max) : "";
+  const std::string lower =
+      below ? fmt::format("{} {}", spec.range.open_min ? ">" : ">=", bound_text(spec, spec.range.min, Bound::lower)) : "";
+  const std::string upper = above ? "<= " + bound_text(spec, spec.range.max, Bound::upper) : "";
   if (below && above) return lower + " and " + upper;
   return below || above ? lower + upper : "any value";
 }

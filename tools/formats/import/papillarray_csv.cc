@@ -9,6 +9,7 @@
 
 #include "detectors/channel.h"
 #include "sim/core/error.h"
+#include "tools/files/counted.h"
 #include "tools/formats/import/source_table.h"
 #include "tools/learning_data/samples.h"
 
@@ -42,7 +43,8 @@ std::vector<std::string> read_log_header(SourceTable& table) {
     if (cell != names[i] && !printed)
       table.fail(fmt::format("column {} is called {}; expected '{}'", i + 1, quote(cell), names[i]));
   }
-  if (found != names.size()) table.fail(fmt::format("has {} columns; expected 82 for one sensor or 163 for two", found));
+  if (found != names.size())
+    table.fail(fmt::format("has {}; expected 82 for one sensor or 163 for two", counted(found, "column")));
   return names;
 }
 

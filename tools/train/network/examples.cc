@@ -22,6 +22,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
+#include "tools/files/counted.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/myrmex_images.h"
 #include "tools/learning_data/samples.h"
@@ -388,7 +389,7 @@ Examples read_examples(std::span<const std::string> dataset_paths, const Example
     ++dataset;
     Examples more = read_examples(path, options);
     if (more.inputs != all.inputs)
-      reject("{}: {} values per frame, but {} has {}", path, more.inputs, dataset_paths.front(), all.inputs);
+      reject("{}: {} per frame, but {} has {}", path, counted(more.inputs, "value"), dataset_paths.front(), all.inputs);
     for (const Example& example : more.all) {
       const auto earlier = dataset_of.find(example.sha256);
       if (earlier != dataset_of.end())
@@ -442,8 +443,8 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
     if (example.frames.label.empty()) continue;
     const std::size_t inputs = example.frames.features.size() / example.frames.label.size();
     if (examples.inputs != 0 && inputs != examples.inputs)
-      reject("{}: trial {}: sensor {} gives {} values per frame, but the sensors before {}; all need the same number of units",
-             dataset_path, example.trial, example.sensor, inputs, examples.inputs);
+      reject("{}: trial {}: sensor {} gives {} per frame, but the sensors before {}; all need the same number of units",
+             dataset_path, example.trial, example.sensor, counted(inputs, "value"), examples.inputs);
     examples.inputs = inputs;
   }
   return examples;

@@ -17,6 +17,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
 #include "tools/cli/terminal.h"
+#include "tools/files/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
 
@@ -133,7 +134,7 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
   std::vector<HdVector> vectors;
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
     const std::vector<std::string_view> cells = cells_of(line);
-    if (cells.size() != width) reject("{}:{}: {} cells, but the header has {}", file, number, cells.size(), width);
+    if (cells.size() != width) reject("{}:{}: {}, but the header has {}", file, number, counted(cells.size(), "cell"), width);
     std::array<std::uint64_t, 1 + hd::pillar_count + 1> values{};
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const std::string_view cell = cells[columns[i].index];

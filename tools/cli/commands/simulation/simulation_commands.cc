@@ -20,6 +20,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/dataset/record/json.h"
 #include "tools/dataset/shard_set.h"
+#include "tools/files/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/sweep/warnings.h"
@@ -247,7 +248,7 @@ int SimulationCommand::run() {
   if (json) {
     print_json(finished, warnings, trials);
   } else if (summary.was_complete && sums_up) {
-    fmt::print("{} is complete with {} trials; there is nothing to resume\n", sweep.output, summary.resumed);
+    fmt::print("{} is complete with {}; there is nothing to resume\n", sweep.output, counted(summary.resumed, "trial"));
   } else if (sums_up && !summary.interrupted && !summary.trials.empty()) {
     print_summary(sweep, finished, streams(), catalogues);
   }
@@ -328,7 +329,7 @@ int MergeCommand::run() {
                            {"failed", merged.failed},
                            {"duplicates", merged.duplicates},
                            {"within_rounding", merged.within_rounding}});
-  std::string about = fmt::format("{} trials", merged.trials);
+  std::string about = counted(merged.trials, "trial");
   if (merged.failed > 0) about += fmt::format(", {} failed", merged.failed);
   if (merged.duplicates > 0) {
     about += fmt::format(", {} were in several files ({} bit-identical, {} within 1e-9)", merged.duplicates,
@@ -350,7 +351,7 @@ Examples:
   slipbench cluster scenes/papillarray/hexapod.yaml -o hexapod-cluster --shards 64
   slipbench cluster scenes/grasp/map.yaml -o map-cluster --shards 1000 --throttle 200 --record outcome)");
   SweepOptions& sweep = options.sweep;
-  arguments.scene("SCENE", sweep.scene_path, "Scene file (YAML), or name of a scene of the program").required();
+  arguments.scene("SCENE", sweep.scene_path, "Scene file (YAML), or name of a shipped scene").required();
   arguments.folder("-o,--output DIR", options.folder, "Folder to write, new or empty (required)").required();
   arguments.number("--shards N", options.shards, "Number of shards (required)", 1).required();
   arguments.number("--throttle N", options.throttle, "Maximum number of simultaneous Slurm tasks (default: all)", 1);
