@@ -274,7 +274,8 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
   std::set<std::string> learnt;
   for (const char* scene :
        {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/nib_pad", "learn/biotac_sp", "learn/biotac_stage",
-        "learn/grasp", "learn/disturbed", "learn/taxels", "learn/magnetic_skin", "learn/gel_markers"})
+        "learn/grasp", "learn/disturbed", "learn/taxels", "learn/magnetic_skin", "learn/gel_markers", "learn/short_papillarray",
+        "learn/short_taxels", "learn/short_magnetic_skin", "learn/short_nib_pad"})
     learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the networks that ship
   for (const Protocol& protocol : protocols()) {
     for (const Lesson& lesson : protocol.lessons) learnt.insert(seed(lesson.scene));
