@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "sim/core/math.h"
+
 namespace slipbench {
 namespace {
 
@@ -54,7 +56,7 @@ std::string bound_in_unit_of(std::string_view like, double bound, Quantity quant
   std::string text = rounded(scaled) + suffix;
   const double read = parse_quantity(text, quantity);
   if (side == Bound::lower ? read >= bound : read <= bound) return text;
-  const double step = std::pow(10.0, std::floor(std::log10(std::abs(scaled))) - 3.0);
+  const double step = math::pow(10.0, std::floor(math::log10(std::abs(scaled))) - 3.0);
   return rounded(scaled + (side == Bound::lower ? step : -step)) + suffix;
 }
 

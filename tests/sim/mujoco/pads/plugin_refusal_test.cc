@@ -72,7 +72,7 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   refuses(site + plate + one + config("effects", "[stribek]"), with_names(catalogues.effects, "stribek"));
   refuses(site + plate + one + config("material", "acrylc"), with_names(catalogues.materials, "acrylc"));
   refuses(site + plate + one + config("friction", "{static: 0.2, kinetic: 0.5}"), {"friction.kinetic", "0.5", "0.2"});
-  refuses(site + plate + one + config("damping", "-1 ms"), {"damping", "-1 ms", "0 s"});
+  refuses(site + plate + one + config("damping", "-1 ms"), {"damping", "-1 ms", "0 ms"});
   refuses(site + plate + one + config("trial", "-1"), {"trial", "-1", "0"});
   refuses(site + plate + one + config("seed", "-1"), {"seed", "-1", "18446744073709551615"});
   refuses(site + plate + one + config("truth", "maybe"), {"truth", "maybe", "true", "false"});
