@@ -191,7 +191,7 @@ TEST_F(Grouped, RefusesWhatDoesNotFit) {
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.5")),
               mentions({"motion.start", "0.8", "--groups", "1.1, 0.5"}));
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sweep.trials", "1"}})),
-              mentions({"1 recordings", "motion.start", "1.1"}));
+              mentions({"1 recording", "motion.start", "1.1"}));
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors.pad.rate", "100 Hz"}})),
               mentions({"10 ms", "4 ms", "1 %", "100 Hz", "250 Hz"}));
   // Trials of 1.2 s. All are compared by their last part, so up to twice as long is accepted.
