@@ -55,20 +55,27 @@ def tidy(root, build, source, folder, directory, command):
          "-p", build, source],
         capture_output=True, text=True, check=False)
     if result.returncode == 0 and not result.stdout.strip():
+        clean.parent.mkdir(exist_ok=True)
         clean.touch()
         return ""
     return result.stdout or result.stderr
 
 
-def main():
+def check_compilations(preset, check):
+    """Prints the reports of all compilations of the product, and exits with status 1 if there are any.
+    The folders ROOT and BUILD are the program's arguments.
+
+    Args:
+        preset: of CMake, with which ROOT/build/PRESET is configured first
+        check: called with root, build and an entry of commands(); returns the report, empty if clean
+    """
     if len(sys.argv) != 3:
         sys.exit(f"usage: {sys.argv[0]} ROOT BUILD")
     root, build = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-    if build == root / "build" / "lint":
-        subprocess.run(["cmake", "--preset", "lint"], cwd=root, stdout=subprocess.DEVNULL, check=True)
-    (build / "clang-tidy").mkdir(exist_ok=True)
+    if build == root / "build" / preset:
+        subprocess.run(["cmake", "--preset", preset], cwd=root, stdout=subprocess.DEVNULL, check=True)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        reports = list(pool.map(lambda entry: tidy(root, build, *entry), commands(root, build)))
+        reports = list(pool.map(lambda entry: check(root, build, *entry), commands(root, build)))
     if not reports:
         sys.exit(f"{build}/compile_commands.json names no source of {root}")
     found = [report for report in reports if report]
@@ -77,4 +84,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    check_compilations("lint", tidy)

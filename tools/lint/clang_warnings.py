@@ -6,18 +6,14 @@ The sources are only parsed, which takes a fifth of the time of a build. Tests a
 would double the time, and users do not compile them.
 """
 
-import os
 import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
-from clang_tidy import commands
+from clang_tidy import check_compilations
 
 PROGRAM = "clang++-16"
 
 
-def warnings(directory, command):
+def warnings(_root, _build, _source, _folder, directory, command):
     """Output of clang for a source; empty if there is no warning."""
     output = command.index("-o")
     words = [word for word in command[:output] + command[output + 2:] if word not in ("ccache", "/usr/bin/ccache")]
@@ -25,20 +21,5 @@ def warnings(directory, command):
     return result.stderr or ("" if result.returncode == 0 else f"{words[-1]}: status {result.returncode}\n")
 
 
-def main():
-    if len(sys.argv) != 3:
-        sys.exit(f"usage: {sys.argv[0]} ROOT BUILD")
-    root, build = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-    if build == root / "build" / "clang":
-        subprocess.run(["cmake", "--preset", "clang"], cwd=root, stdout=subprocess.DEVNULL, check=True)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        reports = list(pool.map(lambda entry: warnings(*entry[2:]), commands(root, build)))
-    if not reports:
-        sys.exit(f"{build}/compile_commands.json names no source of {root}")
-    found = [report for report in reports if report]
-    print("\n".join(found))
-    sys.exit(f"{len(found)} of {len(reports)} sources have warnings" if found else 0)
-
-
 if __name__ == "__main__":
-    main()
+    check_compilations("clang", warnings)

@@ -165,6 +165,7 @@ TEST(BoundInUnitOf, HasTheUnitOfTheText) {
   EXPECT_EQ(bound_in_unit_of("4 m/s", 10.0, Quantity::speed, Bound::upper), "10 m/s");
 }
 
+// 0.5 rad = 28.6479 deg, 100 rad/s = 5729.58 deg/s: four digits, towards zero.
 TEST(BoundInUnitOf, RoundsIntoTheRange) {
   EXPECT_EQ(bound_in_unit_of("40 deg", 0.5, Quantity::angle, Bound::upper), "28.64 deg");
   EXPECT_EQ(bound_in_unit_of("-40 deg", -0.5, Quantity::angle, Bound::lower), "-28.64 deg");
