@@ -22,18 +22,18 @@ class Flipped final : public Detector {
  public:
   Flipped(std::unique_ptr<Detector> detector, double probability, const FrameSource& source)
       : detector_(std::move(detector)), probability_(probability), stream_(source.seed, source.trial, "detector.flip") {
-    told_.time = std::numeric_limits<double>::quiet_NaN();  // no estimate yet
+    reported_.time = std::numeric_limits<double>::quiet_NaN();  // no estimate yet
   }
 
   const SlipEstimate& update(const SensorFrame& frame) override {
     const SlipEstimate& right = detector_->update(frame);
     if (right.state == PadState::no_contact) return right;
-    if (right.time != told_.time) {
-      told_ = right;
+    if (right.time != reported_.time) {
+      reported_ = right;
       const double draw = stream_.uniform();
       if (draw < probability_) replace(draw < 0.5 * probability_ ? 1 : 2);
     }
-    return told_;
+    return reported_;
   }
 
   [[nodiscard]] const std::vector<Feature>& features() const override { return detector_->features(); }
@@ -44,16 +44,16 @@ class Flipped final : public Detector {
   // Replaces the class by the one `further` places after it, cyclically.
   void replace(std::size_t further) {
     std::size_t place = 0;
-    while (classes[place].state != told_.state) ++place;
+    while (classes[place].state != reported_.state) ++place;
     const ContactClass& other = classes[(place + further) % classes.size()];
-    told_.state = other.state;
-    if (!std::isnan(told_.stuck_fraction)) told_.stuck_fraction = other.stuck_fraction;
+    reported_.state = other.state;
+    if (!std::isnan(reported_.stuck_fraction)) reported_.stuck_fraction = other.stuck_fraction;
   }
 
   std::unique_ptr<Detector> detector_;
   double probability_;
   RandomStream stream_;
-  SlipEstimate told_;
+  SlipEstimate reported_;
 };
 
 }  // namespace

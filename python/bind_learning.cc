@@ -173,13 +173,13 @@ inline constexpr std::array class_words{Choice<train::ClassRule>{"slip", train::
                                         Choice<train::ClassRule>{"kind", train::ClassRule::kind},
                                         Choice<train::ClassRule>{"direction", train::ClassRule::direction}};
 
-using Told = nb::typed<nb::callable, nb::any(std::size_t, std::size_t)>;
+using ProgressCallback = nb::typed<nb::callable, nb::any(std::size_t, std::size_t)>;
 
 // `split` empty: the examples are not divided, and all are for training.
 Described read_examples(const std::vector<std::string>& paths, const std::string& description, const std::string& labels,
                         const std::string& classes, const std::string& sensor, std::size_t turned, std::size_t at_most,
                         std::uint64_t seed, const std::string& split, double held_out, bool divide_anew,
-                        const std::optional<Told>& progress) {
+                        const std::optional<ProgressCallback>& progress) {
   if (paths.empty()) throw InputError("dataset: an empty list; expected at least one path");
   train::ExampleOptions options{.input = input_of(description),
                                 .labels = value_of(train::label_words, labels, "labels"),

@@ -69,9 +69,9 @@ struct Blame {
 // lock held. `Real`: type of its frames' values.
 template <class Real>
 struct Own {
-  Own(const Blame& told_of, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
+  Own(const Blame& subject, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
       const std::vector<Channel>& channels)
-      : blame{told_of.path, told_of.whose, method},
+      : blame{subject.path, subject.whose, method},
         package(nb::module_::import_("slipbench._own")),
         frame_type(package.attr("Frame")),
         made(type(source, **keywords)),

@@ -227,7 +227,7 @@ class Scene {
     options.isolation = isolation_of(isolate, limit_s);
     const SharedInterrupt guard;
     options.interrupt = &InterruptGuard::flag();
-    const auto told = [&](const SweepProgress& at) {
+    const auto report_progress = [&](const SweepProgress& at) {
       if (progress.is_none()) return;
       const nb::gil_scoped_acquire acquire;
       progress(at.done, at.total);
@@ -236,7 +236,7 @@ class Scene {
     const std::lock_guard alone(hdf5_in_use);
     const std::uint64_t chosen = seed.value_or(seed_);
     const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
-    const SweepSummary summary = run_sweep(read, options, *catalogues_, told);
+    const SweepSummary summary = run_sweep(read, options, *catalogues_, report_progress);
     Json json = Json::parse(summary_json(summary));
     json["warnings"] = warnings_json(converter_warnings(summary.trials));
     return json.dump();
@@ -307,20 +307,20 @@ class Scene {
                                                           std::uint64_t seed) const {
     const std::lock_guard lock(plan_->mutex);
     const std::array<std::uint64_t, 3> wanted{draws, limit, seed};
-    if (!plan_->kept || plan_->of != wanted || trial >= plan_->kept->asked) {
+    if (!plan_->kept || plan_->key != wanted || trial >= plan_->kept->asked) {
       SweepOptions options = options_;
       options.trials = draws;
       options.limit = limit;
       options.only = trial;
       plan_->kept = std::make_shared<const PlannedTrials>(plan_trials(file_, *catalogues_, options, seed));
-      plan_->of = wanted;
+      plan_->key = wanted;
     }
     return plan_->kept;
   }
 
   struct KeptPlan {
     std::mutex mutex;
-    std::array<std::uint64_t, 3> of{};
+    std::array<std::uint64_t, 3> key{};
     std::shared_ptr<const PlannedTrials> kept;
   };
 

@@ -17,22 +17,22 @@ namespace nb = nanobind;
 namespace slipbench::python {
 namespace {
 
-using Held = std::shared_ptr<TrialRecord>;
+using RecordPointer = std::shared_ptr<TrialRecord>;
 using Described = nb::typed<nb::dict, nb::str, nb::any>;  // attributes of a class of the package
 using ByName = nb::typed<nb::dict, nb::str, Described>;
 
 // View [rows, shape...] of `values`; None if the record lacks the column.
 template <class T>
-nb::object view(const Held& record, std::vector<T>& values, std::vector<std::size_t> shape = {}) {
+nb::object view(const RecordPointer& record, std::vector<T>& values, std::vector<std::size_t> shape = {}) {
   std::size_t row = 1;
   for (const std::size_t extent : shape) row *= extent;
   shape.insert(shape.begin(), row == 0 ? 0 : values.size() / row);
-  const nb::capsule capsule(new Held(record), [](void* held) noexcept { delete static_cast<Held*>(held); });
+  const nb::capsule capsule(new RecordPointer(record), [](void* held) noexcept { delete static_cast<RecordPointer*>(held); });
   return nb::cast(nb::ndarray<nb::numpy, const T>(values.data(), shape.size(), shape.data(), capsule));
 }
 
 // Columns by their names in a dataset, except for the events and the unit suffix of times.
-nb::dict labels_of(const Held& record, LabelRecord& labels) {
+nb::dict labels_of(const RecordPointer& record, LabelRecord& labels) {
   nb::dict all;
   for_each_label(labels, labels.units(), [&](const char* name, const char*, const Extents& tail, auto& values) {
     all[name] = view(record, values, tail);
@@ -47,7 +47,7 @@ nb::dict labels_of(const Held& record, LabelRecord& labels) {
   return all;
 }
 
-nb::dict sensor_of(const Held& record, SensorRecord& sensor) {
+nb::dict sensor_of(const RecordPointer& record, SensorRecord& sensor) {
   nb::dict channels, units, times;
   for (SensorColumn& column : sensor.channels) {
     const nb::str name(column.name.c_str());
@@ -69,7 +69,7 @@ nb::dict sensor_of(const Held& record, SensorRecord& sensor) {
   return all;
 }
 
-nb::typed<nb::object, std::optional<Described>> control_of(const Held& record) {
+nb::typed<nb::object, std::optional<Described>> control_of(const RecordPointer& record) {
   if (!record->control) return nb::none();
   ControlRecord& control = *record->control;
   nb::dict all;
@@ -86,7 +86,7 @@ nb::typed<nb::object, std::optional<Described>> control_of(const Held& record) {
   return all;
 }
 
-ByName bodies_of(const Held& record) {
+ByName bodies_of(const RecordPointer& record) {
   ByName all;
   for (BodyRecord& body : record->bodies) {
     nb::dict one;
@@ -113,7 +113,7 @@ void bind_trial(nb::module_& module) {
       .def_prop_ro("outcome_json", [](const TrialRecord& record) { return outcome_json(record.outcome); })
       .def("sha256", &sha256_of)
       .def_static("sensors",
-                  [](const Held& record) {
+                  [](const RecordPointer& record) {
                     ByName all;
                     for (SensorRecord& sensor : record->sensors) all[nb::str(sensor.name.c_str())] = sensor_of(record, sensor);
                     return all;

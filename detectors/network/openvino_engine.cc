@@ -123,35 +123,36 @@ double work_of(const ov::Node& node) {
     return values;
   };
   const std::string type = node.get_type_info().name;
-  const auto is = [&](std::initializer_list<const char*> types) {
+  const auto is_one_of = [&](std::initializer_list<const char*> types) {
     return std::ranges::any_of(types, [&](const char* one) { return type == one; });
   };
   double work = 0.0;
   if (const auto* product = ov::as_type<const ov::op::v0::MatMul>(&node)) {
     work = made * extent(0, product->get_transpose_a() ? -2 : -1);
-  } else if (is({"Convolution"})) {
+  } else if (is_one_of({"Convolution"})) {
     work = made * size(1) / extent(1, 0);
-  } else if (is({"GroupConvolution"})) {
+  } else if (is_one_of({"GroupConvolution"})) {
     work = made * size(1) / (extent(1, 0) * extent(1, 1));
-  } else if (is({"DeformableConvolution"})) {
+  } else if (is_one_of({"DeformableConvolution"})) {
     work = made * size(2) / extent(2, 0);
-  } else if (is({"ConvolutionBackpropData"})) {
+  } else if (is_one_of({"ConvolutionBackpropData"})) {
     work = size(0) * size(1) / extent(1, 0);
-  } else if (is({"GroupConvolutionBackpropData"})) {
+  } else if (is_one_of({"GroupConvolutionBackpropData"})) {
     work = size(0) * size(1) / (extent(1, 0) * extent(1, 1));
-  } else if (is({"GRUSequence", "LSTMSequence", "RNNSequence"})) {
+  } else if (is_one_of({"GRUSequence", "LSTMSequence", "RNNSequence"})) {
     work = extent(0, 0) * extent(0, 1) * read;
-  } else if (is({"GRUCell", "LSTMCell", "RNNCell"})) {
+  } else if (is_one_of({"GRUCell", "LSTMCell", "RNNCell"})) {
     work = extent(0, 0) * read;
-  } else if (is({"ScaledDotProductAttention"})) {
+  } else if (is_one_of({"ScaledDotProductAttention"})) {
     work = (size(0) + made) * extent(1, -2);
   } else if (const auto* most = ov::as_type<const ov::op::util::MaxPoolBase>(&node)) {
     work = made * kernel(most->get_kernel());
   } else if (const auto* mean = ov::as_type<const ov::op::util::AvgPoolBase>(&node)) {
     work = made * kernel(mean->get_kernel());
-  } else if (is({"LRN"})) {
+  } else if (is_one_of({"LRN"})) {
     work = made * extent(0, 1);
-  } else if (is({"DFT", "IDFT", "RDFT", "IRDFT", "STFT", "ISTFT", "Einsum", "Inverse", "NonMaxSuppression", "TopK", "Unique"})) {
+  } else if (is_one_of(
+                 {"DFT", "IDFT", "RDFT", "IRDFT", "STFT", "ISTFT", "Einsum", "Inverse", "NonMaxSuppression", "TopK", "Unique"})) {
     work = made * read;
   }
   return read + made + (std::isnan(work) ? 0.0 : work);  // 0/0: without weights

@@ -429,7 +429,7 @@ class BioTac final : public Sensor {
   }
 
   double electrode(std::size_t e, const ContactFrame& truth) {
-    const double impedance = rest_[e] * math::exp(dents_.of(e, truth, touching_) * scale_[e]) + common_;
+    const double impedance = rest_[e] * math::exp(dents_.dent(e, truth, touching_) * scale_[e]) + common_;
     return converted(counts_of(impedance) + disturbances()[e]);
   }
 

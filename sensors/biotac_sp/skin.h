@@ -95,7 +95,7 @@ class Dents {
 
   // Returns w_e [m] of electrode e. `truth` needs element_depth and element_shear. `touching`: the
   // elements with depth > 0; the cost is proportional to their number.
-  [[nodiscard]] double of(std::size_t e, const ContactFrame& truth, std::span<const Eigen::Index> touching) const {
+  [[nodiscard]] double dent(std::size_t e, const ContactFrame& truth, std::span<const Eigen::Index> touching) const {
     const auto column = static_cast<Eigen::Index>(e);
     const Eigen::Index n = depth_.rows();
     const double* const felt = depth_.col(column).data();

@@ -37,24 +37,24 @@ static void measure(void* self, const struct slipbench_contact* contact, float* 
 void slipbench_make_sensor(const struct slipbench_source* source, struct slipbench_readout* readout) {
   static const size_t shape[] = {9, 3};
   static const struct slipbench_channel force = {"force", "N", shape, 2, 0, 0};
-  const struct slipbench_parameter* is = source->parameters;
+  const struct slipbench_parameter* parameters = source->parameters;
   struct pillars* pillars = (struct pillars*)calloc(1, sizeof *pillars);
   int i;
   if (!pillars) return;
   for (i = 0; i < 9; ++i) {
     struct slipbench_element* element = &pillars->elements[i];
     const int right = 1 - i % 3, up = 1 - i / 3;
-    element->tip[0] = right * is[pitch].number;
-    element->tip[1] = up * is[pitch].number;
-    element->tip[2] = right && up ? is[corner_drop].number : right || up ? is[edge_drop].number : 0.0;
-    element->k_normal = is[k_normal].number;
-    element->k_tangential = is[k_tangential].number;
+    element->tip[0] = right * parameters[pitch].number;
+    element->tip[1] = up * parameters[pitch].number;
+    element->tip[2] = right && up ? parameters[corner_drop].number : right || up ? parameters[edge_drop].number : 0.0;
+    element->k_normal = parameters[k_normal].number;
+    element->k_tangential = parameters[k_tangential].number;
     element->unit = (size_t)i;
   }
-  pillars->noise = is[noise].number;
+  pillars->noise = parameters[noise].number;
   pillars->random = readout->seed * 1000003 + readout->trial;
   readout->self = pillars;
-  readout->rate = is[rate].number;
+  readout->rate = parameters[rate].number;
   readout->elements = pillars->elements;
   readout->element_count = 9;
   readout->channels = &force;

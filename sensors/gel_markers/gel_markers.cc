@@ -121,44 +121,46 @@ std::uint64_t mixed(std::uint64_t x) {
 class Gel {
  public:
   Gel(const slipbench_parameter* parameters, const slipbench_readout& asked) : key_(mixed(mixed(asked.seed) ^ asked.trial)) {
-    for (std::size_t i = 0; i < std::size(notes); ++i) is_.push_back(parameters[i].number);
+    for (std::size_t i = 0; i < std::size(notes); ++i) values_.push_back(parameters[i].number);
     for (const char* letter = asked.name; *letter != '\0'; ++letter) key_ = mixed(key_ ^ static_cast<unsigned char>(*letter));
   }
 
   // Returns why the parameters are invalid; "" if they are valid.
   std::string fault() const {
     for (const Key key : {columns, rows, marker_columns, marker_rows, map}) {
-      if (is_[key] == std::floor(is_[key])) continue;
+      if (values_[key] == std::floor(values_[key])) continue;
       std::ostringstream message;
-      message << slipbench_sensor_parameters[key].name << " is " << is_[key] << "; it must be a whole number";
+      message << slipbench_sensor_parameters[key].name << " is " << values_[key] << "; it must be a whole number";
       return message.str();
     }
-    if ((is_[marker_columns] - 1.0) * is_[marker_pitch] > across() || (is_[marker_rows] - 1.0) * is_[marker_pitch] > along())
+    if ((values_[marker_columns] - 1.0) * values_[marker_pitch] > across() ||
+        (values_[marker_rows] - 1.0) * values_[marker_pitch] > along())
       return "the markers reach beyond the elements; use more elements, or fewer or closer markers";
-    if (is_[dome] > 0.0 && math::hypot(across(), along()) >= 2.0 * is_[dome])
+    if (values_[dome] > 0.0 && math::hypot(across(), along()) >= 2.0 * values_[dome])
       return "dome is too small; it must exceed half the pad's diagonal";
-    return is_[exposure] * is_[rate] > 1.0 ? "exposure is longer than a frame, 1/rate" : "";
+    return values_[exposure] * values_[rate] > 1.0 ? "exposure is longer than a frame, 1/rate" : "";
   }
 
   void lay_out(slipbench_readout& readout) {
-    const double curved = is_[dome] > 0.0 ? 1.0 / is_[dome] : 0.0;
-    for (const Point& point : grid(is_[columns], is_[rows], is_[pitch], is_[pitch])) {
+    const double curved = values_[dome] > 0.0 ? 1.0 / values_[dome] : 0.0;
+    for (const Point& point : grid(values_[columns], values_[rows], values_[pitch], values_[pitch])) {
       const auto [x, y, z] = point.rest;
       elements_.push_back(
-          {{x, y, z}, {x * curved, y * curved, z * curved - 1.0}, is_[k_normal], is_[k_tangential], elements_.size()});
+          {{x, y, z}, {x * curved, y * curved, z * curved - 1.0}, values_[k_normal], values_[k_tangential], elements_.size()});
     }
     skin_.resize(elements_.size());
     last_.resize(elements_.size());
-    markers_ = grid(is_[marker_columns], is_[marker_rows], is_[marker_pitch], is_[marker_pitch]);
+    markers_ = grid(values_[marker_columns], values_[marker_rows], values_[marker_pitch], values_[marker_pitch]);
     for (const Point& marker : markers_) shown_.push_back(marker.rest);
-    const double map_rows = std::round(is_[map] * is_[rows] / is_[columns]);
-    map_ = grid(is_[map], map_rows, across() / std::max(1.0, is_[map] - 1.0), along() / std::max(1.0, map_rows - 1.0));
-    shapes_ = {markers_.size(), 3, markers_.size(), 2, static_cast<std::size_t>(map_rows), static_cast<std::size_t>(is_[map])};
+    const double map_rows = std::round(values_[map] * values_[rows] / values_[columns]);
+    map_ = grid(values_[map], map_rows, across() / std::max(1.0, values_[map] - 1.0), along() / std::max(1.0, map_rows - 1.0));
+    shapes_ = {
+        markers_.size(), 3, markers_.size(), 2, static_cast<std::size_t>(map_rows), static_cast<std::size_t>(values_[map])};
     channels_ = {{{"displacement", "m", &shapes_[0], 2, 0, 0},
                   {"pixel", "px", &shapes_[2], 2, 0, 0},
                   {"seen", "", &shapes_[0], 1, 0, 0},
                   {"height", "m", &shapes_[4], 2, 0, 0}}};
-    readout.rate = is_[rate];
+    readout.rate = values_[rate];
     readout.elements = elements_.data();
     readout.element_count = elements_.size();
     readout.channels = channels_.data();
@@ -185,7 +187,7 @@ class Gel {
   // already measured where its loaded surface is, so it includes the share of the shear along n
   // that comes from the surface's slope.
   void move_skin(const slipbench_contact& contact) {
-    const double back = frames_ == 0 ? 0.0 : 0.5 * is_[exposure] * is_[rate];
+    const double back = frames_ == 0 ? 0.0 : 0.5 * values_[exposure] * values_[rate];
     for (std::size_t e = 0; e < elements_.size(); ++e) {
       const double *const n = elements_[e].direction, *const s = contact.shear + e;
       const std::size_t next = contact.elements;
@@ -203,15 +205,15 @@ class Gel {
     const Vector place = place_of(markers_[i]);
     auto [x, y] = pixel_of(place);
     double z = place[2];
-    if (is_[noise] > 0.0) {
-      x += is_[noise] * gaussian(8 * i);
-      y += is_[noise] * gaussian(8 * i + 2);
+    if (values_[noise] > 0.0) {
+      x += values_[noise] * gaussian(8 * i);
+      y += values_[noise] * gaussian(8 * i + 2);
     }
-    if (is_[height_noise] > 0.0) z += is_[height_noise] * gaussian(8 * i + 4);
-    const bool missed = is_[dropout] > 0.0 && uniform(8 * i + 6) < is_[dropout];
-    if (missed || z >= is_[distance] || x < 0.0 || x > is_[width] || y < 0.0 || y > is_[height]) return false;
-    const double scale = (is_[distance] - z) / focal_length();
-    shown_[i] = {(x - 0.5 * is_[width]) * scale, (0.5 * is_[height] - y) * scale, z};
+    if (values_[height_noise] > 0.0) z += values_[height_noise] * gaussian(8 * i + 4);
+    const bool missed = values_[dropout] > 0.0 && uniform(8 * i + 6) < values_[dropout];
+    if (missed || z >= values_[distance] || x < 0.0 || x > values_[width] || y < 0.0 || y > values_[height]) return false;
+    const double scale = (values_[distance] - z) / focal_length();
+    shown_[i] = {(x - 0.5 * values_[width]) * scale, (0.5 * values_[height] - y) * scale, z};
     return true;
   }
 
@@ -223,27 +225,27 @@ class Gel {
     return place;
   }
 
-  double focal_length() const { return is_[width] * is_[distance] / is_[field]; }  // px
+  double focal_length() const { return values_[width] * values_[distance] / values_[field]; }  // px
   std::array<double, 2> pixel_of(const Vector& place) const {
-    const double scale = focal_length() / (is_[distance] - place[2]);
-    return {0.5 * is_[width] + scale * place[0], 0.5 * is_[height] - scale * place[1]};
+    const double scale = focal_length() / (values_[distance] - place[2]);
+    return {0.5 * values_[width] + scale * place[0], 0.5 * values_[height] - scale * place[1]};
   }
 
-  double across() const { return (is_[columns] - 1.0) * is_[pitch]; }  // m, between the first and the last element
-  double along() const { return (is_[rows] - 1.0) * is_[pitch]; }
+  double across() const { return (values_[columns] - 1.0) * values_[pitch]; }  // m, between the first and the last element
+  double along() const { return (values_[rows] - 1.0) * values_[pitch]; }
 
   // Points centred on the pad, in rows from +Y to -Y, each from -X to +X.
   std::vector<Point> grid(double wide, double high, double right, double down) const {
     std::vector<Point> points;
     for (double i = 0.0; i < wide * high; ++i) {
       const double x = (std::fmod(i, wide) - 0.5 * (wide - 1.0)) * right, y = (0.5 * (high - 1.0) - std::floor(i / wide)) * down;
-      const double z = is_[dome] > 0.0 ? is_[dome] - std::sqrt(is_[dome] * is_[dome] - x * x - y * y) : 0.0;
-      const double u = (x + 0.5 * across()) / is_[pitch], v = (0.5 * along() - y) / is_[pitch];
-      const double column = std::clamp(std::floor(u), 0.0, is_[columns] - 2.0),
-                   row = std::clamp(std::floor(v), 0.0, is_[rows] - 2.0);
+      const double z = values_[dome] > 0.0 ? values_[dome] - std::sqrt(values_[dome] * values_[dome] - x * x - y * y) : 0.0;
+      const double u = (x + 0.5 * across()) / values_[pitch], v = (0.5 * along() - y) / values_[pitch];
+      const double column = std::clamp(std::floor(u), 0.0, values_[columns] - 2.0),
+                   row = std::clamp(std::floor(v), 0.0, values_[rows] - 2.0);
       const double s = u - column, t = v - row;
-      const auto corner = static_cast<std::size_t>(row * is_[columns] + column),
-                 below = corner + static_cast<std::size_t>(is_[columns]);
+      const auto corner = static_cast<std::size_t>(row * values_[columns] + column),
+                 below = corner + static_cast<std::size_t>(values_[columns]);
       points.push_back(
           {{x, y, z}, {corner, corner + 1, below, below + 1}, {(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t}});
     }
@@ -258,7 +260,7 @@ class Gel {
   }
 
   std::uint64_t key_, frames_ = 0;
-  std::vector<double> is_;  // the parameters, indexed by Key
+  std::vector<double> values_;  // the parameters, indexed by Key
   std::vector<slipbench_element> elements_;
   std::vector<Vector> skin_, last_;  // displacement of each element: as this frame shows it, and at the end of the last frame
   std::vector<Vector> shown_;        // last seen position of each marker

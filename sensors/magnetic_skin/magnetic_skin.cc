@@ -119,7 +119,7 @@ struct Magnet {
 };
 
 struct Skin {
-  std::array<double, placement + 1> is;  // the numeric parameters; 0 for `chips`
+  std::array<double, placement + 1> values;  // the numeric parameters; 0 for `chips`
   std::vector<slipbench_element> elements;
   std::vector<Magnet> magnets, moved;  // one per cell
   std::vector<Vector> magnetometers;
@@ -170,14 +170,15 @@ Vector force_of(const Skin& skin, const Vector& field, const Magnet& magnet, dou
   const double tangent = 4.0 * across / (3.0 * z + std::sqrt(9.0 * z * z + 8.0 * across * across));
   const double cosine = 1.0 / math::hypot(1.0, tangent);
   const double distance = math::cbrt(std::abs(magnet.strength) * std::sqrt(1.0 + 3.0 * cosine * cosine) / math::hypot(z, across));
-  const double beside = across > 0.0 ? -sign * skin.is[k_tangential] * distance * cosine * tangent / (across * skin.share) : 0.0;
-  return {beside * field[0], beside * field[1], skin.is[k_normal] * (height - distance * cosine) / skin.share};
+  const double beside =
+      across > 0.0 ? -sign * skin.values[k_tangential] * distance * cosine * tangent / (across * skin.share) : 0.0;
+  return {beside * field[0], beside * field[1], skin.values[k_normal] * (height - distance * cosine) / skin.share};
 }
 
 void measure(void* self, const slipbench_contact* contact, float* values) {
   Skin& skin = *static_cast<Skin*>(self);
-  const double warmer = -skin.is[warming] * math::expm1(-contact->time / skin.is[warming_time]),
-               left = 1.0 - skin.is[fading] * warmer;
+  const double warmer = -skin.values[warming] * math::expm1(-contact->time / skin.values[warming_time]),
+               left = 1.0 - skin.values[fading] * warmer;
   skin.moved = skin.magnets;
   for (std::size_t i = 0; i < contact->elements; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -191,7 +192,8 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t k = 3 * i + axis;
       double read = left * field[axis] / skin.sensitivity[axis] + skin.offset[k];
-      if (skin.is[noise] > 0.0) read += (axis == 2 ? skin.is[noise_ratio] : 1.0) * skin.is[noise] * normal(skin.random);
+      if (skin.values[noise] > 0.0)
+        read += (axis == 2 ? skin.values[noise_ratio] : 1.0) * skin.values[noise] * normal(skin.random);
       read = std::clamp(std::nearbyint(read), -most_counts - 1.0, most_counts);
       counts[axis] = static_cast<float>(read);
       change[axis] = static_cast<float>((read - skin.rest[k]) * skin.sensitivity[axis]);
@@ -207,18 +209,19 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
 // Places the parts in the pad's frame: cells in rows from +Y to -Y, each from -X to +X; the surface
 // at z = 0, the magnetometers above.
 void place(Skin& skin) {
-  const auto& is = skin.is;
-  const double edge = is[pitch], radius = 0.5 * is[magnet_diameter], pole = is[pole_pitch];
+  const auto& values = skin.values;
+  const double edge = values[pitch], radius = 0.5 * values[magnet_diameter], pole = values[pole_pitch];
   const double area = radius > 0.0 ? pi * radius * radius : edge * edge;
-  const double strength = 1e6 * is[remanence] * area * is[magnet_thickness] / (4.0 * pi);
-  const double back = is[thickness] + is[gap], end = is[chip_pitch];
+  const double strength = 1e6 * values[remanence] * area * values[magnet_thickness] / (4.0 * pi);
+  const double back = values[thickness] + values[gap], end = values[chip_pitch];
   const auto odd = [&](double at) { return static_cast<long>(std::floor(at / pole)) % 2 != 0; };
-  const double right = 0.5 * (is[columns] - 1.0), top = 0.5 * (is[rows] - 1.0);
-  for (std::size_t i = 0; static_cast<double>(i) < is[rows] * is[columns]; ++i) {
-    const double above = std::floor(static_cast<double>(i) / is[columns]), beside = static_cast<double>(i) - above * is[columns];
+  const double right = 0.5 * (values[columns] - 1.0), top = 0.5 * (values[rows] - 1.0);
+  for (std::size_t i = 0; static_cast<double>(i) < values[rows] * values[columns]; ++i) {
+    const double above = std::floor(static_cast<double>(i) / values[columns]),
+                 beside = static_cast<double>(i) - above * values[columns];
     const double x = (beside - right) * edge, y = (top - above) * edge;
-    skin.magnets.push_back({{x, y, is[magnet_depth]}, pole > 0.0 && odd(x) != odd(y) ? -strength : strength});
-    skin.elements.push_back({{x, y, 0.0}, {0.0, 0.0, -1.0}, is[k_normal], is[k_tangential], i});
+    skin.magnets.push_back({{x, y, values[magnet_depth]}, pole > 0.0 && odd(x) != odd(y) ? -strength : strength});
+    skin.elements.push_back({{x, y, 0.0}, {0.0, 0.0, -1.0}, values[k_normal], values[k_tangential], i});
     if (skin.forces) skin.magnetometers.push_back({x, y, back});
   }
   if (!skin.forces) skin.magnetometers = {{0, 0, back}, {-end, 0, back}, {end, 0, back}, {0, end, back}, {0, -end, back}};
@@ -234,7 +237,7 @@ std::uint64_t keyed(std::uint64_t state, const char* name) {
 // Moves the magnets off the middle of their cells, with a separate random stream.
 void misplace(Skin& skin, std::uint64_t random) {
   for (Magnet& magnet : skin.magnets) {
-    for (const std::size_t axis : {0U, 1U}) magnet.at[axis] += skin.is[placement] * normal(random);
+    for (const std::size_t axis : {0U, 1U}) magnet.at[axis] += skin.values[placement] * normal(random);
   }
 }
 
@@ -257,29 +260,29 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   Skin* skin = new Skin{};
   readout->self = skin;
   readout->destroy = [](void* self) { delete static_cast<Skin*>(self); };
-  for (std::size_t k = 0; k < skin->is.size(); ++k) skin->is[k] = source->parameters[k].number;
-  auto& is = skin->is;
+  for (std::size_t k = 0; k < skin->values.size(); ++k) skin->values[k] = source->parameters[k].number;
+  auto& values = skin->values;
   const char* wrong = nullptr;
-  if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth must be less than thickness";
-  if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
+  if (values[magnet_depth] >= values[thickness]) wrong = "magnet_depth must be less than thickness";
+  if (values[rows] != std::floor(values[rows]) || values[columns] != std::floor(values[columns]))
     wrong = "rows and columns must be whole numbers";
   if (wrong != nullptr) {
     std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
     return;
   }
   skin->forces = source->parameters[chips].text[0] == 'g';
-  skin->share = 1.0 - is[magnet_depth] / is[thickness];
-  skin->sensitivity = {is[sensitivity], is[sensitivity], is[sensitivity_z]};
+  skin->share = 1.0 - values[magnet_depth] / values[thickness];
+  skin->sensitivity = {values[sensitivity], values[sensitivity], values[sensitivity_z]};
   place(*skin);
 
   const std::uint64_t of_seed = readout->seed * UINT64_C(0xd1342543de82ef95);
   skin->random = keyed(of_seed + readout->trial, readout->name);
   const std::uint64_t drawn_for = source->parameters[device].text[0] == 'r' ? readout->trial : 0;
-  if (is[placement] > 0.0) misplace(*skin, ~keyed(of_seed + drawn_for, readout->name));
+  if (values[placement] > 0.0) misplace(*skin, ~keyed(of_seed + drawn_for, readout->name));
   for (const Vector& at : skin->magnetometers) {
     const Vector field = field_at(at, skin->magnets);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      skin->offset.push_back(is[offset] * normal(skin->random));
+      skin->offset.push_back(values[offset] * normal(skin->random));
       skin->rest.push_back(
           std::clamp(field[axis] / skin->sensitivity[axis] + skin->offset.back(), -most_counts - 1.0, most_counts));
     }
@@ -288,7 +291,7 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   skin->shape = {skin->magnetometers.size(), 3};
   skin->channels = {{"field", "uT", skin->shape.data(), 2, 0, 0}, {"counts", "counts", skin->shape.data(), 2, 0, 0}};
   if (skin->forces) skin->channels.push_back({"force", "N", skin->shape.data(), 2, 0, 0});
-  readout->rate = is[rate];
+  readout->rate = values[rate];
   readout->elements = skin->elements.data();
   readout->element_count = skin->elements.size();
   readout->channels = skin->channels.data();

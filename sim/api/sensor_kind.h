@@ -18,10 +18,10 @@ namespace slipbench {
 
 // A spectrogram of a channel with one value, or of the difference between a channel's two values.
 struct SpectrumView {
-  std::string of;  // title of the spectrogram: "FL, north minus south"
-  double window;   // s
-  double hop;      // s, between windows
-  double top;      // Hz, of the highest bin
+  std::string title;  // title of the spectrogram: "FL, north minus south"
+  double window;      // s
+  double hop;         // s, between windows
+  double top;         // Hz, of the highest bin
 };
 
 // The texts for a channel, besides its key.
@@ -62,7 +62,7 @@ struct SensorView {
   std::optional<PadPicture> picture = {};
 
   // Returns the texts for a channel; by default its key is its name.
-  [[nodiscard]] ChannelView of(const std::string& channel) const {
+  [[nodiscard]] ChannelView channel_view(const std::string& channel) const {
     const auto found = std::ranges::find(channels, channel, &ChannelView::channel);
     return found == channels.end() ? ChannelView{.channel = channel, .name = channel} : *found;
   }

@@ -44,7 +44,7 @@ class Simulation {
   // computed.
   [[nodiscard]] virtual const ContactFrame& contact_part(std::size_t pad, FramePart /*part*/) const { return contact(pad); }
   // Labels are no longer read at every tick: stops accumulating the slip's angle.
-  virtual void leave_slip_angle() {}
+  virtual void disable_slip_angle() {}
   // All recorded bodies at the current instant.
   [[nodiscard]] virtual const std::vector<NamedBody>& bodies() const = 0;
   // True if the scene's motion rotates the pads that ride on it.

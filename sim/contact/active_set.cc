@@ -83,7 +83,7 @@ void ActiveSet::end_step(const ContactPoints& contacts, const kernel::Columns& c
     selected_.add(first);
   }
   if (selected_.count == 0) return;
-  kernel::rest(columns, selected_.groups());
+  kernel::reset_idle(columns, selected_.groups());
   list_candidates();
 }
 
@@ -116,7 +116,7 @@ void ActiveSet::update_element(std::size_t i, const ContactPoints& contacts, con
 void ActiveSet::update(const ContactPoints& contacts, const kernel::Columns& columns) {
   if (selected_.count == 0) return;
   contacts.find(columns, pose_, selected_.groups());
-  kernel::rest(columns, selected_.groups());
+  kernel::reset_idle(columns, selected_.groups());
 }
 
 void ActiveSet::list_candidates() {
@@ -142,8 +142,8 @@ void ActiveSet::wake(const ContactPoints& contacts, const kernel::Columns& colum
   for (std::size_t g = 0; g < wakes_at_.size(); ++g) {
     if (sleeps(g) && wakes_at_[g] <= travel_) selected_.add(g * lanes);
   }
-  // The last step is written to the columns of "before". rest() makes those of "now" equal, and
-  // this step overwrites them.
+  // The last step is written to the columns of "before". reset_idle() makes those of "now" equal,
+  // and this step overwrites them.
   kernel::Columns then = columns;
   for (const std::size_t k : {0U, 1U, 2U}) std::swap(then[kernel::contact_x + k], then[kernel::contact_before_x + k]);
   std::swap(then[kernel::gap], then[kernel::gap_before]);

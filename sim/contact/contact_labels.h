@@ -45,7 +45,7 @@ class ContactLabels {
   }
   // Stops the accumulation of slip_angle, so that labels are computed only when they are read. With
   // it, those of a slipping pad are computed at every step.
-  void leave_slip_angle() { keeps_angle_ = false; }
+  void disable_slip_angle() { keeps_angle_ = false; }
   // frame().slip_angle [rad] is the only label state besides the fields' that is carried from one
   // step to the next.
   void set_slip_angle(double angle) { frame_.slip_angle = angle; }
@@ -68,7 +68,7 @@ class ContactLabels {
   std::vector<std::uint32_t> unit_of_element_;
   bool single_ = false;      // every unit is one element
   std::size_t felt_;         // number of values that are read: none, force, force and displacement
-  bool keeps_angle_ = true;  // false after leave_slip_angle()
+  bool keeps_angle_ = true;  // false after disable_slip_angle()
   // N, ride(); 1/s, of the last judged step
   double shaking_ = 0.0, rate_ = 0.0;
   bool shaken_ = false;  // true if frame_.force contains shaking_

@@ -122,9 +122,9 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     columns_[k_normal_spring] = columns_[k_normal];
     columns_[k_tangential_spring] = columns_[k_tangential];
   }
-  may_stay_apart_ = extended_ && !on_plane() && !effects_.cone && !effects_.lean && !effects_.tip && !effects_.skin &&
-                    !has_memory() && effects_.surface.empty() &&
-                    std::ranges::all_of(effects_.friction, [](const auto& effect) { return effect->memory().empty(); });
+  may_update_separated_ = extended_ && !on_plane() && !effects_.cone && !effects_.lean && !effects_.tip && !effects_.skin &&
+                          !has_memory() && effects_.surface.empty() &&
+                          std::ranges::all_of(effects_.friction, [](const auto& effect) { return effect->memory().empty(); });
   if (effects_.skin) prepare_skin();
   if (effects_.tip) transmitted_ = transmitted_x;
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
@@ -218,7 +218,7 @@ void Field::finish(const Twist* motion) {
 }
 
 void Field::step_in_stages(const Twist* motion) {
-  if (may_stay_apart_ && touching_ == 0 && kernel::stay_apart(columns_, padded_)) return;
+  if (may_update_separated_ && touching_ == 0 && kernel::update_if_separated(columns_, padded_)) return;
   if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
@@ -352,20 +352,21 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
 
 void Field::map_to_cone() {
   RateEffect* const rate = step_ > 0.0 ? effects_.rate.get() : nullptr;
-  const auto map_each = [&](const auto& cone) {
-    kernel::map_each(columns_, on_plane(), extended_, count_,
-                     [&](std::size_t i, const kernel::Trial& trial) { return map_onto(cone, rate, step_, columns_, i, trial); });
+  const auto return_map_each = [&](const auto& cone) {
+    kernel::return_map_each(columns_, on_plane(), extended_, count_, [&](std::size_t i, const kernel::Trial& trial) {
+      return project_onto_cone(cone, rate, step_, columns_, i, trial);
+    });
   };
   if (effects_.lean) {
-    map_each(*effects_.lean);
+    return_map_each(*effects_.lean);
   } else if (effects_.cone) {
-    map_each(*effects_.cone);
+    return_map_each(*effects_.cone);
   } else {
     if (rate != nullptr) {
       kernel::find_trials(columns_, on_plane(), padded_);
       rate->strengthen(0, count_, step_, columns_[trial], columns_[k_tangential], columns_[slide], columns_[mu_kinetic]);
     }
-    kernel::map(columns_, on_plane(), extended_, active());
+    kernel::return_map(columns_, on_plane(), extended_, active());
   }
 }
 

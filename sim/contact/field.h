@@ -290,7 +290,7 @@ class Field {
   [[nodiscard]] bool skin_rests();
   void approach_on_skin();
   void step_on_skin(const Twist* motion);
-  void rest_on_skin();
+  void step_resting_skin();
   void shear_skin();
   void add_sunk(double* depth_of) const;
   [[nodiscard]] kernel::SpringSums skin_sums() const;
@@ -343,9 +343,9 @@ class Field {
   Pose pose_;
   // The tangential force that the pad feels; with a massless tip it is the friction.
   Column transmitted_ = force_x;
-  bool extended_;        // true if the columns from plain_columns on exist
-  bool may_stay_apart_;  // kernel::stay_apart() may replace a step without contact
-  bool plain_;           // springs on a plane without effects: a single pass suffices
+  bool extended_;              // true if the columns from plain_columns on exist
+  bool may_update_separated_;  // kernel::update_if_separated() may replace a step without contact
+  bool plain_;                 // springs on a plane without effects: a single pass suffices
   // for many plain springs on a surface other than a plane
   std::optional<ActiveSet> active_set_;
   bool placed_ = false;

@@ -1,3 +1,13 @@
+// The passes of a step over all elements, vectorised; field.h states the law.
+//
+// Backward Euler for one element, over a step with the contact point c, the anchor a and the normal
+// n at its end (return mapping: Simo & Hughes, Computational Inelasticity, 1998, sec. 1.2 and 3):
+//   trial    f_n = max(0, k_n (-gap) + h_n), u = P (c - a), T = k_t u + h_t; P = I - n n'
+//   project  |T| <= mu_s f_n (mu_k f_n if the element slipped): f = T, otherwise f = mu_k f_n T/|T|,
+//            the closest point of the circle of radius mu_k f_n
+//   commit   slip s = (T - f)/k_t, anchor a' = c - (u - s), dissipated energy f . s >= 0
+// h: history of a rheology, 0 without one. T and f are parallel, so f needs one square root and no
+// iteration. s = 0 for a sticking element, so its anchor stays.
 #include "sim/contact/kernel.h"
 
 #include <algorithm>
@@ -21,26 +31,32 @@ SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x,
   return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
 }
 
+// The three stages for one vector of elements.
 template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE void map_group(const Columns& c, std::size_t i) {
-  const auto t = trial_of<Lanes, kPlane, kExtended>(c, i);
-  take_over<Lanes, kPlane, kPlane && kExtended>(c, i, t, map_onto_circle<Lanes, kPlane, kExtended>(c, i, t));
+SLIPBENCH_INLINE void return_map_group(const Columns& c, std::size_t i) {
+  const auto t = find_trial<Lanes, kPlane, kExtended>(c, i);
+  commit_state<Lanes, kPlane, kPlane && kExtended>(c, i, t, project_onto_circle<Lanes, kPlane, kExtended>(c, i, t));
 }
 
 template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE void map_all(const Columns& c, const Groups& groups) {
-  for (std::size_t k = 0; k < groups.count; ++k) map_group<kPlane, kExtended>(c, groups[k]);
+SLIPBENCH_INLINE void return_map_all(const Columns& c, const Groups& groups) {
+  for (std::size_t k = 0; k < groups.count; ++k) return_map_group<kPlane, kExtended>(c, groups[k]);
 }
 
-SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, const Groups& groups) { map_all<true, false>(c, groups); }
-SLIPBENCH_DISPATCHED void map_on_plane_extended(const Columns& c, const Groups& groups) { map_all<true, true>(c, groups); }
-SLIPBENCH_DISPATCHED void map_on_curve(const Columns& c, const Groups& groups) { map_all<false, false>(c, groups); }
-SLIPBENCH_DISPATCHED void map_on_curve_extended(const Columns& c, const Groups& groups) { map_all<false, true>(c, groups); }
+SLIPBENCH_DISPATCHED void return_map_on_plane(const Columns& c, const Groups& groups) { return_map_all<true, false>(c, groups); }
+SLIPBENCH_DISPATCHED void return_map_on_plane_extended(const Columns& c, const Groups& groups) {
+  return_map_all<true, true>(c, groups);
+}
+SLIPBENCH_DISPATCHED void return_map_on_curve(const Columns& c, const Groups& groups) { return_map_all<false, false>(c, groups); }
+SLIPBENCH_DISPATCHED void return_map_on_curve_extended(const Columns& c, const Groups& groups) {
+  return_map_all<false, true>(c, groups);
+}
 
+// The sizes of the trial forces and their limits while slipping, for a rate law.
 template <bool kPlane>
 SLIPBENCH_INLINE void find_all_trials(const Columns& c, std::size_t count) {
   for (std::size_t i = 0; i < count; i += lanes) {
-    const auto t = trial_of<Lanes, kPlane, true>(c, i);
+    const auto t = find_trial<Lanes, kPlane, true>(c, i);
     put(c, trial, i, size_of<Lanes, kPlane>(t));
     put(c, slide, i, at(c, mu_kinetic, i) * t.f_n);
   }
@@ -49,6 +65,7 @@ SLIPBENCH_INLINE void find_all_trials(const Columns& c, std::size_t count) {
 SLIPBENCH_DISPATCHED void find_trials_on_plane(const Columns& c, std::size_t count) { find_all_trials<true>(c, count); }
 SLIPBENCH_DISPATCHED void find_trials_on_curve(const Columns& c, std::size_t count) { find_all_trials<false>(c, count); }
 
+// Contact points and gaps below a plane: the tips, projected along its normal.
 SLIPBENCH_INLINE void locate_group(const Columns& c, const Pose& pose, std::size_t i) {
   const Eigen::Matrix3d& r = pose.rotation;
   const Eigen::Vector3d& p = pose.position;
@@ -64,6 +81,7 @@ SLIPBENCH_DISPATCHED void plane_gap(const Columns& c, const Pose& pose, std::siz
   for (std::size_t i = 0; i < count; i += lanes) locate_group(c, pose, i);
 }
 
+// An element that points away from the plane does not enter it.
 SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::size_t count) {
   const double rx = pose.rotation(2, 0), ry = pose.rotation(2, 1), rz = pose.rotation(2, 2);
   SLIPBENCH_VECTORISE
@@ -75,6 +93,7 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
 
 namespace {
 
+// Each tip is moved into the surface frame; the shape gives its gap, normal and face.
 template <bool kThin, class Shape>
 SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose& pose, const Groups& groups, double column) {
   const Eigen::Matrix3d& r = pose.rotation;
@@ -109,6 +128,7 @@ SLIPBENCH_DISPATCHED void meet_cylinder(const Columns& c, const Cylinder& cylind
                            : meet_all<false>(c, cylinder, pose, groups, column);
 }
 
+// A group stays active while one of its elements touches or has touched in the last two steps.
 SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& candidates, std::uint32_t* active, std::uint32_t* idle) {
   const Lanes none{};
   Sorted found{};
@@ -133,7 +153,8 @@ SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& candidat
   return found;
 }
 
-SLIPBENCH_DISPATCHED void rest(const Columns& c, const Groups& groups) {
+// Idle groups have no contact: their anchors follow their roots.
+SLIPBENCH_DISPATCHED void reset_idle(const Columns& c, const Groups& groups) {
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
     const Lanes raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), Lanes{});
@@ -149,12 +170,14 @@ SLIPBENCH_DISPATCHED void rest(const Columns& c, const Groups& groups) {
   }
 }
 
+// Compares the states with those of the last step.
 SLIPBENCH_DISPATCHED bool any_changes(const Columns& c, const Groups& groups) {
   Mask changed{};
   for (std::size_t k = 0; k < groups.count; ++k) changed |= at(c, mode, groups[k]) != at(c, mode_before, groups[k]);
   return any(changed);
 }
 
+// A stuck tip is at its anchor; a slipping one trails its root by its stretch after the last step.
 SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
   for (std::size_t i = 0; i < count; i += lanes) {
     const Lanes x = at(c, contact_x, i), y = at(c, contact_y, i), z = at(c, contact_z, i);
@@ -178,6 +201,7 @@ SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
   }
 }
 
+// Looks for a face that changed inside the surface, or an offset that remains from such a change.
 SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups) {
   Mask changed{};
   for (std::size_t k = 0; k < groups.count; ++k) {
@@ -187,13 +211,14 @@ SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups)
   return !any(changed);
 }
 
-SLIPBENCH_DISPATCHED bool stay_apart(const Columns& c, std::size_t count) {
+// Writes what commit_state() would write for elements without contact.
+SLIPBENCH_DISPATCHED bool update_if_separated(const Columns& c, std::size_t count) {
   Mask near{};
   for (std::size_t i = 0; i < count; i += lanes) near |= (at(c, gap, i) < 0.0) | (at(c, depth_offset, i) != 0.0);
   if (any(near)) return false;
   const Lanes none{};
   for (std::size_t i = 0; i < count; i += lanes) {
-    const auto t = trial_of<Lanes, false, true>(c, i);
+    const auto t = find_trial<Lanes, false, true>(c, i);
     put(c, f_normal, i, t.raw);
     const Lanes pulled[3] = {t.tx, t.ty, t.tz};
     for (const std::size_t axis : {0U, 1U, 2U}) {
@@ -207,6 +232,7 @@ SLIPBENCH_DISPATCHED bool stay_apart(const Columns& c, std::size_t count) {
   return true;
 }
 
+// Looks for an element that has a normal force and had no contact before.
 SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t count) {
   Mask touched{};
   for (std::size_t i = 0; i < count; i += lanes) {
@@ -216,13 +242,15 @@ SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t
   return any(touched);
 }
 
+// Both passes in one loop, so that the contact points stay in registers.
 SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std::size_t count) {
   for (std::size_t i = 0; i < count; i += lanes) {
     locate_group(c, pose, i);
-    map_group<true, false>(c, i);
+    return_map_group<true, false>(c, i);
   }
 }
 
+// The normal force and the friction limit; the tips themselves are moved by the TipEffect.
 SLIPBENCH_DISPATCHED void load_tips(const Columns& c, std::size_t count) {
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
@@ -244,6 +272,7 @@ SLIPBENCH_INLINE void put_turned(const Columns& c, Column column, std::size_t i,
 
 }  // namespace
 
+// Rotates forces, deflections and slip from S into the pad frame.
 SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted,
                                         const Groups& groups, std::size_t vectors) {
   const double *const tx = c[transmitted], *const ty = c[transmitted + 1], *const tz = c[transmitted + 2];
@@ -262,6 +291,7 @@ SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d&
   }
 }
 
+// Adds depths, and the deflections of the tips along the surface.
 SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
                                        const std::array<double*, 3>& shear, std::size_t count) {
   const Rotation r = entries_of(to_pad);
@@ -286,6 +316,7 @@ SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& 
   }
 }
 
+// Tangential velocity of the roots: v + w x arm without its part along n, or the mean of the step.
 SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* motion, double dt, bool memory, bool speeds,
                                std::size_t count) {
   const Eigen::Matrix3d& r = pose.rotation;
@@ -318,6 +349,7 @@ SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* 
   }
 }
 
+// Force f_n n - f, energy f_n^2/2k_n + |f|^2/2k_t and loss f . s of each spring.
 SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, const Groups& groups) {
   const Lanes none{};
   Lanes x{}, y{}, z{}, elastic{}, loss{};
@@ -336,6 +368,7 @@ SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, const Groups& grou
   return {{total(x), total(y), total(z)}, 0.5 * total(elastic), total(loss)};
 }
 
+// Adds tau k times the velocity to each spring and scales tangential forces back into the cone.
 SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::Vector3d& origin, const Twist& motion, double tau,
                                                  const ConeEffect* cone, const Groups& groups) {
   const Eigen::Vector3d &v = motion.linear, &w = motion.angular;
@@ -385,11 +418,11 @@ void find_trials(const Columns& columns, bool plane, std::size_t count) {
   plane ? find_trials_on_plane(columns, count) : find_trials_on_curve(columns, count);
 }
 
-void map(const Columns& columns, bool plane, bool extended, const Groups& groups) {
+void return_map(const Columns& columns, bool plane, bool extended, const Groups& groups) {
   if (plane) {
-    extended ? map_on_plane_extended(columns, groups) : map_on_plane(columns, groups);
+    extended ? return_map_on_plane_extended(columns, groups) : return_map_on_plane(columns, groups);
   } else {
-    extended ? map_on_curve_extended(columns, groups) : map_on_curve(columns, groups);
+    extended ? return_map_on_curve_extended(columns, groups) : return_map_on_curve(columns, groups);
   }
 }
 

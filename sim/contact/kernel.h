@@ -99,8 +99,9 @@ bool all_keep_faces(const Columns& columns, const Groups& groups);
 bool any_touches(const Columns& columns, bool memory, std::size_t count);
 
 // For columns with effects, on a surface other than a plane, without contact in the last step:
-// returns true if nothing touches now either, and then leaves the columns bit-identical to map().
-bool stay_apart(const Columns& columns, std::size_t count);
+// returns true if nothing touches now either, and then leaves the columns bit-identical to
+// return_map().
+bool update_if_separated(const Columns& columns, std::size_t count);
 
 // Between the passes, for effects: the positions of the tips (SurfaceEffect).
 void place_tips(const Columns& columns, std::size_t count);
@@ -111,7 +112,7 @@ void find_trials(const Columns& columns, bool plane, std::size_t count);
 // Pass 2: normal force, and return mapping onto the friction cone (field.h). `extended`: the
 // columns from plain_columns on exist; then the rheology's history counts, and on a plane a
 // sticking anchor stays bit-identical. Without them it stays up to rounding.
-void map(const Columns& columns, bool plane, bool extended, const Groups& groups);
+void return_map(const Columns& columns, bool plane, bool extended, const Groups& groups);
 
 // Passes 1 and 2 at once, for springs on the plane.
 void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count);
@@ -146,8 +147,8 @@ Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origi
                             const ConeEffect* cone, const Groups& groups);
 
 // For an active set (active_set.h), after pass 1 of the `candidates`: writes the first elements of
-// the active and of the idle groups to `active` and `idle`. Idle groups are left as map() would
-// leave them.
+// the active and of the idle groups to `active` and `idle`. Idle groups are left as return_map()
+// would leave them.
 struct Sorted {
   std::size_t active, idle;  // numbers of groups
   bool touches;              // an element touches that did not before
@@ -155,7 +156,7 @@ struct Sorted {
 Sorted sort_groups(const Columns& columns, const Groups& candidates, std::uint32_t* active, std::uint32_t* idle);
 // Sets groups without any touching element as sort_groups() leaves idle ones, in the columns of the
 // last step too.
-void rest(const Columns& columns, const Groups& groups);
+void reset_idle(const Columns& columns, const Groups& groups);
 
 // True if a state has changed.
 bool any_changes(const Columns& columns, const Groups& groups);

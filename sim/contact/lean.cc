@@ -112,8 +112,8 @@ double strengthened(const ConeEffect& cone, RateEffect& rate, double dt, std::si
 
 }  // namespace
 
-kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, const kernel::Columns& c, std::size_t i,
-                        const kernel::Trial& trial) {
+kernel::Projected project_onto_cone(const Lean& lean, const RateEffect* rate, double dt, const kernel::Columns& c, std::size_t i,
+                                    const kernel::Trial& trial) {
   const auto vector = [&c, i](kernel::Column x) { return Eigen::Vector3d(c[x][i], c[x + 1][i], c[x + 2][i]); };
   const double k = c[kernel::k_tangential][i];
   const LeaningElement element{.stretch = {trial.ux, trial.uy, trial.uz},
@@ -152,8 +152,8 @@ kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, con
   return {force.normal, f.x(), f.y(), f.z(), s.x(), s.y(), s.z(), s.norm(), slides};
 }
 
-kernel::Mapped map_onto(const ConeEffect& cone, RateEffect* rate, double dt, const kernel::Columns& c, std::size_t i,
-                        const kernel::Trial& trial) {
+kernel::Projected project_onto_cone(const ConeEffect& cone, RateEffect* rate, double dt, const kernel::Columns& c, std::size_t i,
+                                    const kernel::Trial& trial) {
   const Eigen::Vector3d n(c[kernel::normal_x][i], c[kernel::normal_y][i], c[kernel::normal_z][i]);
   const Eigen::Vector3d t(trial.tx, trial.ty, trial.tz);
   double limit_slide = c[kernel::mu_kinetic][i] * trial.f_n;

@@ -11,13 +11,13 @@ namespace slipbench {
 
 // Projects the trial of element i, which touches, onto `cone`. `rate`: null, or a rate law in a
 // step of `dt` > 0 [s].
-[[nodiscard]] kernel::Mapped map_onto(const ConeEffect& cone, RateEffect* rate, double dt, const kernel::Columns& columns,
-                                      std::size_t i, const kernel::Trial& trial);
+[[nodiscard]] kernel::Projected project_onto_cone(const ConeEffect& cone, RateEffect* rate, double dt,
+                                                  const kernel::Columns& columns, std::size_t i, const kernel::Trial& trial);
 
 // Projects the trial of element i onto Coulomb's cone for leaning columns (effect.h's Lean); the
 // trial is that of an upright column. Also writes the columns trial and slide. Throws InputError if
 // the column is loaded beyond the capacity of its stop.
-[[nodiscard]] kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, const kernel::Columns& columns,
-                                      std::size_t i, const kernel::Trial& trial);
+[[nodiscard]] kernel::Projected project_onto_cone(const Lean& lean, const RateEffect* rate, double dt,
+                                                  const kernel::Columns& columns, std::size_t i, const kernel::Trial& trial);
 
 }  // namespace slipbench

@@ -1,8 +1,9 @@
 // The return mapping of one element onto its friction cone (field.h), common to all cones.
 //
-// It takes a trial force with the anchor unchanged, its projection onto the cone
-// (map_onto_circle; map_onto for other cones), and the element's new state. The kernel inlines all
-// three and, for the circular cone, works on several elements at once.
+// Three stages: find_trial() computes the force with the anchor unchanged, project_onto_circle()
+// (project_onto_cone() for other cones) projects it onto the cone, and commit_state() stores the
+// element's new state. The kernel inlines all three and, for the circular cone, works on several
+// elements at once.
 #pragma once
 
 #include <cmath>
@@ -27,18 +28,18 @@ using Flag = decltype(Real{} < Real{});
 
 // Forces of an element if its anchor stays. Vectors are tangential.
 template <class Real>
-struct TrialOf {
+struct TrialState {
   Real raw, f_n;    // normal force: raw is negative while separated, f_n is 0 then [N]
   Real ux, uy, uz;  // stretch [m]
   Real hx, hy, hz;  // history of the rheology [N]
   Real tx, ty, tz;  // force k u + h [N]
 };
-using Trial = TrialOf<double>;
+using Trial = TrialState<double>;
 
 template <class Real, bool kPlane, bool kExtended>
-SLIPBENCH_INLINE TrialOf<Real> trial_of(const Columns& c, std::size_t i) {
+SLIPBENCH_INLINE TrialState<Real> find_trial(const Columns& c, std::size_t i) {
   const auto at = [&c, i](Column column) SLIPBENCH_INLINE_BODY { return entry<Real>(c, column, i); };
-  TrialOf<Real> t{};
+  TrialState<Real> t{};
   t.raw = raw_normal_force<Real>(at(gap), at(k_normal), kExtended ? at(h_normal) : Real{});
   t.f_n = positive(t.raw);
   const Real k = at(k_tangential), nx = at(normal_x), ny = at(normal_y), nz = at(normal_z);
@@ -75,17 +76,17 @@ SLIPBENCH_INLINE TrialOf<Real> trial_of(const Columns& c, std::size_t i) {
 
 // Projection of a trial onto a cone: the element after the step.
 template <class Real>
-struct MappedOf {
+struct ProjectedState {
   Real raw;         // normal force, negative while separated [N]
   Real fx, fy, fz;  // tangential force [N]
   Real sx, sy, sz;  // slip, by which the stretch is reduced [m]
   Real path;        // its length [m]
   Flag<Real> slides;
 };
-using Mapped = MappedOf<double>;
+using Projected = ProjectedState<double>;
 
 template <class Real, bool kPlane>
-SLIPBENCH_INLINE Real size_of(const TrialOf<Real>& t) {
+SLIPBENCH_INLINE Real size_of(const TrialState<Real>& t) {
   const Real squared = t.tx * t.tx + t.ty * t.ty;
   return root(kPlane ? squared : squared + t.tz * t.tz);
 }
@@ -101,7 +102,7 @@ SLIPBENCH_INLINE Real slips_beyond(const Columns& c, std::size_t i, const Real& 
 
 // Projects onto Coulomb's circular cone, also for elements without contact.
 template <class Real, bool kPlane, bool kExtended>
-SLIPBENCH_INLINE MappedOf<Real> map_onto_circle(const Columns& c, std::size_t i, const TrialOf<Real>& t) {
+SLIPBENCH_INLINE ProjectedState<Real> project_onto_circle(const Columns& c, std::size_t i, const TrialState<Real>& t) {
   const Real none{}, one = none + 1.0, softness = entry<Real>(c, compliance, i);
   const Flag<Real> touches = t.f_n > none;
   const Real limit_stick = entry<Real>(c, mu_static, i) * t.f_n, limit_slide = entry<Real>(c, mu_kinetic, i) * t.f_n;
@@ -122,41 +123,42 @@ SLIPBENCH_INLINE MappedOf<Real> map_onto_circle(const Columns& c, std::size_t i,
 // Stores the projected trial. `kKeepsAnchor`: on a plane a sticking anchor stays bit-identical,
 // whereas c - (c - a) keeps it only up to rounding.
 template <class Real, bool kPlane, bool kKeepsAnchor>
-SLIPBENCH_INLINE void take_over(const Columns& c, std::size_t i, const TrialOf<Real>& t, const MappedOf<Real>& m) {
+SLIPBENCH_INLINE void commit_state(const Columns& c, std::size_t i, const TrialState<Real>& t,
+                                   const ProjectedState<Real>& projected) {
   const Real none{}, one = none + 1.0;
-  const Flag<Real> touches = t.f_n > none, stays = touches != m.slides;
+  const Flag<Real> touches = t.f_n > none, stays = touches != projected.slides;
   const auto set = [&c, i](Column column, const Real& value) SLIPBENCH_INLINE_BODY { put_vector(c[column] + i, value); };
   const auto move_anchor = [&](Column anchor, Column contact, const Real& stretch, const Real& slip) SLIPBENCH_INLINE_BODY {
     const Real left = stretch - slip, moved = entry<Real>(c, contact, i) - (touches ? left : none);
     set(anchor, kKeepsAnchor ? (stays ? entry<Real>(c, anchor, i) : moved) : moved);
   };
-  set(f_normal, m.raw);
-  set(slip_x, m.sx);
-  set(slip_y, m.sy);
-  move_anchor(anchor_x, contact_x, t.ux, m.sx);
-  move_anchor(anchor_y, contact_y, t.uy, m.sy);
-  set(force_x, m.fx);
-  set(force_y, m.fy);
+  set(f_normal, projected.raw);
+  set(slip_x, projected.sx);
+  set(slip_y, projected.sy);
+  move_anchor(anchor_x, contact_x, t.ux, projected.sx);
+  move_anchor(anchor_y, contact_y, t.uy, projected.sy);
+  set(force_x, projected.fx);
+  set(force_y, projected.fy);
   if constexpr (!kPlane) {
-    set(slip_z, m.sz);
-    move_anchor(anchor_z, contact_z, t.uz, m.sz);
-    set(force_z, m.fz);
+    set(slip_z, projected.sz);
+    move_anchor(anchor_z, contact_z, t.uz, projected.sz);
+    set(force_z, projected.fz);
   }
-  set(limit, entry<Real>(c, mu_static, i) * positive(m.raw));
-  set(path, entry<Real>(c, path, i) + m.path);
-  set(mode, (touches ? one : none) + (m.slides ? one : none));
+  set(limit, entry<Real>(c, mu_static, i) * positive(projected.raw));
+  set(path, entry<Real>(c, path, i) + projected.path);
+  set(mode, (touches ? one : none) + (projected.slides ? one : none));
 }
 
-// Maps `count` elements one by one; `map_onto(i, trial)` projects those that touch onto the cone.
-// `plane`, `extended`: as for map().
+// Maps `count` elements one by one; `project_onto_cone(i, trial)` projects those that touch onto the
+// cone. `plane`, `extended`: as for return_map().
 template <class Cone>
-void map_each(const Columns& c, bool plane, bool extended, std::size_t count, const Cone& map_onto) {
+void return_map_each(const Columns& c, bool plane, bool extended, std::size_t count, const Cone& project_onto_cone) {
   for (std::size_t i = 0; i < count; ++i) {
-    const Trial trial = extended ? trial_of<double, false, true>(c, i) : trial_of<double, false, false>(c, i);
-    Mapped mapped{};
-    mapped.raw = trial.raw;
-    if (trial.f_n > 0.0) mapped = map_onto(i, trial);
-    plane ? take_over<double, true, true>(c, i, trial, mapped) : take_over<double, false, false>(c, i, trial, mapped);
+    const Trial trial = extended ? find_trial<double, false, true>(c, i) : find_trial<double, false, false>(c, i);
+    Projected projected{};
+    projected.raw = trial.raw;
+    if (trial.f_n > 0.0) projected = project_onto_cone(i, trial);
+    plane ? commit_state<double, true, true>(c, i, trial, projected) : commit_state<double, false, false>(c, i, trial, projected);
   }
 }
 

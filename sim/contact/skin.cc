@@ -200,8 +200,8 @@ SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const Frames& fra
   for (std::size_t i = 0; i < count; i += lanes) {
     const auto touched = at(c, kernel::mode_before, i) != 0.0;
     const Vectors a = vectors_at(c, kernel::anchor_x, i), b = vectors_at(c, kernel::contact_before_x, i);
-    const Vectors was = frames.place_in(i, {touched ? a.x : b.x, touched ? a.y : b.y, touched ? a.z : b.z});
-    const Ways way = way_to_root(t, i, was.x, was.y);
+    const Vectors anchor = frames.place_in(i, {touched ? a.x : b.x, touched ? a.y : b.y, touched ? a.z : b.z});
+    const Ways way = way_to_root(t, i, anchor.x, anchor.y);
     // A new contact has followed its neighbours, and moves with the pad for the rest of the step.
     const Lanes gap = at(c, kernel::gap_before, i), depth = at(c, kernel::gap, i);
     const Lanes rest = depth < 0.0 ? placed * (gap > 0.0 ? depth / (depth - gap) : one) : none;
@@ -272,7 +272,7 @@ void Field::prepare_skin() {
 void Field::approach_on_skin() {
   candidates_ = all();
   at_rest_ = skin_rests();
-  if (at_rest_) return rest_on_skin();
+  if (at_rest_) return step_resting_skin();
   const SkinTable t{skin_.data(), padded_};
   const SkinEffect::Solution s = effects_.skin->solution();
   std::copy_n(s.shift_x, count_, t[shift_x]);
@@ -320,7 +320,7 @@ bool Field::skin_rests() {
 }
 
 // A pad that has not moved since the last step keeps its state, and slipping elements stick.
-void Field::rest_on_skin() {
+void Field::step_resting_skin() {
   const auto keep = [this](Column now, Column before) { std::copy_n(columns_[before], count_, columns_[now]); };
   for (const std::size_t k : {0U, 1U, 2U}) {
     keep(static_cast<Column>(contact_x + k), static_cast<Column>(contact_before_x + k));

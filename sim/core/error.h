@@ -18,7 +18,7 @@ class InputError : public std::runtime_error {
 
 // A run that has diverged. The scene's time step is the likeliest cause. The caller that read the
 // scene adds file and line.
-class WrongRun : public InputError {
+class FailedRun : public InputError {
  public:
   using InputError::InputError;
 };

@@ -76,8 +76,13 @@ class Asperities final : public RingingEffect {
 
   [[nodiscard]] double* column(std::size_t c) { return memory_.data() + c * padded_; }
   [[nodiscard]] Mode mode_at(std::size_t mode) {
-    const auto of = [&](std::size_t c) { return column(modes + 4 * mode + c); };
-    return {turns_.data() + 2 * mode * padded_, turns_.data() + (2 * mode + 1) * padded_, of(0), of(1), of(2), of(3)};
+    const auto mode_column = [&](std::size_t c) { return column(modes + 4 * mode + c); };
+    return {turns_.data() + 2 * mode * padded_,
+            turns_.data() + (2 * mode + 1) * padded_,
+            mode_column(0),
+            mode_column(1),
+            mode_column(2),
+            mode_column(3)};
   }
 
   // exp((-s + i w) time)

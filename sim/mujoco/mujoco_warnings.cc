@@ -29,8 +29,8 @@ void refuse_warnings(const mjModel* model, const mjData* data, double time) {
   for (int w = 0; w < mjNWARNING; ++w) {
     if (data->warning[w].number == 0) continue;
     const int info = data->warning[w].lastinfo;
-    throw WrongRun(fmt::format("MuJoCo warns: {} (at {:.6g} s{})", mju_warningText(w, static_cast<std::size_t>(info)), time,
-                               body_of(model, w, info)));
+    throw FailedRun(fmt::format("MuJoCo warns: {} (at {:.6g} s{})", mju_warningText(w, static_cast<std::size_t>(info)), time,
+                                body_of(model, w, info)));
   }
 }
 

@@ -98,8 +98,8 @@ const ContactFrame& StageSimulation::contact_part(std::size_t pad, FramePart par
   State::Pad& read = state_->pads[pad];
   return read.labels.fill({&read.field, 1}, part);
 }
-void StageSimulation::leave_slip_angle() {
-  for (State::Pad& pad : state_->pads) pad.labels.leave_slip_angle();
+void StageSimulation::disable_slip_angle() {
+  for (State::Pad& pad : state_->pads) pad.labels.disable_slip_angle();
 }
 const std::vector<NamedBody>& StageSimulation::bodies() const { return state_->bodies; }
 bool StageSimulation::rotating() const { return state_->motion->turns(); }

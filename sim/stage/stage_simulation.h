@@ -38,7 +38,7 @@ class StageSimulation final : public Simulation {
   [[nodiscard]] std::span<const std::size_t> stepped() const override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override { return contact_part(pad, FramePart::all); }
   [[nodiscard]] const ContactFrame& contact_part(std::size_t pad, FramePart part) const override;
-  void leave_slip_angle() override;
+  void disable_slip_angle() override;
   // "pad" (one, since all sensors ride on the same stage) and "surface".
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   [[nodiscard]] bool rotating() const override;

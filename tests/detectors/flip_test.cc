@@ -37,7 +37,7 @@ FrameSource source_of(std::uint64_t seed, std::uint64_t trial) {
   return source;
 }
 
-std::vector<PadState> told(PadState state, double probability, std::uint64_t seed, std::uint64_t trial, int frames) {
+std::vector<PadState> flipped_states(PadState state, double probability, std::uint64_t seed, std::uint64_t trial, int frames) {
   const auto detector = with_flips(std::make_unique<Saying>(state), probability, source_of(seed, trial));
   std::vector<PadState> states;
   for (int k = 0; k < frames; ++k) states.push_back(detector->update({1e-3 * k, {}}).state);
@@ -52,7 +52,7 @@ TEST(Flip, ReplacesEachClassByTheOthersAlike) {
   for (const double p : {0.1, 0.5}) {
     for (const PadState right : {PadState::non_slip, PadState::incipient, PadState::gross}) {
       std::array<int, 4> counts{};
-      for (const PadState state : told(right, p, 7, 3, n)) ++counts[static_cast<std::size_t>(state)];
+      for (const PadState state : flipped_states(right, p, 7, 3, n)) ++counts[static_cast<std::size_t>(state)];
       EXPECT_EQ(counts[0], 0);
       for (const PadState state : {PadState::non_slip, PadState::incipient, PadState::gross}) {
         const double q = state == right ? 1.0 - p : 0.5 * p;
@@ -68,8 +68,8 @@ TEST(Flip, ReplacesEachClassByTheOthersAlike) {
 TEST(Flip, LowersAnAccuracyByTheStatedAmount) {
   constexpr int n = 50'000;
   int right = 0;
-  const std::vector<PadState> truly_right = told(PadState::incipient, 0.3, 1, 0, n * 4 / 5);
-  const std::vector<PadState> truly_wrong = told(PadState::gross, 0.3, 1, 1, n / 5);
+  const std::vector<PadState> truly_right = flipped_states(PadState::incipient, 0.3, 1, 0, n * 4 / 5);
+  const std::vector<PadState> truly_wrong = flipped_states(PadState::gross, 0.3, 1, 1, n / 5);
   for (const auto& states : {truly_right, truly_wrong}) {
     for (const PadState state : states) right += state == PadState::incipient;
   }
@@ -83,24 +83,24 @@ TEST(Flip, WithoutProbabilityIsTheDetectorItself) {
 }
 
 TEST(Flip, WithCertaintyIsNeverRight) {
-  for (const PadState state : told(PadState::incipient, 1.0, 1, 2, 1000)) ASSERT_NE(state, PadState::incipient);
+  for (const PadState state : flipped_states(PadState::incipient, 1.0, 1, 2, 1000)) ASSERT_NE(state, PadState::incipient);
 }
 
 TEST(Flip, DrawsFromSeedAndTrialAlone) {
-  const auto one = told(PadState::gross, 0.5, 1, 2, 200);
-  EXPECT_EQ(told(PadState::gross, 0.5, 1, 2, 200), one);
-  EXPECT_NE(told(PadState::gross, 0.5, 2, 2, 200), one);
-  EXPECT_NE(told(PadState::gross, 0.5, 1, 1, 200), one);
+  const auto one = flipped_states(PadState::gross, 0.5, 1, 2, 200);
+  EXPECT_EQ(flipped_states(PadState::gross, 0.5, 1, 2, 200), one);
+  EXPECT_NE(flipped_states(PadState::gross, 0.5, 2, 2, 200), one);
+  EXPECT_NE(flipped_states(PadState::gross, 0.5, 1, 1, 200), one);
 }
 
 TEST(Flip, LeavesNoContactAlone) {
-  for (const PadState state : told(PadState::no_contact, 1.0, 1, 2, 100)) ASSERT_EQ(state, PadState::no_contact);
+  for (const PadState state : flipped_states(PadState::no_contact, 1.0, 1, 2, 100)) ASSERT_EQ(state, PadState::no_contact);
 }
 
 // A frame of the same time repeats an old estimate, which keeps its replacement.
 TEST(Flip, DrawsOnceAnEstimate) {
   const auto detector = with_flips(std::make_unique<Saying>(PadState::gross), 0.5, source_of(1, 2));
-  const std::vector<PadState> each = told(PadState::gross, 0.5, 1, 2, 100);
+  const std::vector<PadState> each = flipped_states(PadState::gross, 0.5, 1, 2, 100);
   for (int k = 0; k < 100; ++k) {
     for (int again = 0; again < 3; ++again)
       ASSERT_EQ(detector->update({1e-3 * k, {}}).state, each[static_cast<std::size_t>(k)]) << k;

@@ -41,9 +41,9 @@ struct CoulombPad {
 };
 
 // Feeds a detector with frames at 1 kHz.
-class Told {
+class EstimateReader {
  public:
-  explicit Told(Detector& detector) : detector_(detector) {}
+  explicit EstimateReader(Detector& detector) : detector_(detector) {}
 
   SlipEstimate next(const std::vector<float>& values) { return detector_.update({1e-3 * ++tick_, values}); }
   // The state after `ticks` frames of the same values.
@@ -59,12 +59,12 @@ class Told {
 };
 
 // Three units slip one after the other on a surface at 5 mm/s: the k-th slip is reported
-// `told_at[k]` [ms] after the beginning, and the last is gross.
-inline void expect_slips_told(Detector& detector, const CoulombPad& pad, const std::array<int, 3>& told_at) {
-  Told told(detector);
+// `reported_at[k]` [ms] after the beginning, and the last is gross.
+inline void expect_slips_reported(Detector& detector, const CoulombPad& pad, const std::array<int, 3>& reported_at) {
+  EstimateReader reader(detector);
   for (int tick = 1; tick <= 250; ++tick) {
-    const SlipEstimate estimate = told.next(pad.after(5e-6 * tick));
-    const auto slipping = std::ranges::count_if(told_at, [tick](int at) { return at <= tick; });
+    const SlipEstimate estimate = reader.next(pad.after(5e-6 * tick));
+    const auto slipping = std::ranges::count_if(reported_at, [tick](int at) { return at <= tick; });
     const PadState state = slipping == 0 ? PadState::non_slip : slipping == 3 ? PadState::gross : PadState::incipient;
     ASSERT_EQ(estimate.stuck_fraction, static_cast<double>(3 - slipping) / 3.0) << tick << " ms";
     ASSERT_EQ(estimate.state, state) << tick << " ms";

@@ -14,7 +14,7 @@ std::unique_ptr<Detector> detector(const DetectorKind& kind) {
 
 // Four markers at the corners of a square of 100 px, 0.5 mm deep, that have moved along x and y by
 // `moved` [um].
-PadState told(Detector& detector, const std::array<float, 8>& moved, float depth = 5e-4F) {
+PadState state_after(Detector& detector, const std::array<float, 8>& moved, float depth = 5e-4F) {
   std::vector<float> values;
   for (std::size_t i = 0; i < 4; ++i) values.insert(values.end(), {1e-6F * moved[2 * i], 1e-6F * moved[2 * i + 1], depth});
   values.insert(values.end(), {100, 100, 200, 100, 100, 200, 200, 200});
@@ -27,23 +27,23 @@ PadState told(Detector& detector, const std::array<float, 8>& moved, float depth
 // less it is 44 um.
 TEST(MarkerDeviation, TellsMarkersThatLeaveTheRigidMotion) {
   const auto deviation = detector(marker_deviation_detector());
-  EXPECT_EQ(told(*deviation, {}, 0.5e-4F), PadState::no_contact);
-  EXPECT_EQ(told(*deviation, {10, 20, 10, 20, 10, 20, 10, 20}), PadState::non_slip);
-  EXPECT_EQ(told(*deviation, {260, 70, 260, 170, 360, 70, 360, 170}), PadState::non_slip);
-  EXPECT_EQ(told(*deviation, {260, 70, 260, 170, 360, 70, 290, 170}), PadState::non_slip);
-  EXPECT_EQ(told(*deviation, {260, 70, 260, 170, 360, 70, 260, 170}), PadState::incipient);
-  EXPECT_EQ(told(*deviation, {300, 0, 0, 0, 0, 0, 300, 0}), PadState::gross);  // all 150 um off the mean
-  EXPECT_EQ(told(*deviation, {}, 0.5e-4F), PadState::no_contact);
-  EXPECT_EQ(told(*deviation, {300, 0, 0, 0, 0, 0, 300, 0}), PadState::non_slip);  // a new touch starts anew
+  EXPECT_EQ(state_after(*deviation, {}, 0.5e-4F), PadState::no_contact);
+  EXPECT_EQ(state_after(*deviation, {10, 20, 10, 20, 10, 20, 10, 20}), PadState::non_slip);
+  EXPECT_EQ(state_after(*deviation, {260, 70, 260, 170, 360, 70, 360, 170}), PadState::non_slip);
+  EXPECT_EQ(state_after(*deviation, {260, 70, 260, 170, 360, 70, 290, 170}), PadState::non_slip);
+  EXPECT_EQ(state_after(*deviation, {260, 70, 260, 170, 360, 70, 260, 170}), PadState::incipient);
+  EXPECT_EQ(state_after(*deviation, {300, 0, 0, 0, 0, 0, 300, 0}), PadState::gross);  // all 150 um off the mean
+  EXPECT_EQ(state_after(*deviation, {}, 0.5e-4F), PadState::no_contact);
+  EXPECT_EQ(state_after(*deviation, {300, 0, 0, 0, 0, 0, 300, 0}), PadState::non_slip);  // a new touch starts anew
 }
 
 // Bins of 30 um: four markers in two bins have 1 bit; in four bins 2 bits, the threshold.
 TEST(MarkerEntropy, TellsUnevenMotion) {
   const auto entropy = detector(marker_entropy_detector());
-  EXPECT_EQ(told(*entropy, {}), PadState::non_slip);
-  EXPECT_EQ(told(*entropy, {100, 0, 0, 100, 10, 0, 0, 10}), PadState::non_slip);
-  EXPECT_EQ(told(*entropy, {100, 0, 0, 70, 40, 0, 0, 40}), PadState::non_slip);  // 1.5 bits
-  EXPECT_EQ(told(*entropy, {100, 0, 0, 70, 40, 0, 0, 10}), PadState::incipient);
+  EXPECT_EQ(state_after(*entropy, {}), PadState::non_slip);
+  EXPECT_EQ(state_after(*entropy, {100, 0, 0, 100, 10, 0, 0, 10}), PadState::non_slip);
+  EXPECT_EQ(state_after(*entropy, {100, 0, 0, 70, 40, 0, 0, 40}), PadState::non_slip);  // 1.5 bits
+  EXPECT_EQ(state_after(*entropy, {100, 0, 0, 70, 40, 0, 0, 10}), PadState::incipient);
 }
 
 TEST(MarkerEntropy, RefusesASensorWithoutMarkers) {

@@ -29,7 +29,7 @@ std::vector<float> firmer(std::vector<float> values, std::size_t units, float fa
 TEST(ShearRate, TellsEachSlipAfterItsShareOfTheWindow) {
   const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
-  expect_slips_told(*three, pad, {60, 110, 160});
+  expect_slips_reported(*three, pad, {60, 110, 160});
 }
 
 // Friction falls from 0.5 to 0.4 when the unit begins to slip at 100 ms: 0.4 N of 2 N, in a window
@@ -37,23 +37,23 @@ TEST(ShearRate, TellsEachSlipAfterItsShareOfTheWindow) {
 TEST(ShearRate, TellsADropAtOnce) {
   CoulombPad pad{.normal = {4.0}};
   const auto one = detector(pad.source(1000.0));
-  Told told(*one);
-  for (int tick = 1; tick <= 100; ++tick) ASSERT_EQ(told.next(pad.after(per_tick * tick)).state, PadState::non_slip) << tick;
+  EstimateReader reader(*one);
+  for (int tick = 1; tick <= 100; ++tick) ASSERT_EQ(reader.next(pad.after(per_tick * tick)).state, PadState::non_slip) << tick;
   pad.friction = 0.4;
-  EXPECT_EQ(told.next(pad.after(per_tick * 101)).state, PadState::gross);
+  EXPECT_EQ(reader.next(pad.after(per_tick * 101)).state, PadState::gross);
 }
 
 // f_t is constant, f_n grows by 1.1 and 1.12: f_t/f_n falls to 0.909 and 0.893 of its value.
 TEST(ShearRate, AFirmerGripReleasesIt) {
   const CoulombPad pad{.normal = {2.0, 4.0}};
   const auto two = detector(pad.source(1000.0));
-  Told told(*two);
-  for (int tick = 1; tick <= 200; ++tick) told.next(pad.after(per_tick * tick));
+  EstimateReader reader(*two);
+  for (int tick = 1; tick <= 200; ++tick) reader.next(pad.after(per_tick * tick));
   const std::vector<float> rest = pad.after(per_tick * 200);
-  EXPECT_EQ(told.after(100, rest), PadState::gross);
-  EXPECT_EQ(told.after(1, firmer(rest, 2, 1.1F)), PadState::gross);
-  EXPECT_EQ(told.after(1, firmer(rest, 2, 1.12F)), PadState::non_slip);
-  EXPECT_EQ(told.after(100, rest), PadState::non_slip) << "its loading has ended";
+  EXPECT_EQ(reader.after(100, rest), PadState::gross);
+  EXPECT_EQ(reader.after(1, firmer(rest, 2, 1.1F)), PadState::gross);
+  EXPECT_EQ(reader.after(1, firmer(rest, 2, 1.12F)), PadState::non_slip);
+  EXPECT_EQ(reader.after(100, rest), PadState::non_slip) << "its loading has ended";
 }
 
 // Twice the normal force after 200 ms of sliding: the shear grows again, and reaches 0.525 of its
@@ -61,12 +61,12 @@ TEST(ShearRate, AFirmerGripReleasesIt) {
 TEST(ShearRate, AUnitThatFollowsAgainSticks) {
   const CoulombPad pad{.normal = {2.0}};
   const auto one = detector(pad.source(1000.0), 0.1);
-  Told told(*one);
-  for (int tick = 1; tick <= 200; ++tick) told.next(pad.after(per_tick * tick));
+  EstimateReader reader(*one);
+  for (int tick = 1; tick <= 200; ++tick) reader.next(pad.after(per_tick * tick));
   for (int tick = 1; tick <= 30; ++tick) {
     std::vector<float> values = pad.after(1.0);
     values[0] += static_cast<float>(pad.stiffness * per_tick * tick);
-    ASSERT_EQ(told.next(firmer(values, 1, 2.0F)).state, tick < 11 ? PadState::gross : PadState::non_slip) << tick;
+    ASSERT_EQ(reader.next(firmer(values, 1, 2.0F)).state, tick < 11 ? PadState::gross : PadState::non_slip) << tick;
   }
 }
 
@@ -76,10 +76,10 @@ TEST(ShearRate, ALoadThatStopsGrowingIsTakenForASlipAboveTheLeastFriction) {
   for (const auto& [stop, state] : {std::pair(30, PadState::gross), std::pair(15, PadState::non_slip)}) {
     const CoulombPad pad{.normal = {2.0}};
     const auto one = detector(pad.source(1000.0));
-    Told told(*one);
+    EstimateReader reader(*one);
     for (int tick = -20; tick <= stop; ++tick)
-      ASSERT_EQ(told.next(pad.after(per_tick * std::max(tick, 0))).state, PadState::non_slip);
-    EXPECT_EQ(told.after(100, pad.after(per_tick * stop)), state) << stop;
+      ASSERT_EQ(reader.next(pad.after(per_tick * std::max(tick, 0))).state, PadState::non_slip);
+    EXPECT_EQ(reader.after(100, pad.after(per_tick * stop)), state) << stop;
   }
 }
 
@@ -89,11 +89,11 @@ TEST(ShearRate, ALoadThatStopsGrowingIsTakenForASlipAboveTheLeastFriction) {
 TEST(ShearRate, ShearThatAClosingGripBringsIsNoLoad) {
   for (const auto& [growth, state] : {std::pair(2.0F, PadState::non_slip), std::pair(0.0F, PadState::gross)}) {
     const auto one = detector(vector_source({"force"}, 1, 1000.0));
-    Told told(*one);
+    EstimateReader reader(*one);
     const auto at = [growth](float share) { return std::vector<float>{0.6F + 0.3F * share, 0.0F, 2.0F + growth * share}; };
-    EXPECT_EQ(told.after(40, at(0.0F)), PadState::non_slip);
-    for (int tick = 1; tick <= 40; ++tick) ASSERT_EQ(told.next(at(static_cast<float>(tick) / 40.0F)).state, PadState::non_slip);
-    EXPECT_EQ(told.after(40, at(1.0F)), state);
+    EXPECT_EQ(reader.after(40, at(0.0F)), PadState::non_slip);
+    for (int tick = 1; tick <= 40; ++tick) ASSERT_EQ(reader.next(at(static_cast<float>(tick) / 40.0F)).state, PadState::non_slip);
+    EXPECT_EQ(reader.after(40, at(1.0F)), state);
   }
 }
 
@@ -101,11 +101,11 @@ TEST(ShearRate, ShearThatAClosingGripBringsIsNoLoad) {
 TEST(ShearRate, AnUnloadedUnitDoesNotSlip) {
   const CoulombPad pad{.normal = {0.06}};
   const auto one = detector(pad.source(1000.0));
-  Told told(*one);
+  EstimateReader reader(*one);
   for (int tick = 1; tick <= 200; ++tick) {
-    ASSERT_EQ(told.next(pad.after(0.9e-3 / pad.stiffness * tick)).state, PadState::non_slip) << tick;
+    ASSERT_EQ(reader.next(pad.after(0.9e-3 / pad.stiffness * tick)).state, PadState::non_slip) << tick;
   }
-  EXPECT_EQ(told.next(CoulombPad{.normal = {0.04}}.after(0.0)).state, PadState::no_contact);
+  EXPECT_EQ(reader.next(CoulombPad{.normal = {0.04}}.after(0.0)).state, PadState::no_contact);
 }
 
 TEST(ShearRate, ReadsForcesAlone) {

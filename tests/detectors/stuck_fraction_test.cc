@@ -25,7 +25,7 @@ constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s
 TEST(StuckFraction, TellsEachSlipAfterItsShareOfTheWindow) {
   const CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
-  expect_slips_told(*three, pad, {60, 110, 169});
+  expect_slips_reported(*three, pad, {60, 110, 169});
 }
 
 // At rest within a slide f_t/f_n is mu: gross, until a firmer grip brings it below 0.9 mu. f_t is
@@ -33,37 +33,37 @@ TEST(StuckFraction, TellsEachSlipAfterItsShareOfTheWindow) {
 TEST(StuckFraction, AtRestGoesByTheFrictionOfThoseThatSlid) {
   CoulombPad pad{.normal = {2.0, 4.0, 6.0}};
   const auto three = detector(pad.source(1000.0));
-  Told told(*three);
-  for (int tick = 1; tick <= 250; ++tick) told.next(pad.after(per_tick * tick));
+  EstimateReader reader(*three);
+  for (int tick = 1; tick <= 250; ++tick) reader.next(pad.after(per_tick * tick));
   const std::vector<float> rest = pad.after(per_tick * 250);
-  EXPECT_EQ(told.after(30, rest), PadState::gross);
+  EXPECT_EQ(reader.after(30, rest), PadState::gross);
   const auto firmer = [&rest](float factor) {
     std::vector<float> values = rest;
     for (std::size_t i = 0; i < 3; ++i) values[3 * i + 2] *= factor;
     return values;
   };
-  EXPECT_EQ(told.after(1, firmer(1.1F)), PadState::gross);
-  EXPECT_EQ(told.after(1, firmer(1.12F)), PadState::non_slip);
+  EXPECT_EQ(reader.after(1, firmer(1.1F)), PadState::gross);
+  EXPECT_EQ(reader.after(1, firmer(1.12F)), PadState::non_slip);
 }
 
 // Before any unit has slid no friction is known: the declared limit of a detector based on tips.
 TEST(StuckFraction, TakesAPadThatSlidesAsAWholeForOneAtRest) {
   const CoulombPad pad{.normal = {4.0, 4.0}};
   const auto two = detector(pad.source(1000.0));
-  Told told(*two);
-  for (int tick = 1; tick <= 200; ++tick) ASSERT_EQ(told.next(pad.after(per_tick * tick)).state, PadState::non_slip) << tick;
+  EstimateReader reader(*two);
+  for (int tick = 1; tick <= 200; ++tick) ASSERT_EQ(reader.next(pad.after(per_tick * tick)).state, PadState::non_slip) << tick;
 }
 
 TEST(StuckFraction, HearsNothingBelowTheLeastFrictionOrWithoutTouch) {
   const CoulombPad smooth{.normal = {2.0, 4.0}, .friction = 0.19};
   const auto low = detector(smooth.source(1000.0));
-  Told on_smooth(*low);
+  EstimateReader on_smooth(*low);
   for (int tick = 1; tick <= 200; ++tick) ASSERT_EQ(on_smooth.next(smooth.after(per_tick * tick)).state, PadState::non_slip);
 
   // A unit under 0.04 N does not touch: of the other two the lighter one slips, so half.
   const CoulombPad light{.normal = {2.0, 0.04, 4.0}};
   const auto one_off = detector(light.source(1000.0));
-  Told on_two(*one_off);
+  EstimateReader on_two(*one_off);
   for (int tick = 1; tick < 80; ++tick) on_two.next(light.after(per_tick * tick));
   EXPECT_EQ(on_two.next(light.after(per_tick * 80)).stuck_fraction, 0.5);
 

@@ -277,7 +277,7 @@ const std::vector<HardCase>& hard_cases() {
 }
 
 // Text printed with a failure, also stored as a property of the test.
-std::string told(const std::vector<Outcome>& runs, double scale) {
+std::string runs_text(const std::vector<Outcome>& runs, double scale) {
   std::string text;
   for (const Outcome& run : runs) {
     text += "h omega " + std::to_string(run.phase) + ": answer/scale " + exact(run.answer / scale) + ", gain " +
@@ -346,8 +346,8 @@ TEST_P(EveryMethod, EndsRightAndConverges) {
   const double longest = longest_of(method, automatic, modes_of(hard.box).fastest, hard.smooth ? 3.0 : 0.4);
   std::vector<Outcome> runs;
   for (const double part : {1.0, 0.5, 0.25, 0.125}) runs.push_back(run_of(hard, exact(longest * part) + " s"));
-  SCOPED_TRACE(hard.name + ", " + method.name + ": " + told(runs, hard.scale));
-  RecordProperty("runs", told(runs, hard.scale) + " expected " + exact(hard.expected / hard.scale));
+  SCOPED_TRACE(hard.name + ", " + method.name + ": " + runs_text(runs, hard.scale));
+  RecordProperty("runs", runs_text(runs, hard.scale) + " expected " + exact(hard.expected / hard.scale));
   const bool explicit_pads = !articulated && method.solver == "explicit";
   for (const Outcome& run : runs) {
     ASSERT_TRUE(std::isfinite(run.answer));

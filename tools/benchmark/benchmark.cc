@@ -60,7 +60,7 @@ struct Answer {
 };
 
 // An entrant with the sensor that it reads in a set of trials.
-struct Seat {
+struct EntrantResults {
   const Entrant* entrant = nullptr;
   std::size_t sensor = 0;   // index into the trial's sensors
   std::string sensor_name;  // as the scene names it
@@ -74,8 +74,8 @@ struct LeftOut {
 
 // A set of trials and its results.
 struct Board {
-  Held held{};
-  std::vector<Seat> seats{};
+  TestSet test_set{};
+  std::vector<EntrantResults> entries{};
   std::vector<LeftOut> left_out{};
   std::vector<std::string> params{};  // JSON for each trial
   std::vector<std::string> digests{};
@@ -83,28 +83,29 @@ struct Board {
   std::vector<GraspOutcome> untightened{};  // outcome of each grasp without tightening
 };
 
-DetectorScene told(const Entrant& entrant, const Held& held, const Scene& scene) {
-  switch (entrant.told) {
-    case Told::nothing: return entrant.detector;
-    case Told::motion: return motion_known(scene, held.mover);
-    case Told::clock:
-    case Told::motion_and_time:
-    case Told::speed:
-    case Told::travel: return timed_control(entrant.told, held, scene);
+DetectorScene detector_with_side_information(const Entrant& entrant, const TestSet& test_set, const Scene& scene) {
+  switch (entrant.side_information) {
+    case SideInformation::nothing: return entrant.detector;
+    case SideInformation::motion: return motion_known(scene, test_set.mover);
+    case SideInformation::clock:
+    case SideInformation::motion_and_time:
+    case SideInformation::speed:
+    case SideInformation::travel: return timed_control(entrant.side_information, test_set, scene);
   }
   return {};
 }
 
-// `scene`: that of the trial, one of `held`; both nullptr for a recording of a real sensor.
-DetectorScene detector_for(const Seat& seat, const Held* held, const Scene* scene) {
-  DetectorScene detector = scene == nullptr ? seat.entrant->detector : told(*seat.entrant, *held, *scene);
-  detector.sensor = seat.sensor;
+// `scene`: that of the trial, one of `test_set`; both nullptr for a recording of a real sensor.
+DetectorScene detector_for(const EntrantResults& entry, const TestSet* test_set, const Scene* scene) {
+  DetectorScene detector =
+      scene == nullptr ? entry.entrant->detector : detector_with_side_information(*entry.entrant, *test_set, *scene);
+  detector.sensor = entry.sensor;
   return detector;
 }
 
-// `held`: nullptr for a recording of a real sensor.
-eval::Judgement judged(const Held* held, std::size_t trial, const eval::Truth& truth, const eval::Replayed& replayed) {
-  return eval::judged(trial, truth, replayed, held != nullptr && held->grace ? truth.period : 0.0);
+// `test_set`: nullptr for a recording of a real sensor.
+eval::Judgement judged(const TestSet* test_set, std::size_t trial, const eval::Truth& truth, const eval::Replayed& replayed) {
+  return eval::judged(trial, truth, replayed, test_set != nullptr && test_set->grace ? truth.period : 0.0);
 }
 
 // The same trial on a surface on which nothing slips, simulated on first use.
@@ -140,24 +141,24 @@ eval::Replayed as_true(const eval::Truth& truth) {
 bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::known_signal; }
 
 // Disturbed recordings have no ranks: never to report slip has the best specificity.
-bool is_ranked(const Entrant& entrant, const Held& held) { return !is_measure(entrant) && held.disturbance.empty(); }
+bool is_ranked(const Entrant& entrant, const TestSet& test_set) { return !is_measure(entrant) && test_set.disturbance.empty(); }
 
 // `stuck`: the same trial without slip; nullptr if no entrant needs it.
-Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule,
-                       Stuck* stuck = nullptr) {
+Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, const Scene* scene, const TrialRecord& record,
+                       eval::TruthRule rule, Stuck* stuck = nullptr) {
   Answer answer;
   try {
-    const double from = held == nullptr ? -never : judged_from(*held, *scene);
-    const eval::Truth truth = eval::truth_of(scene, record, record.sensors[seat.sensor], rule, from);
+    const double from = test_set == nullptr ? -never : judged_from(*test_set, *scene);
+    const eval::Truth truth = eval::truth_of(scene, record, record.sensors[entry.sensor], rule, from);
     const auto replayed = [&] {
-      if (seat.entrant->kind == Kind::oracle) return as_true(truth);
-      if (seat.entrant->kind == Kind::known_signal)
-        return std::isnan(truth.first_slip) ? silence(truth) : signal_known(record, stuck->record(), seat.sensor, truth);
-      return eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
+      if (entry.entrant->kind == Kind::oracle) return as_true(truth);
+      if (entry.entrant->kind == Kind::known_signal)
+        return std::isnan(truth.first_slip) ? silence(truth) : signal_known(record, stuck->record(), entry.sensor, truth);
+      return eval::replay(detector_for(entry, test_set, scene), record.sensors, entry.sensor, record.seed, record.trial);
     };
     const eval::Replayed answers = replayed();
-    answer.judgement = judged(held, record.trial, truth, answers);
-    if (held == nullptr) answer.windows = window_counts(truth, answers);
+    answer.judgement = judged(test_set, record.trial, truth, answers);
+    if (test_set == nullptr) answer.windows = window_counts(truth, answers);
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -165,18 +166,18 @@ Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, c
 }
 
 // Runs a grasp with this detector in the loop.
-Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t trial) {
+Answer grasp_answer(const EntrantResults& entry, const TestSet& test_set, Scene scene, std::size_t trial) {
   Answer answer;
   try {
-    scene.detector = detector_for(seat, &held, &scene);
+    scene.detector = detector_for(entry, &test_set, &scene);
     const TrialRecord record = run_trial(scene, trial, Recording::full).record;
-    const SensorRecord& sensor = record.sensors[seat.sensor];
+    const SensorRecord& sensor = record.sensors[entry.sensor];
     eval::Replayed seen;
     for (const std::uint8_t code : record.control->detector_class) seen.seen.push_back(static_cast<PadState>(code));
     seen.seen_since = sensor.time;
     seen.stuck_fraction.assign(sensor.time.size(), std::numeric_limits<double>::quiet_NaN());
     seen.probability = seen.stuck_fraction;
-    answer.judgement = judged(&held, trial, eval::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
+    answer.judgement = judged(&test_set, trial, eval::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
     answer.grasp = record.outcome.grasp;
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", trial, error.what());
@@ -195,61 +196,61 @@ std::string without_folder(std::string text, const std::string& file) {
 }
 
 // Gives each entrant the first sensor that it can read; the others are left out with the reason.
-void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const TrialRecord& first,
-              const std::vector<std::size_t>& readers) {
+void add_entries(Board& board, const std::vector<const Entrant*>& entrants, const TrialRecord& first,
+                 const std::vector<std::size_t>& readers) {
   for (const Entrant* entrant : entrants) {
     std::string why;
-    bool seated = false;
+    bool added = false;
     for (const std::size_t sensor : readers) {
-      const Seat seat{entrant, sensor, first.sensors[sensor].name};
+      const EntrantResults entry{entrant, sensor, first.sensors[sensor].name};
       if (!is_measure(*entrant)) {
         try {
-          eval::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
+          eval::replay(detector_for(entry, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
           if (why.empty()) why = without_folder(error.what(), file_of(entrant->detector));
           continue;
         }
       }
-      board.seats.push_back(seat);
-      seated = true;
+      board.entries.push_back(entry);
+      added = true;
       break;
     }
     const bool reads_another = entrant->kind == Kind::shipped && entrant->reads != first.sensors[readers.front()].type;
-    if (!seated) board.left_out.push_back({entrant->name, why, reads_another});
+    if (!added) board.left_out.push_back({entrant->name, why, reads_another});
   }
 }
 
 // Leaves out entrants that could not be judged in some trial, or were trained on one.
-void clear_seats(Board& board) {
-  const auto unfit = [&board](const Seat& seat) {
+void remove_unfit_entries(Board& board) {
+  const auto unfit = [&board](const EntrantResults& entry) {
     std::string why;
-    for (const Answer& answer : seat.answers) {
+    for (const Answer& answer : entry.answers) {
       if (why.empty()) why = answer.failure;
     }
     std::size_t known = 0;
-    for (const std::string& digest : board.digests) known += seat.entrant->sha256_seen.count(digest);
-    why = without_folder(why, file_of(seat.entrant->detector));
+    for (const std::string& digest : board.digests) known += entry.entrant->sha256_seen.count(digest);
+    why = without_folder(why, file_of(entry.entrant->detector));
     if (known > 0) why = fmt::format("was trained on {} of the {} trials", known, board.digests.size());
-    if (!why.empty()) board.left_out.push_back({seat.entrant->name, why});
+    if (!why.empty()) board.left_out.push_back({entry.entrant->name, why});
     return !why.empty();
   };
-  std::erase_if(board.seats, unfit);
+  std::erase_if(board.entries, unfit);
 }
 
-std::vector<Part> parts_of(const Board& board, const Seat& seat) {
+std::vector<Part> parts_of(const Board& board, const EntrantResults& entry) {
   std::vector<Part> parts;
-  for (std::size_t k = 0; k < seat.answers.size(); ++k) {
-    const Answer& answer = seat.answers[k];
+  for (std::size_t k = 0; k < entry.answers.size(); ++k) {
+    const Answer& answer = entry.answers[k];
     parts.push_back(answer.grasp ? grasp_part(answer.judgement, *answer.grasp, board.untightened[k])
-                                 : recording_part(answer.judgement, board.held));
+                                 : recording_part(answer.judgement, board.test_set));
   }
   return parts;
 }
 
-Json grasps_json(const Seat& seat) {
+Json grasps_json(const EntrantResults& entry) {
   std::size_t dropped = 0, not_lifted = 0;
   std::vector<double> force, slip;
-  for (const Answer& answer : seat.answers) {
+  for (const Answer& answer : entry.answers) {
     const GraspOutcome& grasp = *answer.grasp;
     dropped += grasp.dropped ? 1U : 0U;
     not_lifted += grasp.not_lifted() ? 1U : 0U;
@@ -257,8 +258,8 @@ Json grasps_json(const Seat& seat) {
     force.push_back(grasp.max_grip_force / grasp.ideal_grip_force);
     slip.push_back(grasp.slip_translation);
   }
-  const Interval share = clopper_pearson(dropped + not_lifted, seat.answers.size());
-  return {{"trials", seat.answers.size()},
+  const Interval share = clopper_pearson(dropped + not_lifted, entry.answers.size());
+  return {{"trials", entry.answers.size()},
           {"dropped", dropped},
           {"not_lifted", not_lifted},
           {"low", share.low},
@@ -267,9 +268,9 @@ Json grasps_json(const Seat& seat) {
           {"slip_m", or_null(median(slip))}};
 }
 
-Json windows_json(const Seat& seat) {
+Json windows_json(const EntrantResults& entry) {
   WindowCounts sum;
-  for (const Answer& answer : seat.answers) sum.add(answer.windows);
+  for (const Answer& answer : entry.answers) sum.add(answer.windows);
   const auto share = [](std::size_t part, std::size_t whole) {
     return whole == 0 ? Json(nullptr) : Json(static_cast<double>(part) / static_cast<double>(whole));
   };
@@ -280,25 +281,25 @@ Json windows_json(const Seat& seat) {
           {"specificity", share(sum.silent, sum.sticking)}};
 }
 
-Json row_json(const Board& board, const Seat& seat) {
-  const std::vector<Part> parts = parts_of(board, seat);
-  const Score score = score_of(parts, board.held);
-  const Interval interval = score_interval(parts, board.held);
+Json row_json(const Board& board, const EntrantResults& entry) {
+  const std::vector<Part> parts = parts_of(board, entry);
+  const Score score = score_of(parts, board.test_set);
+  const Interval interval = score_interval(parts, board.test_set);
   std::vector<eval::Judgement> judgements;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const eval::Judgement& judgement = seat.answers[k].judgement;
+    const eval::Judgement& judgement = entry.answers[k].judgement;
     // By slip-3 a slip that earns nothing is neither missed nor seen late.
     const bool too_small =
-        board.held.by_distance && !seat.answers[k].grasp && !parts[k].credited && !std::isnan(judgement.slip_time);
+        board.test_set.by_distance && !entry.answers[k].grasp && !parts[k].credited && !std::isnan(judgement.slip_time);
     if (parts[k].judged && !too_small) judgements.push_back(judgement);
   }
-  const bool has_score = board.held.disturbance.empty() || score.judged > 0;
+  const bool has_score = board.test_set.disturbance.empty() || score.judged > 0;
   Json row = {{"rank", nullptr},
-              {"detector", seat.entrant->name},
-              {"kind", kind_word(seat.entrant->kind)},
-              {"sensor", seat.sensor_name},
-              {"parameters", seat.entrant->parameters},
-              {"sha256", seat.entrant->sha256},
+              {"detector", entry.entrant->name},
+              {"kind", kind_word(entry.entrant->kind)},
+              {"sensor", entry.sensor_name},
+              {"parameters", entry.entrant->parameters},
+              {"sha256", entry.entrant->sha256},
               {"score",
                {{"value", has_score ? Json(score.value) : Json(nullptr)},
                 {"low", has_score ? or_null(interval.low) : Json(nullptr)},
@@ -307,13 +308,13 @@ Json row_json(const Board& board, const Seat& seat) {
               {"false_alarms_per_minute", score.alarms_per_minute},
               {"said", score.said},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
-  if (board.held.needless) row["needless"] = score.needless;
-  if (!board.held.disturbance.empty()) {
+  if (board.test_set.needless) row["needless"] = score.needless;
+  if (!board.test_set.disturbance.empty()) {
     row["specificity"] = has_score ? Json(score.specificity) : Json(nullptr);
     row["judged"] = score.judged;
   }
-  if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
-  if (board.held.track == Track::transfer) row["windows"] = windows_json(seat);
+  if (entry.answers.front().grasp) row["grasps"] = grasps_json(entry);
+  if (board.test_set.track == Track::transfer) row["windows"] = windows_json(entry);
   return row;
 }
 
@@ -347,11 +348,11 @@ Json groups_json(const Board& board) {
     Json list = Json::array();
     for (const auto& [name, trials] : groups) {
       Json scores = Json::array();
-      for (const Seat& seat : board.seats) {
-        const std::vector<Part> all = parts_of(board, seat);
+      for (const EntrantResults& entry : board.entries) {
+        const std::vector<Part> all = parts_of(board, entry);
         std::vector<Part> of_group;
         for (const std::size_t k : trials) of_group.push_back(all[k]);
-        const Score score = score_of(of_group, board.held);
+        const Score score = score_of(of_group, board.test_set);
         scores.push_back(score.judged > 0 ? Json(score.value) : Json(nullptr));
       }
       list.push_back({{"name", name}, {"trials", trials.size()}, {"scores", std::move(scores)}});
@@ -363,20 +364,20 @@ Json groups_json(const Board& board) {
 
 // Adds rows, left_out and by to the description of a set.
 Json board_json(Json json, Board board) {
-  clear_seats(board);
-  const auto value = [&board](const Seat& seat) { return score_of(parts_of(board, seat), board.held).value; };
-  std::ranges::stable_sort(board.seats, [&](const Seat& a, const Seat& b) {
+  remove_unfit_entries(board);
+  const auto value = [&board](const EntrantResults& entry) { return score_of(parts_of(board, entry), board.test_set).value; };
+  std::ranges::stable_sort(board.entries, [&](const EntrantResults& a, const EntrantResults& b) {
     return std::pair(-value(a), a.entrant->name) < std::pair(-value(b), b.entrant->name);
   });
   json["rows"] = Json::array();
   std::size_t place = 0, rank = 0;
   double last = std::numeric_limits<double>::infinity();
-  for (const Seat& seat : board.seats) {
-    Json row = row_json(board, seat);
-    if (is_ranked(*seat.entrant, board.held)) {
+  for (const EntrantResults& entry : board.entries) {
+    Json row = row_json(board, entry);
+    if (is_ranked(*entry.entrant, board.test_set)) {
       ++place;
-      if (value(seat) < last) rank = place;  // equal scores share a rank
-      last = value(seat);
+      if (value(entry) < last) rank = place;  // equal scores share a rank
+      last = value(entry);
       row["rank"] = rank;
     }
     json["rows"].push_back(std::move(row));
@@ -421,13 +422,13 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
 }
 
 // The simulated trials of the sets that share a scene.
-struct HeldTrials {
+struct TestSetTrials {
   // `protocol`: all sensors that some set of it reads are recorded, so that a recording's digest does not
   // depend on which sensors are judged.
-  HeldTrials(const Held& first, std::size_t asked, const Protocol& protocol, const Catalogues& catalogues)
+  TestSetTrials(const TestSet& first, std::size_t asked, const Protocol& protocol, const Catalogues& catalogues)
       : read(read_sweep(sweep_of(first), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {
-    for (const Held& held : protocol.held_out) {
-      if (held.scene == first.scene) readers.insert(held.readers.begin(), held.readers.end());
+    for (const TestSet& test_set : protocol.held_out) {
+      if (test_set.scene == first.scene) readers.insert(test_set.readers.begin(), test_set.readers.end());
     }
     // A part of the pairs of slip-3 has one with slip, one without, and so on.
     if (asked > 0 && asked < plan().size() && first.pulses() && first.disturbance.empty()) {
@@ -435,9 +436,9 @@ struct HeldTrials {
     }
   }
 
-  static SweepOptions sweep_of(const Held& held) {
+  static SweepOptions sweep_of(const TestSet& test_set) {
     SweepOptions sweep;
-    sweep.scene_path = project_file(held.scene);
+    sweep.scene_path = project_file(test_set.scene);
     return sweep;
   }
   [[nodiscard]] const TrialPlan& plan() const { return read.planned.plan; }
@@ -461,9 +462,9 @@ struct HeldTrials {
 };
 
 // Replays the same recordings to all detectors.
-void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, const Options& options) {
+void judge_recordings(std::vector<Board>& boards, const TestSetTrials& trials, const Options& options) {
   struct Judged {
-    std::vector<std::vector<Answer>> answers;  // [board][seat]
+    std::vector<std::vector<Answer>> answers;  // [board][entry]
     std::string params, digest;
   };
   in_order<Judged>(
@@ -475,15 +476,15 @@ void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, cons
         Stuck stuck([&trials, k] { return trials.recorded(trials.numbers[k], true); });
         for (const Board& board : boards) {
           std::vector<Answer>& answers = judged.answers.emplace_back();
-          for (const Seat& seat : board.seats)
-            answers.push_back(recorded_answer(seat, &board.held, &scene, record, rule_of(board.held.track), &stuck));
+          for (const EntrantResults& entry : board.entries)
+            answers.push_back(recorded_answer(entry, &board.test_set, &scene, record, rule_of(board.test_set.track), &stuck));
         }
         return judged;
       },
       [&boards](Judged&& judged) {
         for (std::size_t b = 0; b < boards.size(); ++b) {
-          for (std::size_t k = 0; k < boards[b].seats.size(); ++k)
-            boards[b].seats[k].answers.push_back(std::move(judged.answers[b][k]));
+          for (std::size_t k = 0; k < boards[b].entries.size(); ++k)
+            boards[b].entries[k].answers.push_back(std::move(judged.answers[b][k]));
           boards[b].params.push_back(judged.params);
           boards[b].digests.push_back(judged.digest);
         }
@@ -491,57 +492,61 @@ void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, cons
 }
 
 // Runs the grasps of each detector, with it in the loop.
-void judge_grasps(Board& board, const HeldTrials& trials, const Options& options) {
+void judge_grasps(Board& board, const TestSetTrials& trials, const Options& options) {
   for (const std::size_t number : trials.numbers) {
     board.params.push_back(params_json(trials.plan().trial(number).drawn));
     board.digests.push_back(text_sha256(fmt::format("{} {} {}", trials.read.seed, number, board.params.back())));
   }
-  const std::size_t seats = board.seats.size();
+  const std::size_t entries = board.entries.size();
   std::size_t done = 0;
   in_order<Answer>(
-      trials.numbers.size() * seats, options,
+      trials.numbers.size() * entries, options,
       [&](std::size_t k) {
-        const std::size_t number = trials.numbers[k / seats];
-        return grasp_answer(board.seats[k % seats], board.held, trials.plan().trial(number).scene, number);
+        const std::size_t number = trials.numbers[k / entries];
+        return grasp_answer(board.entries[k % entries], board.test_set, trials.plan().trial(number).scene, number);
       },
-      [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
-  const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
-  for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers) {
+      [&](Answer&& answer) { board.entries[done++ % entries].answers.push_back(std::move(answer)); });
+  const auto tightens_never = [](const EntrantResults& entry) { return entry.entrant->name == never_slip; };
+  for (const Answer& answer : std::ranges::find_if(board.entries, tightens_never)->answers) {
     if (!answer.grasp) throw InputError(answer.failure);  // the grasp without tightening failed
     board.untightened.push_back(*answer.grasp);
   }
 }
 
 // Returns the entrants that can be judged on a set; nullptr: on recordings of a real sensor.
-std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const Held* held) {
+std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const TestSet* test_set) {
   std::vector<const Entrant*> some;
   for (const Entrant& entrant : entrants) {
     // Before slip-3 open recordings have no oracle.
-    if (entrant.kind == Kind::oracle && (held == nullptr || (held->track == Track::open && !held->by_distance))) continue;
-    if (entrant.kind == Kind::known_signal &&
-        (held == nullptr || !held->by_distance || held->track == Track::loop || !held->disturbance.empty()))
+    if (entrant.kind == Kind::oracle && (test_set == nullptr || (test_set->track == Track::open && !test_set->by_distance)))
       continue;
-    if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
-    if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
+    if (entrant.kind == Kind::known_signal &&
+        (test_set == nullptr || !test_set->by_distance || test_set->track == Track::loop || !test_set->disturbance.empty()))
+      continue;
+    if (test_set == nullptr ? entrant.side_information != SideInformation::nothing : !has_side_information(entrant, *test_set))
+      continue;
+    if (entrant.reads.empty() || test_set == nullptr || entrant.reads == test_set->sensor) some.push_back(&entrant);
   }
   return some;
 }
 
-std::string set_name(const Held& held) {
-  std::string name(track_name(held.track));
-  for (const std::string& word : {held.sensor, held.domain, held.disturbance}) name += word.empty() ? "" : ", " + word;
+std::string set_name(const TestSet& test_set) {
+  std::string name(track_name(test_set.track));
+  for (const std::string& word : {test_set.sensor, test_set.domain, test_set.disturbance})
+    name += word.empty() ? "" : ", " + word;
   return name;
 }
 
 // Judges the sets that share the trials of one scene.
-std::vector<Json> sets_json(std::span<const Held> sharing, const Protocol& protocol, const std::vector<Entrant>& entrants,
+std::vector<Json> sets_json(std::span<const TestSet> sharing, const Protocol& protocol, const std::vector<Entrant>& entrants,
                             const Options& options, const Catalogues& catalogues) {
-  const HeldTrials trials(sharing.front(), options.asked.trials, protocol, catalogues);
+  const TestSetTrials trials(sharing.front(), options.asked.trials, protocol, catalogues);
   const TrialRecord first = trials.recorded(trials.numbers.front());
   std::vector<Board> boards;
-  for (const Held& held : sharing) {
-    if (options.say) options.say(set_name(held));
-    seat_all(boards.emplace_back(Board{.held = held}), entering(entrants, &held), first, places_of(held.readers, first));
+  for (const TestSet& test_set : sharing) {
+    if (options.say) options.say(set_name(test_set));
+    add_entries(boards.emplace_back(Board{.test_set = test_set}), entering(entrants, &test_set), first,
+                places_of(test_set.readers, first));
   }
   if (sharing.front().track == Track::open)
     judge_recordings(boards, trials, options);
@@ -549,17 +554,17 @@ std::vector<Json> sets_json(std::span<const Held> sharing, const Protocol& proto
     judge_grasps(boards.front(), trials, options);
   std::vector<Json> sets;
   for (Board& board : boards) {
-    const Held held = board.held;
+    const TestSet test_set = board.test_set;
     std::string digests;
     for (const std::string& digest : board.digests) digests += digest + "\n";
-    Json json = {{"track", track_name(held.track)},
-                 {"sensor", held.sensor},
-                 {"scene", held.scene},
+    Json json = {{"track", track_name(test_set.track)},
+                 {"sensor", test_set.sensor},
+                 {"scene", test_set.scene},
                  {"trials", trials.numbers.size()},
                  {"data_sha256", text_sha256(digests)},
-                 {"labels", eval::label_rule_name(rule_of(held.track))}};
-    if (!held.domain.empty()) json["domain"] = held.domain;
-    if (!held.disturbance.empty()) json["disturbance"] = held.disturbance;
+                 {"labels", eval::label_rule_name(rule_of(test_set.track))}};
+    if (!test_set.domain.empty()) json["domain"] = test_set.domain;
+    if (!test_set.disturbance.empty()) json["disturbance"] = test_set.disturbance;
     sets.push_back(board_json(std::move(json), std::move(board)));
   }
   return sets;
@@ -569,7 +574,7 @@ std::vector<Json> sets_json(std::span<const Held> sharing, const Protocol& proto
 Json transfer_json(const std::string& file, const std::vector<const Entrant*>& entrants, const Options& options) {
   if (options.say) options.say(fmt::format("transfer: {}", file));
   const DatasetReader reader = whole_dataset(file);
-  Board board{.held = {.track = Track::transfer}};
+  Board board{.test_set = {.track = Track::transfer}};
   std::string digests;
   for (const std::size_t trial : chosen_trials(reader.trials().size(), 0)) {
     const std::size_t number = reader.trials()[trial];
@@ -583,11 +588,11 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
     // Throws for a recording without labels.
     eval::label_states(sensor, rule_of(Track::transfer), false);
     board.sensor = sensor.type;
-    if (board.digests.empty()) seat_all(board, entrants, record, {0});
+    if (board.digests.empty()) add_entries(board, entrants, record, {0});
     board.digests.push_back(trial_identity(reader, number));
     digests += board.digests.back() + "\n";
-    for (Seat& seat : board.seats)
-      seat.answers.push_back(recorded_answer(seat, nullptr, nullptr, record, rule_of(Track::transfer)));
+    for (EntrantResults& entry : board.entries)
+      entry.answers.push_back(recorded_answer(entry, nullptr, nullptr, record, rule_of(Track::transfer)));
   }
   Json json = {{"track", track_name(Track::transfer)},
                {"sensor", board.sensor},
@@ -601,7 +606,7 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
 
 void check_sensor(const std::string& sensor, const Protocol& protocol) {
   std::set<std::string> known;
-  for (const Held& held : protocol.held_out) known.insert(held.sensor);
+  for (const TestSet& test_set : protocol.held_out) known.insert(test_set.sensor);
   const std::vector<std::string> names(known.begin(), known.end());
   if (!sensor.empty() && !known.contains(sensor))
     throw InputError("benchmark: unknown sensor " + quote(sensor) + allowed_names(sensor, names));
@@ -666,19 +671,20 @@ Json benchmark(const Options& options) {
   Json transfer = Json::array();
   for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr), options));
   Json sets = Json::array();
-  std::vector<Held> asked_for;
+  std::vector<TestSet> asked_for;
   std::ranges::copy_if(protocol.held_out, std::back_inserter(asked_for),
-                       [&asked](const Held& held) { return asked.sensor.empty() || held.sensor == asked.sensor; });
-  for (auto held = asked_for.begin(); held != asked_for.end();) {
-    const auto next = std::find_if(held, asked_for.end(), [&held](const Held& other) { return other.scene != held->scene; });
-    for (Json& set : sets_json({held, next}, protocol, entrants, options, catalogues)) {
+                       [&asked](const TestSet& test_set) { return asked.sensor.empty() || test_set.sensor == asked.sensor; });
+  for (auto test_set = asked_for.begin(); test_set != asked_for.end();) {
+    const auto next =
+        std::find_if(test_set, asked_for.end(), [&test_set](const TestSet& other) { return other.scene != test_set->scene; });
+    for (Json& set : sets_json({test_set, next}, protocol, entrants, options, catalogues)) {
       for (const Missing& one : missing) {
         if (set.at("sensor") == one.sensor)
           set["left_out"].push_back({{"detector", one.name}, {"why", one.why}, {"reads_another", false}});
       }
       sets.push_back(std::move(set));
     }
-    held = next;
+    test_set = next;
   }
   for (Json& set : transfer) sets.push_back(std::move(set));
   Json machine = environment_json();

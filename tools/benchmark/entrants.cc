@@ -215,27 +215,30 @@ std::vector<Missing> missing_entrants() {
 }
 
 std::vector<Entrant> control_entrants() {
-  const auto control = [](const char* name, double from, Told told) {
-    return Entrant{
-        .name = name, .kind = Kind::control, .detector = control_of(from, never), .told = told, .sha256 = text_sha256(name)};
+  const auto control = [](const char* name, double from, SideInformation side_information) {
+    return Entrant{.name = name,
+                   .kind = Kind::control,
+                   .detector = control_of(from, never),
+                   .side_information = side_information,
+                   .sha256 = text_sha256(name)};
   };
-  return {control("always slip", 0.0, Told::nothing),
-          control(never_slip, never, Told::nothing),
-          control("clock", never, Told::clock),
-          control("motion known", never, Told::motion),
-          control("motion known, timed", never, Told::motion_and_time),
-          control("motion and speed known", never, Told::speed),
-          control("travel known", never, Told::travel)};
+  return {control("always slip", 0.0, SideInformation::nothing),
+          control(never_slip, never, SideInformation::nothing),
+          control("clock", never, SideInformation::clock),
+          control("motion known", never, SideInformation::motion),
+          control("motion known, timed", never, SideInformation::motion_and_time),
+          control("motion and speed known", never, SideInformation::speed),
+          control("travel known", never, SideInformation::travel)};
 }
 
-bool can_be_told(const Entrant& entrant, const Held& held) {
-  switch (entrant.told) {
-    case Told::clock: return !std::isnan(held.clock);
-    case Told::motion_and_time: return !std::isnan(held.time);
-    case Told::speed: return !std::isnan(held.speed);
-    case Told::travel: return !std::isnan(held.travel);
-    case Told::nothing:
-    case Told::motion: break;
+bool has_side_information(const Entrant& entrant, const TestSet& test_set) {
+  switch (entrant.side_information) {
+    case SideInformation::clock: return !std::isnan(test_set.clock);
+    case SideInformation::motion_and_time: return !std::isnan(test_set.time);
+    case SideInformation::speed: return !std::isnan(test_set.speed);
+    case SideInformation::travel: return !std::isnan(test_set.travel);
+    case SideInformation::nothing:
+    case SideInformation::motion: break;
   }
   return true;
 }
@@ -350,20 +353,20 @@ HandMotion hand_motion(const Scene& scene, const std::string& mover) {
   return hand;
 }
 
-DetectorScene timed_control(Told told, const Held& held, const Scene& scene) {
-  if (told == Told::clock) return control_of(held.clock, never, held.pulses());
-  if (told == Told::motion_and_time) {
-    if (!held.pulses()) return motion_known_and(held.time, scene, held.mover);
-    return control_of(motion_known(scene, held.mover).parameters.number("from") + held.time, never, true);
+DetectorScene timed_control(SideInformation side_information, const TestSet& test_set, const Scene& scene) {
+  if (side_information == SideInformation::clock) return control_of(test_set.clock, never, test_set.pulses());
+  if (side_information == SideInformation::motion_and_time) {
+    if (!test_set.pulses()) return motion_known_and(test_set.time, scene, test_set.mover);
+    return control_of(motion_known(scene, test_set.mover).parameters.number("from") + test_set.time, never, true);
   }
-  const HandMotion hand = hand_motion(scene, held.mover);
-  if (told == Told::travel) return control_of(hand.passes(held.travel), never, true);
-  return control_of(hand.top_speed >= held.speed ? hand.start + held.speed_time : never, never, true);
+  const HandMotion hand = hand_motion(scene, test_set.mover);
+  if (side_information == SideInformation::travel) return control_of(hand.passes(test_set.travel), never, true);
+  return control_of(hand.top_speed >= test_set.speed ? hand.start + test_set.speed_time : never, never, true);
 }
 
-double judged_from(const Held& held, const Scene& scene) {
-  if (!held.by_distance || !held.disturbance.empty()) return -never;
-  return motion_known(scene, held.mover).parameters.number("from");
+double judged_from(const TestSet& test_set, const Scene& scene) {
+  if (!test_set.by_distance || !test_set.disturbance.empty()) return -never;
+  return motion_known(scene, test_set.mover).parameters.number("from");
 }
 
 }  // namespace slipbench::benchmark

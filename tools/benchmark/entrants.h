@@ -28,20 +28,20 @@ enum class Kind {
 std::string kind_word(Kind kind);
 
 // A control's knowledge of the judged trials (protocol.h).
-enum class Told {
+enum class SideInformation {
   nothing,
-  clock,            // Held::clock
+  clock,            // TestSet::clock
   motion,           // when the motion of each trial begins and ends
-  motion_and_time,  // the motion and Held::time
-  speed,            // the motion, Held::speed and Held::speed_time
-  travel,           // the motion and Held::travel
+  motion_and_time,  // the motion and TestSet::time
+  speed,            // the motion, TestSet::speed and TestSet::speed_time
+  travel,           // the motion and TestSet::travel
 };
 
 struct Entrant {
   std::string name;  // "shear_rate", "my.onnx"
   Kind kind = Kind::shipped;
   DetectorScene detector{};  // without the sensor, and without the times of a control
-  Told told = Told::nothing;
+  SideInformation side_information = SideInformation::nothing;
   std::string reads{};                  // type of sensor that it was trained on; empty: any that it can read
   Json parameters = Json::object();     // those that were set, as text
   std::string sha256{};                 // of type, parameters and files; of a trained one: of recipe and trials
@@ -57,7 +57,7 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
 inline constexpr const char* never_slip = "never slip";
 
 // Returns true if the protocol has the times that this control needs for these trials.
-bool can_be_told(const Entrant& entrant, const Held& held);
+bool has_side_information(const Entrant& entrant, const TestSet& test_set);
 
 // A detector that is missing, and why.
 struct Missing {
@@ -126,11 +126,11 @@ struct HandMotion {
 HandMotion hand_motion(const Scene& scene, const std::string& mover);
 
 // Returns the controls `clock`, `motion known, timed`, `motion and speed known` and `travel known` of an open recording that
-// know the best values of `held`.
-DetectorScene timed_control(Told told, const Held& held, const Scene& scene);
+// know the best values of `test_set`.
+DetectorScene timed_control(SideInformation side_information, const TestSet& test_set, const Scene& scene);
 
 // Returns the time [s] from which on the slip of a recording is judged. slip-3 judges open recordings from
 // the beginning of the motion, since a sensor may slip as it is touched. Otherwise -inf: from the start.
-double judged_from(const Held& held, const Scene& scene);
+double judged_from(const TestSet& test_set, const Scene& scene);
 
 }  // namespace slipbench::benchmark

@@ -23,10 +23,10 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 struct Controls {
   double clock, time;                                     // s
-  double speed = none, speed_time = none, travel = none;  // as in Held
+  double speed = none, speed_time = none, travel = none;  // as in TestSet
 };
 
-Held slip_1_open(const std::string& sensor, std::vector<std::string> readers, Controls controls, std::string mover = "") {
+TestSet slip_1_open(const std::string& sensor, std::vector<std::string> readers, Controls controls, std::string mover = "") {
   return {.track = Track::open,
           .sensor = sensor,
           .scene = "scenes/benchmark/slip-1/open_" + sensor + ".yaml",
@@ -37,7 +37,7 @@ Held slip_1_open(const std::string& sensor, std::vector<std::string> readers, Co
 }
 
 // All lifts begin at the same instant, so a clock would be equal to `motion known, timed`.
-Held slip_1_loop(const std::string& sensor, std::vector<std::string> readers) {
+TestSet slip_1_loop(const std::string& sensor, std::vector<std::string> readers) {
   return {.track = Track::loop,
           .sensor = sensor,
           .scene = "scenes/benchmark/slip-1/loop_" + sensor + ".yaml",
@@ -146,19 +146,19 @@ Protocol slip_3() {
   };
   constexpr Controls in_loop{none, 0.04};
   Protocol protocol{.name = "slip-3", .held_out = {}, .lessons = {}};
-  const auto add = [&](Held held, const std::string& scene, Controls controls) {
-    held.scene = folder + scene + ".yaml";
-    held.grace = held.by_distance = true;
-    held.needless = held.track == Track::loop;
-    held.clock = controls.clock;
-    held.time = controls.time;
-    held.speed = controls.speed;
-    held.speed_time = controls.speed_time;
-    held.travel = controls.travel;
-    protocol.held_out.push_back(std::move(held));
+  const auto add = [&](TestSet test_set, const std::string& scene, Controls controls) {
+    test_set.scene = folder + scene + ".yaml";
+    test_set.grace = test_set.by_distance = true;
+    test_set.needless = test_set.track == Track::loop;
+    test_set.clock = controls.clock;
+    test_set.time = controls.time;
+    test_set.speed = controls.speed;
+    test_set.speed_time = controls.speed_time;
+    test_set.travel = controls.travel;
+    protocol.held_out.push_back(std::move(test_set));
   };
   for (const SensorSets& sensor : sensors) {
-    Held open{.track = Track::open, .sensor = sensor.type, .readers = sensor.open, .mover = sensor.mover, .domain = "inside"};
+    TestSet open{.track = Track::open, .sensor = sensor.type, .readers = sensor.open, .mover = sensor.mover, .domain = "inside"};
     add(open, "open_" + sensor.type, sensor.inside);
     open.domain = "outside";
     add(open, "outside_" + sensor.type, sensor.outside);
@@ -231,14 +231,14 @@ const Protocol& find_protocol(const std::string& name, const std::string& subjec
 std::string protocol_sha256(const Protocol& protocol) {
   std::string text = fmt::format("{} {} {} {}\n", protocol.name, half_delay, alarm_limit, worst_force_ratio);
   std::set<std::string> scenes;
-  for (const Held& held : protocol.held_out) {
-    text += fmt::format("{} {} {} {} {} {} {}\n", track_name(held.track), held.sensor, held.scene, fmt::join(held.readers, ","),
-                        held.mover, held.clock, held.time);
-    if (held.grace) text += fmt::format("{} {} {}\n", held.domain, held.grace, held.needless);
-    if (held.by_distance)
+  for (const TestSet& test_set : protocol.held_out) {
+    text += fmt::format("{} {} {} {} {} {} {}\n", track_name(test_set.track), test_set.sensor, test_set.scene,
+                        fmt::join(test_set.readers, ","), test_set.mover, test_set.clock, test_set.time);
+    if (test_set.grace) text += fmt::format("{} {} {}\n", test_set.domain, test_set.grace, test_set.needless);
+    if (test_set.by_distance)
       text += fmt::format("{} {} {} {} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length,
-                          known_signal_deviations, held.disturbance, held.speed, held.speed_time, held.travel);
-    scenes.insert(held.scene);
+                          known_signal_deviations, test_set.disturbance, test_set.speed, test_set.speed_time, test_set.travel);
+    scenes.insert(test_set.scene);
   }
   for (const Lesson& lesson : protocol.lessons) {
     text += fmt::format("{} {} {} {}\n", lesson.recipe, lesson.sensor, lesson.scene, lesson.trials);
@@ -248,15 +248,15 @@ std::string protocol_sha256(const Protocol& protocol) {
   return text_sha256(text);
 }
 
-Part recording_part(const eval::Judgement& judgement, const Held& held) {
+Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   Part part = alarms_of(judgement);
   const bool slips = !std::isnan(judgement.slip_time);
-  part.credited = slips && !(held.by_distance && judgement.whole_slip_distance < least_slip_distance);
-  part.judged = held.disturbance.empty() || !slips;
+  part.credited = slips && !(test_set.by_distance && judgement.whole_slip_distance < least_slip_distance);
+  part.judged = test_set.disturbance.empty() || !slips;
   part.silent = std::isnan(judgement.alarm_time);
   if (part.credited && judgement.detection == Detection::seen) {
-    part.credit = held.by_distance ? half_slip_distance / (half_slip_distance + judgement.slip_distance)
-                                   : half_delay / (half_delay + judgement.delay);
+    part.credit = test_set.by_distance ? half_slip_distance / (half_slip_distance + judgement.slip_distance)
+                                       : half_delay / (half_delay + judgement.delay);
   }
   return part;
 }
@@ -274,7 +274,7 @@ Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, con
   return part;
 }
 
-Score score_of(std::span<const Part> parts, const Held& held) {
+Score score_of(std::span<const Part> parts, const TestSet& test_set) {
   Part sum;
   double credited = 0.0, judged = 0.0, silent = 0.0;
   for (const Part& part : parts) {
@@ -296,9 +296,9 @@ Score score_of(std::span<const Part> parts, const Held& held) {
   score.said = share(sum.said, sum.still);
   score.specificity = share(silent, judged);
   score.judged = static_cast<std::size_t>(judged);
-  const double counts = held.track == Track::loop ? 1.0 : alarm_limit / std::max(score.alarms_per_minute, alarm_limit);
-  score.value =
-      !held.disturbance.empty() ? score.specificity : score.credit * counts - score.said - (held.needless ? score.needless : 0.0);
+  const double counts = test_set.track == Track::loop ? 1.0 : alarm_limit / std::max(score.alarms_per_minute, alarm_limit);
+  score.value = !test_set.disturbance.empty() ? score.specificity
+                                              : score.credit * counts - score.said - (test_set.needless ? score.needless : 0.0);
   return score;
 }
 
@@ -331,8 +331,8 @@ WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& repla
   return counts;
 }
 
-Interval score_interval(std::span<const Part> parts, const Held& held) {
-  if (!held.disturbance.empty()) {
+Interval score_interval(std::span<const Part> parts, const TestSet& test_set) {
+  if (!test_set.disturbance.empty()) {
     const auto judged = std::ranges::count_if(parts, &Part::judged);
     const auto silent = std::ranges::count_if(parts, [](const Part& part) { return part.judged && part.silent; });
     return clopper_pearson(static_cast<std::size_t>(silent), static_cast<std::size_t>(judged));
@@ -343,7 +343,7 @@ Interval score_interval(std::span<const Part> parts, const Held& held) {
                                std::vector<Part> some;
                                some.reserve(drawn.size());
                                for (const std::size_t k : drawn) some.push_back(parts[k]);
-                               return std::vector<double>{score_of(some, held).value};
+                               return std::vector<double>{score_of(some, test_set).value};
                              })
       .front();
 }

@@ -32,7 +32,7 @@ enum class Track { open, loop, transfer };
 std::string_view track_name(Track track);
 
 // Held-out trials of one sensor.
-struct Held {
+struct TestSet {
   Track track = Track::open;
   std::string sensor{};                // type: "papillarray"
   std::string scene{};                 // path from the project's root
@@ -70,7 +70,7 @@ struct Lesson {
 
 struct Protocol {
   std::string name;  // "slip-2"
-  std::vector<Held> held_out;
+  std::vector<TestSet> held_out;
   std::vector<Lesson> lessons;
 };
 inline constexpr const char* default_protocol = "slip-2";
@@ -98,11 +98,12 @@ struct Part {
   double still = 0.0;     // samples without true slip
 };
 
-// Returns the part of a recording. The credit of a detected slip is half_delay / (half_delay + delay),
-// or with Held::by_distance half_slip_distance / (half_slip_distance + Judgement::slip_distance). It is 0
-// after an early alarm or without an alarm. With Held::by_distance a recording that slips by less than
-// least_slip_distance in all is not credited.
-Part recording_part(const eval::Judgement& judgement, const Held& held);
+// Returns the part of a recording. The credit of a detected slip is half_delay / (half_delay +
+// delay), or with TestSet::by_distance half_slip_distance / (half_slip_distance +
+// Judgement::slip_distance). It is 0 after an early alarm or without an alarm. With
+// TestSet::by_distance a recording that slips by less than least_slip_distance in all is not
+// credited.
+Part recording_part(const eval::Judgement& judgement, const TestSet& test_set);
 // Returns the part of a grasp. `untightened`: the same grasp without tightening.
 // If `untightened` loses the box: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) within
 // 0 and 1, with r = greatest grip force over the least that holds; 0 if the box is dropped or not lifted.
@@ -119,10 +120,10 @@ struct Score {
   std::size_t judged = 0;          // number of trials
   // Disturbed recordings: specificity, 0 to 1. Other recordings: credit * min(1, alarm_limit /
   // alarms_per_minute) - said, -1 to 1. Loops: credit - said (a false alarm already costs force), with
-  // Held::needless minus `needless`, -2 to 1.
+  // TestSet::needless minus `needless`, -2 to 1.
   double value = 0.0;
 };
-Score score_of(std::span<const Part> parts, const Held& held);
+Score score_of(std::span<const Part> parts, const TestSet& test_set);
 
 // Real recordings are often labelled by stretches of time rather than by instants, so they are judged by
 // windows as well.
@@ -141,6 +142,6 @@ WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& repla
 
 // Returns the 95 % interval of Score::value: exact for specificity, else by bootstrap over trials as
 // eval::summarised(), NaN for fewer than eval::fewest_experiments trials.
-Interval score_interval(std::span<const Part> parts, const Held& held);
+Interval score_interval(std::span<const Part> parts, const TestSet& test_set);
 
 }  // namespace slipbench::benchmark

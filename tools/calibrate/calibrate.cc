@@ -111,7 +111,7 @@ Json interval_json(const FitKey& key, double place, const Known& known) {
   return json;
 }
 
-void tell_truth(Json& json, const FitKey& key, double drawn) {
+void write_truth(Json& json, const FitKey& key, double drawn) {
   json["truth"] = key.value(drawn);
   json["error"] = json.at("value").get<double>() - key.value(drawn);
 }
@@ -158,7 +158,7 @@ Json parameter_json(const FitKey& key, const Found& found, const std::vector<dou
             {"each", key.each}};
   if (!key.each) {
     json.update(interval_json(key, found.places.front(), found.known.front()));
-    if (!drawn.empty()) tell_truth(json, key, drawn.front());
+    if (!drawn.empty()) write_truth(json, key, drawn.front());
     json["profile"] = Json::array();
     for (const auto& [place, rise] : found.known.front().profile) json["profile"].push_back({key.value(place), rise});
     return json;
@@ -170,7 +170,7 @@ Json parameter_json(const FitKey& key, const Found& found, const std::vector<dou
   json["by_recording"] = Json::array();
   for (std::size_t r = 0; r < found.places.size(); ++r) {
     json["by_recording"].push_back(interval_json(key, found.places[r], found.known[r]));
-    if (!drawn.empty()) tell_truth(json["by_recording"].back(), key, drawn[r]);
+    if (!drawn.empty()) write_truth(json["by_recording"].back(), key, drawn[r]);
   }
   return json;
 }

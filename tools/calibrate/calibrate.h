@@ -34,7 +34,7 @@ struct Options {
   std::size_t jobs = 1;  // threads; results are bit-identical
   std::string command;   // as written into the result
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(std::size_t done, std::size_t of)> progress;  // recordings simulated; may be empty
+  std::function<void(std::size_t done, std::size_t total)> progress;  // recordings simulated; may be empty
 };
 
 // The first key of a result.

@@ -109,9 +109,9 @@ std::string curve_drawing(const Json& recording, const Json& curve) {
   std::vector<double> times;
   for (std::size_t k = 0; k < real.size(); ++k) times.push_back(begin + step * (static_cast<double>(k) + 0.5));
   const Axis across = axis_for(times, left, right), up = axis_for_both(real, synthetic);
-  const std::string of = curve.at("of").is_string() ? "mean" : fmt::format("unit {}", curve.at("of").get<std::size_t>());
+  const std::string source = curve.at("of").is_string() ? "mean" : fmt::format("unit {}", curve.at("of").get<std::size_t>());
   const std::string shown =
-      fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), of);
+      fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), source);
   Svg svg = page::chart(frame, shown, across, "time [s]", up);
   const auto draw = [&](const char* kind, const std::vector<double>& line) {
     std::vector<std::array<double, 2>> way;

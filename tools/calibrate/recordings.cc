@@ -154,9 +154,9 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
 
 void check_same_columns(const std::string& name, const Columns& columns, const std::string& first_name, const Columns& first) {
   // Equal names imply equal shapes, because both are the scene's.
-  const auto names = [](const Columns& of) {
+  const auto names = [](const Columns& columns) {
     std::vector<std::string> found;
-    for (const ChannelPlace& place : of.channels) found.push_back(place.sensor + "/" + place.channel);
+    for (const ChannelPlace& place : columns.channels) found.push_back(place.sensor + "/" + place.channel);
     return found;
   };
   if (names(columns) == names(first)) return;

@@ -37,8 +37,8 @@ class Searcher {
   Searcher(const Problem& problem, const SearchOptions& options) : problem_(problem), options_(options) {
     const std::size_t keys = model().keys().size();
     const auto recordings = model().recordings();
-    of_ = options.starts * (problem.evaluations().global + problem.evaluations().local) * (keys + 1) * recordings +
-          (std::size_t{4} * 2 * model().parameters() + profile_points * keys) * recordings;
+    total_ = options.starts * (problem.evaluations().global + problem.evaluations().local) * (keys + 1) * recordings +
+             (std::size_t{4} * 2 * model().parameters() + profile_points * keys) * recordings;
   }
 
   Solution run() {
@@ -46,8 +46,8 @@ class Searcher {
     solution.starts = in_order<Start>(options_.starts, [&](std::size_t k) { return start(k); });
     const auto best = std::ranges::min_element(solution.starts, {}, &Start::cost);
     descend(model().spread(best->places), solution);
-    know(solution);
-    if (options_.progress) options_.progress(of_, of_);
+    estimate_uncertainty(solution);
+    if (options_.progress) options_.progress(total_, total_);
     return solution;
   }
 
@@ -67,16 +67,16 @@ class Searcher {
         count, std::min(problem_.jobs, std::max<std::size_t>(1, count)), [&] { return work; }, problem_.interrupt);
     std::vector<Result> results;
     while (results.size() < count) {
-      while (!workers.ready_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) tell();
-      tell();
+      while (!workers.ready_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) report_progress();
+      report_progress();
       std::optional<Result> result = workers.next();
       end_if(problem_.interrupt);
       results.push_back(std::move(*result));
     }
     return results;
   }
-  void tell() const {
-    if (options_.progress) options_.progress(std::min(done_.load(), of_), of_);
+  void report_progress() const {
+    if (options_.progress) options_.progress(std::min(done_.load(), total_), total_);
   }
 
   MatrixXd wave(const VectorXd& places, std::size_t recording) {
@@ -187,7 +187,7 @@ class Searcher {
   }
 
   // Derives the parameters' uncertainty from the residuals.
-  void know(Solution& solution) {
+  void estimate_uncertainty(Solution& solution) {
     const Index count = solution.places.size();
     const Index entries = solution.distance.compared;
     solution.scale = std::max(1.0, solution.distance.compared_squared / static_cast<double>(entries));
@@ -245,7 +245,7 @@ class Searcher {
 
   const Problem& problem_;
   const SearchOptions& options_;
-  std::size_t of_ = 0;
+  std::size_t total_ = 0;
   std::atomic<std::size_t> done_ = 0;
   MatrixXd slopes_;
 };
@@ -255,9 +255,10 @@ constexpr std::size_t evaluations_a_key = 30;
 constexpr double difference_of_size = 0.05;  // of the bounds, to either side
 constexpr double least_variance = 1e-4;      // of a logarithm: 1 %
 
-class Sizes {
+class SizeResiduals {
  public:
-  Sizes(const Model& model, const CurveProblem& problem, const VectorXd& real) : model_(model), problem_(problem), real_(real) {
+  SizeResiduals(const Model& model, const CurveProblem& problem, const VectorXd& real)
+      : model_(model), problem_(problem), real_(real) {
     for (std::size_t d = 0; d < devices; ++d) seeds_.push_back(seed_of(model.seed(), d, "sizes"));
   }
 
@@ -366,14 +367,14 @@ double minimise(VectorXd& places, const std::function<double(const VectorXd&)>& 
       throw nlopt::forced_stop();
     }
   };
-  std::pair<const std::function<double(const VectorXd&)>&, std::exception_ptr&> told(cost, error);
+  std::pair<const std::function<double(const VectorXd&)>&, std::exception_ptr&> objective_data(cost, error);
   nlopt::opt optimiser(first_step ? nlopt::LN_SBPLX : nlopt::GN_CRS2_LM, static_cast<unsigned>(places.size()));
   optimiser.set_lower_bounds(0.0);
   optimiser.set_upper_bounds(1.0);
   if (first_step) optimiser.set_initial_step(*first_step);
   optimiser.set_xtol_abs(tolerance);
   optimiser.set_maxeval(static_cast<int>(evaluations));
-  optimiser.set_min_objective(objective, &told);
+  optimiser.set_min_objective(objective, &objective_data);
   std::vector<double> at(places.begin(), places.end());
   double least = 0.0;
   try {
@@ -414,7 +415,7 @@ VectorXd disturbance_sizes(const Columns& columns, const Waves& read, const Dist
 
 ElectronicsFit fit_electronics(const Model& model, const CurveProblem& problem, const VectorXd& sizes_of_real) {
   const VectorXd& own = model.own_places();
-  Sizes sizes(model, problem, sizes_of_real);
+  SizeResiduals sizes(model, problem, sizes_of_real);
   sizes.weigh(own);
   ElectronicsFit fit{.places = own, .known = {}};
   const auto cost = [&](const VectorXd& places) {

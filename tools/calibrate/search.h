@@ -67,7 +67,7 @@ struct CurveProblem : Problem {
 
 struct SearchOptions {
   std::size_t starts = 4;
-  std::function<void(std::size_t done, std::size_t of)>
+  std::function<void(std::size_t done, std::size_t total)>
       progress;  // simulated recordings; called from the calling thread; may be empty
 };
 

@@ -123,19 +123,19 @@ std::optional<MeasureError> slip_distance_error(const std::vector<Both>& sensors
 // `about_mean`, by the reference's about its mean. `width`: values per row.
 void add_difference(const Rows& rows, std::span<const float> run, std::span<const float> reference, std::size_t width,
                     bool about_mean, MeasureValues& values) {
-  double squares = 0.0, of = 0.0;
+  double squares = 0.0, total = 0.0;
   for (std::size_t i = 0; i < width; ++i) {
     double sum = 0.0;
     for (const auto& row : rows) sum += static_cast<double>(reference[row.second * width + i]);
     const double mean = about_mean ? sum / static_cast<double>(rows.size()) : 0.0;
     for (const auto& [row, reference_row] : rows) {
-      const double is = static_cast<double>(run[row * width + i]);
-      const double was = static_cast<double>(reference[reference_row * width + i]);
-      squares += (is - was) * (is - was);
-      of += (was - mean) * (was - mean);
+      const double actual = static_cast<double>(run[row * width + i]);
+      const double expected = static_cast<double>(reference[reference_row * width + i]);
+      squares += (actual - expected) * (actual - expected);
+      total += (expected - mean) * (expected - mean);
     }
   }
-  values.add_share(squares, of);
+  values.add_share(squares, total);
 }
 
 // Sum over the units [N], three values per sample.
@@ -171,43 +171,43 @@ std::optional<MeasureError> state_error(const std::vector<Both>& sensors, std::v
   for (const Both& both : sensors) {
     if (by_unit && !both.same_units()) continue;
     const std::size_t width = by_unit ? both.run.labels.units() : 1;
-    std::size_t differing = 0, of = 0;
+    std::size_t differing = 0, total = 0;
     for (const auto& [row, reference_row] : both.rows()) {
       for (std::size_t i = 0; i < width; ++i) {
-        const std::uint8_t is = (both.run.labels.*states)[row * width + i];
-        const std::uint8_t was = (both.reference.labels.*states)[reference_row * width + i];
-        of += is != 0 || was != 0 ? 1U : 0U;
-        differing += is != was ? 1U : 0U;
+        const std::uint8_t actual = (both.run.labels.*states)[row * width + i];
+        const std::uint8_t expected = (both.reference.labels.*states)[reference_row * width + i];
+        total += actual != 0 || expected != 0 ? 1U : 0U;
+        differing += actual != expected ? 1U : 0U;
       }
     }
-    values.add_count(differing, of);
+    values.add_count(differing, total);
   }
   return values.error();
 }
 
 MeasureError outcome_error(const TrialRecord& run, const TrialRecord& reference) {
-  std::size_t differing = 0, of = 0;
-  const auto decide = [&](bool is, bool was) {
-    ++of;
-    differing += is != was ? 1U : 0U;
+  std::size_t differing = 0, total = 0;
+  const auto decide = [&](bool actual, bool expected) {
+    ++total;
+    differing += actual != expected ? 1U : 0U;
   };
-  const auto happens = [&](double is, double was) { decide(!std::isnan(is), !std::isnan(was)); };
-  const TrialOutcome &is = run.outcome, &was = reference.outcome;
-  happens(is.touch_time, was.touch_time);
-  happens(is.first_micro_slip_time, was.first_micro_slip_time);
-  happens(is.first_slip_time, was.first_slip_time);
-  happens(is.gross_slip_time, was.gross_slip_time);
+  const auto happens = [&](double actual, double expected) { decide(!std::isnan(actual), !std::isnan(expected)); };
+  const TrialOutcome &actual = run.outcome, &expected = reference.outcome;
+  happens(actual.touch_time, expected.touch_time);
+  happens(actual.first_micro_slip_time, expected.first_micro_slip_time);
+  happens(actual.first_slip_time, expected.first_slip_time);
+  happens(actual.gross_slip_time, expected.gross_slip_time);
   if (reference.control && !reference.control->detector.empty()) {
-    ++of;
-    differing += is.detection != was.detection ? 1U : 0U;
+    ++total;
+    differing += actual.detection != expected.detection ? 1U : 0U;
   }
-  if (is.grasp && was.grasp) {
-    decide(is.grasp->dropped, was.grasp->dropped);
-    if (is.grasp->lifted && was.grasp->lifted) decide(*is.grasp->lifted, *was.grasp->lifted);
-    if (reference.control) happens(is.grasp->reaction_time, was.grasp->reaction_time);
-    if (is.grasp->turn && was.grasp->turn) decide(is.grasp->turn->standing, was.grasp->turn->standing);
+  if (actual.grasp && expected.grasp) {
+    decide(actual.grasp->dropped, expected.grasp->dropped);
+    if (actual.grasp->lifted && expected.grasp->lifted) decide(*actual.grasp->lifted, *expected.grasp->lifted);
+    if (reference.control) happens(actual.grasp->reaction_time, expected.grasp->reaction_time);
+    if (actual.grasp->turn && expected.grasp->turn) decide(actual.grasp->turn->standing, expected.grasp->turn->standing);
   }
-  const double share = static_cast<double>(differing) / static_cast<double>(of);
+  const double share = static_cast<double>(differing) / static_cast<double>(total);
   return {share, share, differing > 0};
 }
 
@@ -222,18 +222,18 @@ std::optional<MeasureError> detector_error(const TrialRecord& run, const TrialRe
   return values.error();
 }
 
-void add_channel(const Both& both, const SensorColumn& is, const SensorColumn& was, MeasureValues& values) {
-  const Rows rows = common_rows(both.run.times_of(is), both.reference.times_of(was));
-  if (rows.empty() || is.shape != was.shape) return;
-  add_difference(rows, is.values, was.values, was.row_size(), true, values);
+void add_channel(const Both& both, const SensorColumn& actual, const SensorColumn& expected, MeasureValues& values) {
+  const Rows rows = common_rows(both.run.times_of(actual), both.reference.times_of(expected));
+  if (rows.empty() || actual.shape != expected.shape) return;
+  add_difference(rows, actual.values, expected.values, expected.row_size(), true, values);
 }
 
 std::optional<MeasureError> signal_error(const std::vector<Both>& sensors) {
   MeasureValues values;
   for (const Both& both : sensors) {
-    for (const SensorColumn& was : both.reference.channels) {
-      const auto is = std::ranges::find(both.run.channels, was.name, &SensorColumn::name);
-      if (is != both.run.channels.end()) add_channel(both, *is, was, values);
+    for (const SensorColumn& expected : both.reference.channels) {
+      const auto actual = std::ranges::find(both.run.channels, expected.name, &SensorColumn::name);
+      if (actual != both.run.channels.end()) add_channel(both, *actual, expected, values);
     }
   }
   return values.error();

@@ -92,14 +92,14 @@ inline constexpr double least_load_time = 10e-3;  // s
 class MeasureValues {
  public:
   void add(double value) { values_.push_back(value); }
-  void add_count(std::size_t differing, std::size_t of) {
-    if (of > 0) add(static_cast<double>(differing) / static_cast<double>(of));
+  void add_count(std::size_t differing, std::size_t total) {
+    if (total > 0) add(static_cast<double>(differing) / static_cast<double>(total));
   }
   // Adds a root mean square as a share of the reference's, from sums of squares over equally many
   // values. If the reference's is 0 and the run's is not, adds 1 and sets `different`.
-  void add_share(double squares, double of) {
-    if (of > 0.0) {
-      add(std::sqrt(squares / of));
+  void add_share(double squares, double total) {
+    if (total > 0.0) {
+      add(std::sqrt(squares / total));
     } else if (squares > 0.0) {
       add(1.0);
       different_ = true;

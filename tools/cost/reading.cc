@@ -18,10 +18,10 @@ namespace {
 
 // Measures with a sentence each. Forces and labels follow onsets so closely that more would repeat
 // them.
-constexpr std::array told_measures{Measure::onset, Measure::force, Measure::label, Measure::creep};
+constexpr std::array stated_measures{Measure::onset, Measure::force, Measure::label, Measure::creep};
 // In the measure's own units: shares, and m/s of creep.
-constexpr std::array told_shares{1e-2, 1e-3};
-constexpr std::array told_creeps{1e-6, 1e-8};
+constexpr std::array stated_shares{1e-2, 1e-3};
+constexpr std::array stated_creeps{1e-6, 1e-8};
 
 constexpr std::string_view contact_series = "contact";
 
@@ -113,7 +113,7 @@ std::string left_out_text(const Tried& tried) {
                      fmt::join(parts, ", "));
 }
 
-void tell(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {
+void append_statement(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {
   const MeasureInfo& info = info_of(measure);
   const std::string subject = fmt::format("{}, error up to {}", info.title, limit_text(info, limit));
   if (const auto& own = at(exploration.reference.own_error, measure); own && (own->different || own->worst > limit)) {
@@ -286,9 +286,10 @@ std::string verdict(const Price& price) {
 
 std::vector<std::string> sentences(const Exploration& exploration) {
   std::vector<std::string> lines;
-  for (const Measure measure : told_measures) {
+  for (const Measure measure : stated_measures) {
     if (!at(exploration.own().errors, measure)) continue;
-    for (const double limit : measure == Measure::creep ? told_creeps : told_shares) tell(exploration, measure, limit, lines);
+    for (const double limit : measure == Measure::creep ? stated_creeps : stated_shares)
+      append_statement(exploration, measure, limit, lines);
   }
   if (!exploration.reference.converged) lines.push_back(reference_text(exploration));
   const Tried tried = tried_contact(exploration);

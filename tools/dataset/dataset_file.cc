@@ -143,11 +143,11 @@ void write_demo(hid_t list, const EncodedTrial& trial) {
   for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
   // `attributes` is sorted by group: each group is opened once.
   Handle group;
-  const std::string* of = nullptr;
+  const std::string* group_path = nullptr;
   for (const EncodedAttribute& attribute : trial.attributes) {
-    if (of == nullptr || *of != attribute.path) {
-      of = &attribute.path;
-      group = Handle(H5Gopen2(demo.get(), of->empty() ? "." : of->c_str(), H5P_DEFAULT), &H5Gclose);
+    if (group_path == nullptr || *group_path != attribute.path) {
+      group_path = &attribute.path;
+      group = Handle(H5Gopen2(demo.get(), group_path->empty() ? "." : group_path->c_str(), H5P_DEFAULT), &H5Gclose);
     }
     std::visit([&](const auto& value) { write_attribute(group.get(), attribute.name, value); }, attribute.value);
   }

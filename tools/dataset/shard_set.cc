@@ -24,13 +24,13 @@ namespace {
 std::string normal(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
 
 // "trial 3 is missing", "trials 3, 4 and 5 more are missing".
-std::string missing_text(const char* what, const std::vector<std::size_t>& numbers, const std::string& of) {
+std::string missing_text(const char* what, const std::vector<std::size_t>& numbers, const std::string& total_text) {
   constexpr std::size_t most = 8;
   std::string text = fmt::format(
       "{}{} {}", what, numbers.size() == 1 ? "" : "s",
       fmt::join(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(std::min(most, numbers.size())), ", "));
   if (numbers.size() > most) text += fmt::format(" and {} more", numbers.size() - most);
-  return text + of + (numbers.size() == 1 ? " is missing" : " are missing");
+  return text + total_text + (numbers.size() == 1 ? " is missing" : " are missing");
 }
 
 void refuse_input_as_output(const std::vector<std::string>& inputs, const std::string& output) {

@@ -477,13 +477,13 @@ TruthRule learnt_labels(const std::string& trained) {
 std::set<std::string> seen_trials(const DetectorScene& detector, const std::string& trained) {
   const Json said = Json::parse(trained, nullptr, false);
   if (!said.is_object() || !said.contains("sha256_seen")) return {};
-  const Json& told = said.at("sha256_seen");
+  const Json& seen = said.at("sha256_seen");
   const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
-  if (!told.is_array() || !std::ranges::all_of(told, is_digest)) {
+  if (!seen.is_array() || !std::ranges::all_of(seen, is_digest)) {
     reject("{}: metadata: trained.sha256_seen is not a list of digests of 64 hexadecimal digits each",
            detector.type == "network" ? detector.parameters.path("model") : detector.type);
   }
-  return {told.begin(), told.end()};
+  return {seen.begin(), seen.end()};
 }
 
 std::string detector_name(const Json& detector) {

@@ -208,8 +208,8 @@ SensorFrame RecordedSamples::take() {
 }
 
 CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial) {
-  const Commanded told(reader, trial);
-  return {told.needed("speed"), told.needed("rotation"), told.needed("compression")};
+  const Commanded commanded(reader, trial);
+  return {commanded.needed("speed"), commanded.needed("rotation"), commanded.needed("compression")};
 }
 
 std::optional<double> commanded_number(const DatasetReader& reader, std::size_t trial, const std::string& name) {

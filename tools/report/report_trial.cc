@@ -116,7 +116,7 @@ Json spectrogram(const SpectrumView& view, const SensorColumn& channel, const Se
     rows.insert(rows.end(), magnitudes.begin(), magnitudes.begin() + static_cast<std::ptrdiff_t>(bins));
     ends.push_back(time[end - 1]);
   }
-  return {{"name", view.of},
+  return {{"name", view.title},
           {"unit", channel.unit},
           {"window_s", view.window},
           {"bin_hz", spectrum.bin_width()},
@@ -190,7 +190,7 @@ Json spectra_of(const SensorRecord& sensor, std::size_t most_values) {
   const SensorView view = sensor_view(sensor.type);
   Json spectra = Json::array();
   for (const SensorColumn& channel : sensor.channels) {
-    const std::optional<SpectrumView> spectrum = view.of(channel.name).spectrum;
+    const std::optional<SpectrumView> spectrum = view.channel_view(channel.name).spectrum;
     if (!spectrum) continue;
     if (Json one = spectrogram(*spectrum, channel, sensor, most_values); !one.is_null()) spectra.push_back(std::move(one));
   }

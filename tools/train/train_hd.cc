@@ -358,8 +358,8 @@ Evaluation pooled(std::span<const Evaluation> draws) {
 Json draws_json(std::span<const Evaluation> draws) {
   Json each = Json::array();
   for (const Evaluation& draw : draws) each.push_back(evaluation_json(draw));
-  const auto figure = [&draws](double (*of)(const Confusion&), Confusion Evaluation::*frames) {
-    const MeanSd value = over_draws(draws, [&](const Evaluation& e) { return of(e.*frames); });
+  const auto figure = [&draws](double (*measure)(const Confusion&), Confusion Evaluation::*frames) {
+    const MeanSd value = over_draws(draws, [&](const Evaluation& e) { return measure(e.*frames); });
     return Json{{"mean", or_null(value.mean)}, {"sd", or_null(value.sd)}};
   };
   return {{"recall_of_slip", figure(recall_of_slip, &Evaluation::all)},

@@ -98,8 +98,8 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 }
 
 [[noreturn]] void refuse(const std::string& what, double time) {
-  throw WrongRun(fmt::format("{} is not finite at {} s: the simulation has overflowed with the values of the scene", what,
-                             format_number(time)));
+  throw FailedRun(fmt::format("{} is not finite at {} s: the simulation has overflowed with the values of the scene", what,
+                              format_number(time)));
 }
 
 // Finds the earliest row of a record that is not finite.

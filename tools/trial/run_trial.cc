@@ -168,7 +168,7 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
   if (recording == Recording::full) {
     recorder_.emplace(scene_, sensors_, *simulation_, box(), sampler_, max_bytes, result_.record);
   } else {
-    simulation_->leave_slip_angle();
+    simulation_->disable_slip_angle();
   }
   loop_ = make_loop(scene_, sensors_, *simulation_, trial, controller);
 }

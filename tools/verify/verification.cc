@@ -18,7 +18,7 @@ namespace {
 
 struct About {
   const char* name;
-  const char* of;  // counted items
+  const char* items;  // counted items
 };
 constexpr std::array<About, 7> about{{{"digests", "trials"},
                                       {"order", "trials"},
@@ -263,12 +263,12 @@ bool has_sums(const PadLayout& layout) {
 }  // namespace
 
 void Verification::leave_out(Check check, const std::string& why) {
-  std::vector<std::string>& said = of(check).left_out;
+  std::vector<std::string>& said = entry_of(check).left_out;
   if (std::ranges::find(said, why) == said.end()) said.push_back(why);
 }
 
 void Verification::fail(Check check, const Where& where, const std::string& what) {
-  Entry& entry = of(check);
+  Entry& entry = entry_of(check);
   if (entry.failed++ >= listed) return;
   entry.failures.push_back({{"check", about[static_cast<std::size_t>(check)].name},
                             {"trial", or_null(where.trial)},
@@ -300,7 +300,7 @@ Json Verification::json() const {
     const Entry& entry = entries_[i];
     checks.push_back({{"check", about[i].name},
                       {"checked", entry.checked},
-                      {"of", about[i].of},
+                      {"of", about[i].items},
                       {"failed", entry.failed},
                       {"left_out", entry.left_out}});
     for (const Json& failure : entry.failures) failures.push_back(failure);

@@ -29,7 +29,7 @@ class Verification {
 
   // Adds to the number of checked items: trials for digests and order, values or samples of units
   // for the others.
-  void count(Check check, std::size_t count) { of(check).checked += count; }
+  void count(Check check, std::size_t count) { entry_of(check).checked += count; }
   // Records an omitted part with the reason, once.
   void leave_out(Check check, const std::string& why);
   void fail(Check check, const Where& where, const std::string& what);
@@ -48,7 +48,7 @@ class Verification {
     std::vector<std::string> left_out;
     Json failures = Json::array();
   };
-  Entry& of(Check check) { return entries_[static_cast<std::size_t>(check)]; }
+  Entry& entry_of(Check check) { return entries_[static_cast<std::size_t>(check)]; }
 
   std::array<Entry, 7> entries_;
 };

@@ -215,7 +215,7 @@ class ArticulatedSimulation final : public Simulation {
     try {
       for (const std::size_t pad : clocks_.stepped()) pads_[pad]->step(pad_in_surface, time);
     } catch (const std::runtime_error& error) {
-      throw WrongRun(std::string("the simulation has diverged: ") + error.what());
+      throw FailedRun(std::string("the simulation has diverged: ") + error.what());
     }
   }
 

@@ -86,7 +86,7 @@ void DynamicSimulation::State::settle_tips() {
     try {
       refuse_warnings(held.get(), settled.get(), dt * k);
     } catch (const InputError& error) {
-      throw WrongRun(std::string("the tips do not come to rest before the run: ") + error.what());
+      throw FailedRun(std::string("the tips do not come to rest before the run: ") + error.what());
     }
     for (const Pad& pad : pads) {
       pad.pillars->read(held.get(), settled.get(), 0.0, dt);

@@ -532,9 +532,9 @@ const ContactFrame& DynamicSimulation::contact_part(std::size_t pad, FramePart p
   return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->contact()
                                 : State::truth_of(s.pads[s.sensors[pad].index], part);
 }
-void DynamicSimulation::leave_slip_angle() {
+void DynamicSimulation::disable_slip_angle() {
   for (const State::Pad& pad : state_->pads) {
-    if (pad.instance != nullptr) pad.instance->leave_slip_angle();
+    if (pad.instance != nullptr) pad.instance->disable_slip_angle();
   }
 }
 double DynamicSimulation::normal_force(std::size_t carrying) const {
@@ -572,7 +572,7 @@ bool DynamicSimulation::rotating() const { return state_->motion && state_->moti
 const mjModel* DynamicSimulation::model() const { return state_->m(); }
 mjData* DynamicSimulation::data() const { return state_->d(); }
 
-void DynamicSimulation::tell_carriage(std::size_t finger, const Vector6d& acceleration) {
+void DynamicSimulation::set_carriage_acceleration(std::size_t finger, const Vector6d& acceleration) {
   state_->carriages[finger] = acceleration;
 }
 

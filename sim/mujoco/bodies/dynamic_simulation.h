@@ -81,7 +81,7 @@ class DynamicSimulation final : public Simulation {
   [[nodiscard]] std::span<const std::size_t> stepped() const override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override { return contact_part(pad, FramePart::all); }
   [[nodiscard]] const ContactFrame& contact_part(std::size_t pad, FramePart part) const override;
-  void leave_slip_angle() override;
+  void disable_slip_angle() override;
   // "pad" if sensors ride on the stage, the pad of every sensor with a site under the sensor's
   // name, the scene's own bodies, and those of the model that have a free joint or are named,
   // separated by spaces, in its custom text "slipbench.record".
@@ -101,7 +101,7 @@ class DynamicSimulation final : public Simulation {
 
   // Sets the acceleration of the carriage of finger 0 or 1 [m/s2, rad/s2], in the world, from the
   // next step on. Implicit springs need it.
-  void tell_carriage(std::size_t finger, const Eigen::Matrix<double, 6, 1>& acceleration);
+  void set_carriage_acceleration(std::size_t finger, const Eigen::Matrix<double, 6, 1>& acceleration);
 
   // MuJoCo's model and data.
   [[nodiscard]] const mjModel_* model() const;

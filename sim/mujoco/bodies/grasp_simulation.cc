@@ -252,7 +252,7 @@ void GraspSimulation::State::drive(double time) {
     Vector6d speed;
     speed << finger.carriage.velocity, finger.carriage.angular_velocity;
     const Vector6d gained = speed - std::exchange(finger.speed, speed);
-    if (time > 0.0) simulation->tell_carriage(k, gained / simulation->time_step(0));
+    if (time > 0.0) simulation->set_carriage_acceleration(k, gained / simulation->time_step(0));
     wrench.head<3>() -= finger_weight;
     // a free joint's is in its own frame
     const Eigen::Vector3d torque = now[k].pose.rotation.transpose() * wrench.tail<3>();
@@ -287,7 +287,7 @@ void GraspSimulation::State::observe(double time) {
     truth.pad_force[k] = simulation->normal_force(finger.pad);
     const double allowed = 2.0 * finger.most + finger.impact;
     if (truth.pad_force[k] > allowed) {
-      throw WrongRun(fmt::format(
+      throw FailedRun(fmt::format(
           "the simulation has diverged at {:.6g} s: the {}'s normal force is {:.4g} N, but the finger's spring has carried {:.4g} N at most; allowed: {:.4g} N",
           time, k == 0 ? "sensor's pad" : "second pad", truth.pad_force[k], finger.most, allowed));
     }
@@ -327,7 +327,7 @@ std::span<const std::size_t> GraspSimulation::stepped() const { return state_->s
 const ContactFrame& GraspSimulation::contact_part(std::size_t pad, FramePart part) const {
   return state_->simulation->contact_part(pad, part);
 }
-void GraspSimulation::leave_slip_angle() { state_->simulation->leave_slip_angle(); }
+void GraspSimulation::disable_slip_angle() { state_->simulation->disable_slip_angle(); }
 const std::vector<NamedBody>& GraspSimulation::bodies() const {
   State& s = *state_;
   const std::vector<NamedBody>& moved = s.simulation->bodies();

@@ -56,7 +56,7 @@ class GraspSimulation final : public Simulation, public HeldBox {
   [[nodiscard]] std::span<const std::size_t> stepped() const override;
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override { return contact_part(pad, FramePart::all); }
   [[nodiscard]] const ContactFrame& contact_part(std::size_t pad, FramePart part) const override;
-  void leave_slip_angle() override;
+  void disable_slip_angle() override;
   // "arm", the sensor's pad under the sensor's name, "second_pad", "table" and "box". The box has a
   // size, and the silicone pad that of its face: width, height, 0.
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;

@@ -175,7 +175,7 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
         mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m()->dof_armature).cwiseProduct(rate);
     if (const auto wrong = body.rule.check(now, dt)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body.body);
-      throw WrongRun(
+      throw FailedRun(
           fmt::format("the simulation has diverged at {:.6g} s: body '{}': {}", time, name == nullptr ? "" : name, *wrong));
     }
   }
@@ -218,14 +218,14 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
     now.kinetic = 0.5 * mean.dot(work_space);
   }
   if (const auto wrong = energy->check(now, dt)) {
-    throw WrongRun(fmt::format("the simulation has diverged at {:.6g} s: {}", time, *wrong));
+    throw FailedRun(fmt::format("the simulation has diverged at {:.6g} s: {}", time, *wrong));
   }
   for (const int body : moving) {
     const MjVector centre(d()->xipos + 3 * body);
     const double speed = (centre - MjVector(&centres[3 * static_cast<std::size_t>(body)])).norm() / dt;
     if (const auto wrong = energy->check_body(0.5 * m()->body_mass[body] * speed * speed)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body);
-      throw WrongRun(
+      throw FailedRun(
           fmt::format("the simulation has diverged at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
     }
   }

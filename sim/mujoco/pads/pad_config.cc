@@ -294,18 +294,18 @@ class LastRead {
   template <class Read>
   const Value& find(std::vector<std::string> texts, Read&& read) {
     constexpr std::size_t most = 8;
-    const auto found = std::ranges::find(known_, texts, &std::pair<std::vector<std::string>, Value>::first);
-    if (found != known_.end()) {
-      std::rotate(known_.begin(), found, found + 1);
+    const auto found = std::ranges::find(cached_, texts, &std::pair<std::vector<std::string>, Value>::first);
+    if (found != cached_.end()) {
+      std::rotate(cached_.begin(), found, found + 1);
     } else {
-      known_.emplace_front(std::move(texts), read());
-      if (known_.size() > most) known_.pop_back();
+      cached_.emplace_front(std::move(texts), read());
+      if (cached_.size() > most) cached_.pop_back();
     }
-    return known_.front().second;
+    return cached_.front().second;
   }
 
  private:
-  std::deque<std::pair<std::vector<std::string>, Value>> known_;  // most recently used first
+  std::deque<std::pair<std::vector<std::string>, Value>> cached_;  // most recently used first
 };
 
 // Reads the scene that the attributes describe. `known`: the same at every call.

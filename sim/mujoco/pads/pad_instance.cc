@@ -333,7 +333,7 @@ void PadInstance::evaluate(const Parts& state, double time) {
 
 // True if nothing needs to be computed: the pad has touched nothing, and cannot at its pose. Most
 // pads are so far away that the bounding balls of the pad and the touched geoms suffice.
-bool PadInstance::rests(const mjModel* model, const mjData* data, const Parts& state, double time) {
+bool PadInstance::is_idle(const mjModel* model, const mjData* data, const Parts& state, double time) {
   if (!may_rest_ || keeps_state_ || state.fields.back() < phase::apart || !(time >= state.header[committed_time])) return false;
   const MjVector pad(data->site_xpos + 3 * config_.site);
   if (std::ranges::all_of(touched_, [&](const Touched& touched) {
@@ -351,7 +351,7 @@ bool PadInstance::rests(const mjModel* model, const mjData* data, const Parts& s
 }
 
 // Commits a pad at rest.
-void PadInstance::rest(const mjData* data, const Parts& state, double time) {
+void PadInstance::commit_idle(const mjData* data, const Parts& state, double time) {
   state.header[committed_time] = time;
   if (watched_ && sample_time_ > 0.0 && sample_is_due(time, state.header[next_sample])) {
     state.header[next_sample] = std::floor(time / sample_time_ + rounding) + 1.0;
@@ -457,7 +457,7 @@ void PadInstance::add_force(const mjModel* model, mjData* data) {
   if (!keeps_state_) refuse_what_cannot_work(model);
   const Parts state = parts(model, data);
   computed_at_ = data->time;
-  rested_ = rests(model, data, state, data->time);
+  rested_ = is_idle(model, data, state, data->time);
   if (rested_) {
     for (Touched& touched : touched_) touched.applied = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
     return;
@@ -538,7 +538,7 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   const Parts state = parts(model, data);
   computed_at_ = data->time;
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
-  if (rests(model, data, state, data->time) && stays_clear(model, data, state)) {
+  if (is_idle(model, data, state, data->time) && stays_clear(model, data, state)) {
     for (const Touched& touched : touched_) {
       contacts.push_back({nullptr, {}, model->site_bodyid[config_.site], touched.body, pad, Pose{}});
     }
@@ -608,7 +608,7 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   const Parts state = parts(model, data);
   // RK4 commits at the end of a step, so that at the start of the next one nothing has moved: the
   // last readings are still valid.
-  if ((is_placed(state.fields) && data->time == state.header[committed_time]) || rests(model, data, state, data->time)) {
+  if ((is_placed(state.fields) && data->time == state.header[committed_time]) || is_idle(model, data, state, data->time)) {
     for (const int address : outputs_) {
       mjtNum* const out = std::copy(state.held.begin(), state.held.end(), data->sensordata + address);
       std::copy(state.truth.begin(), state.truth.end(), out);
@@ -629,8 +629,8 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
 void PadInstance::commit(const mjModel* model, mjData* data) {
   if (!keeps_state_) refuse_what_cannot_work(model);
   const Parts state = parts(model, data);
-  if (rests(model, data, state, computed_at_)) {
-    rest(data, state, computed_at_);
+  if (is_idle(model, data, state, computed_at_)) {
+    commit_idle(data, state, computed_at_);
     return;
   }
   // With keep_state() nothing has moved since the force was computed.

@@ -108,7 +108,7 @@ class PadInstance {
   // step. Available for pads with a sensor in the model; for others only after watch(), which must
   // be called before the first step, since their contact could not be read.
   [[nodiscard]] const ContactFrame& truth(FramePart part) { return labels_.fill(fields_, part); }
-  void leave_slip_angle() { labels_.leave_slip_angle(); }
+  void disable_slip_angle() { labels_.disable_slip_angle(); }
   void watch() { watched_ = true; }
   // Excludes the fields' state from plugin_state from here on, which takes a quarter of a large
   // pad's time. For the sole user of an mjData, who steps it in sequence from its start, explicitly
@@ -152,8 +152,8 @@ class PadInstance {
   bool locate(const mjModel* model, const mjData* data);
   [[nodiscard]] bool sees_the_same(const mjModel* model, const mjData* data);
   void evaluate(const Parts& state, double time);
-  [[nodiscard]] bool rests(const mjModel* model, const mjData* data, const Parts& state, double time);
-  void rest(const mjData* data, const Parts& state, double time);
+  [[nodiscard]] bool is_idle(const mjModel* model, const mjData* data, const Parts& state, double time);
+  void commit_idle(const mjData* data, const Parts& state, double time);
   [[nodiscard]] bool sample_is_due(double time, double next) const;
   [[nodiscard]] bool stays_clear(const mjModel* model, const mjData* data, const Parts& state);
   void check_site(const mjModel* model, bool placed);

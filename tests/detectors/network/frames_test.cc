@@ -237,12 +237,13 @@ TEST(Frames, SpreadsAreOfTheLatestSamplesThereAreWhateverTheLevel) {
 // samples they change by -2 n and 0. The first frame has two samples, fewer than the longer span.
 TEST(Frames, LevelsAreMeansAndChangesWithTheirSigns) {
   Frames frames = frames_of(moving(Transform::levels, {2, 5}, 0.5, {{"force", {0, 1}}}));
-  const auto of = [](double x) { return static_cast<float>(std::asinh(x / 0.5)); };
+  const auto squash = [](double x) { return static_cast<float>(std::asinh(x / 0.5)); };
   for (int k = 0; k < 10; ++k) {
     const bool whole = frames.push(std::vector<float>{3.0F - 2.0F * static_cast<float>(k), 5, 0, 0, 0, 0, 0});
     ASSERT_EQ(whole, k > 0);
     if (!whole) continue;
-    const std::vector<float> expected{of(3.0 - 2.0 * (k - 0.5)), of(5.0), of(-4.0), 0.0F, of(-2.0 * std::min(k + 1, 5)), 0.0F};
+    const std::vector<float> expected{squash(3.0 - 2.0 * (k - 0.5)),     squash(5.0), squash(-4.0), 0.0F,
+                                      squash(-2.0 * std::min(k + 1, 5)), 0.0F};
     EXPECT_THAT(frames.latest(), ::testing::Pointwise(::testing::FloatNear(1e-6F), expected));
   }
 }
@@ -257,9 +258,10 @@ TEST(Frames, UnitsAreLevelsAndRatesOfEachUnitsForce) {
     const auto n = static_cast<float>(k);
     frames.push(std::vector<float>{0.18F * n, 0.24F * n, 2.0F - 0.1F * n, 0, 0, 1, 0});
   }
-  const auto of = [](double x) { return static_cast<float>(std::asinh(x / 0.01)); };
-  const std::vector<float> expected{of(1.15), 2.55F / 1.16F, of(0.6), of(0.6), of(-0.2), of(1.5), of(1.5), of(-0.5),
-                                    of(1.0),  0.0F,          0.0F,    0.0F,    0.0F,     0.0F,    0.0F,    0.0F};
+  const auto squash = [](double x) { return static_cast<float>(std::asinh(x / 0.01)); };
+  const std::vector<float> expected{squash(1.15), 2.55F / 1.16F, squash(0.6), squash(0.6), squash(-0.2), squash(1.5),
+                                    squash(1.5),  squash(-0.5),  squash(1.0), 0.0F,        0.0F,         0.0F,
+                                    0.0F,         0.0F,          0.0F,        0.0F};
   EXPECT_THAT(frames.latest(), ::testing::Pointwise(::testing::FloatNear(1e-4F), expected));
   input.channels = {{"force", {0, 1}}};
   EXPECT_THAT(refusal_of([&] { frames_of(input); }), mentions({"units", "2 values"}));

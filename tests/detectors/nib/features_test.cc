@@ -88,11 +88,11 @@ TEST(Features, HandOnForcesAndTheMoment) {
   parameters.set("capacitance", 100.0);
   FeatureReader features(parameters, source, "a test");
   std::vector<float> values(40, 6960.0F);
-  std::vector<double> told;
+  std::vector<double> outputs;
   features.update({0.0, values});
-  features.hand_on(told);
-  ASSERT_EQ(told.size(), handed_on().size());
-  for (const double value : told) EXPECT_TRUE(std::isnan(value));
+  features.hand_on(outputs);
+  ASSERT_EQ(outputs.size(), handed_on().size());
+  for (const double value : outputs) EXPECT_TRUE(std::isnan(value));
   for (int n = 1; n < 90; ++n) features.update({0.0, values});
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
     const double x = static_cast<double>(taxel % 3) - 1.0, y = 1.0 - static_cast<double>(taxel / 3),
@@ -104,11 +104,11 @@ TEST(Features, HandOnForcesAndTheMoment) {
     }
   }
   features.update({0.0, values});
-  features.hand_on(told);
-  EXPECT_TRUE(std::isnan(told[0]));  // no window is full yet
-  EXPECT_NEAR(told[5], 90.0, 1e-3);
-  EXPECT_NEAR(told[6], 1.0, 1e-3);  // the circulation cancels, and the centre's shear is left
-  EXPECT_NEAR(told[7], 7.6e-3 * (4.0 + 4.0 * std::sqrt(2.0)), 1e-5);
+  features.hand_on(outputs);
+  EXPECT_TRUE(std::isnan(outputs[0]));  // no window is full yet
+  EXPECT_NEAR(outputs[5], 90.0, 1e-3);
+  EXPECT_NEAR(outputs[6], 1.0, 1e-3);  // the circulation cancels, and the centre's shear is left
+  EXPECT_NEAR(outputs[7], 7.6e-3 * (4.0 + 4.0 * std::sqrt(2.0)), 1e-5);
 }
 
 TEST(Features, RefuseWhatTheyCannotBeMadeOf) {

@@ -83,9 +83,9 @@ TEST(LinearSlip, WaitsForAsManyFlagsAsTheRatioAsks) {
 }
 
 TEST(LinearSlip, BeginsAnewWhenThePadHasLetGo) {
-  const auto told = detector("forces");
+  const auto detected = detector("forces");
   NibFrames frames;
-  const auto state = [&] { return told->update(frames.next()).state; };
+  const auto state = [&] { return detected->update(frames.next()).state; };
   for (int n = 0; n < 99; ++n) state();
   frames.vibrate(4.0, 0.0);
   frames.load({10, 10, 10, 10});

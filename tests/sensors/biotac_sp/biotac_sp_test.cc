@@ -91,8 +91,9 @@ TEST(BioTacSp, FeelsByTheDistanceFromTheSkinOverAnElectrode) {
                              "sensors.finger");
   for (std::size_t e = 1; e < electrodes; ++e) {
     const double r = distance(e), r0 = distance(0);
-    EXPECT_NEAR(std::log(near.of(e, frame, one) / near.of(0, frame, one)), -(r * r - r0 * r0) / (2.0 * 3.5e-3 * 3.5e-3), 1e-9);
-    EXPECT_NEAR(std::log(far.of(e, frame, one) / far.of(0, frame, one)), -(r - r0) / 9e-3, 1e-9);
+    EXPECT_NEAR(std::log(near.dent(e, frame, one) / near.dent(0, frame, one)), -(r * r - r0 * r0) / (2.0 * 3.5e-3 * 3.5e-3),
+                1e-9);
+    EXPECT_NEAR(std::log(far.dent(e, frame, one) / far.dent(0, frame, one)), -(r - r0) / 9e-3, 1e-9);
   }
 }
 
@@ -116,7 +117,7 @@ TEST(BioTacSp, ADentThatIsDraggedTowardsAnElectrodeIsFeltMore) {
       frame.element_depth[static_cast<Eigen::Index>(i)] = 1e-3;
       frame.element_shear.setZero(300, 3);
       frame.element_shear.row(static_cast<Eigen::Index>(i)) = by.transpose().array();
-      return dents.of(e, frame, one);
+      return dents.dent(e, frame, one);
     };
     const double still = dragged(Eigen::Vector3d::Zero());
     EXPECT_NEAR(dragged(q * tangent) / still - 1.0, stretch * q * towards.dot(tangent) / (l * l), 1e-12);

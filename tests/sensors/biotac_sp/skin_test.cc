@@ -253,7 +253,7 @@ double largest_drag(const Skin& mesh, const ContactFrame& frame) {
   }
   double largest = 0.0;
   for (std::size_t e = 0; e < electrodes; ++e) {
-    largest = std::max(largest, std::abs(with.of(e, frame, touching) - without.of(e, frame, touching)));
+    largest = std::max(largest, std::abs(with.dent(e, frame, touching) - without.dent(e, frame, touching)));
   }
   return largest;
 }
@@ -313,7 +313,7 @@ double deepest_dent(std::size_t n, Depth&& depth) {
     if (frame.element_depth[place] > 0.0) touching.push_back(place);
   }
   double deepest = 0.0;
-  for (std::size_t e = 0; e < electrodes; ++e) deepest = std::max(deepest, dents.of(e, frame, touching));
+  for (std::size_t e = 0; e < electrodes; ++e) deepest = std::max(deepest, dents.dent(e, frame, touching));
   return deepest;
 }
 

@@ -26,23 +26,23 @@ class Skin {
                 const Texts& texts = {}) {
     given.insert({"noise", 0});
     given.insert({"offset", 0});
-    for (const auto& [key, value] : given) is_.set(key, value);
-    is_.set("chips", chips);
-    for (const auto& [key, value] : texts) is_.set(key, value);
-    sensor_ = magnetic_skin_sensor().create(is_, {}, 7, trial, name);
+    for (const auto& [key, value] : given) parameters_.set(key, value);
+    parameters_.set("chips", chips);
+    for (const auto& [key, value] : texts) parameters_.set(key, value);
+    sensor_ = magnetic_skin_sensor().create(parameters_, {}, 7, trial, name);
   }
 
-  [[nodiscard]] double of(const std::string& key) const { return is_.number(key); }
+  [[nodiscard]] double parameter(const std::string& key) const { return parameters_.number(key); }
   [[nodiscard]] Vector3d magnet(int cell) const {
-    return sensor_->layout().elements[static_cast<std::size_t>(cell)].tip + Vector3d(0, 0, of("magnet_depth"));
+    return sensor_->layout().elements[static_cast<std::size_t>(cell)].tip + Vector3d(0, 0, parameter("magnet_depth"));
   }
   // Distance from an unloaded magnet to its magnetometer; factor on the surface's displacement at
   // the magnet.
-  [[nodiscard]] double height() const { return of("thickness") + of("gap") - of("magnet_depth"); }
-  [[nodiscard]] double share() const { return 1 - of("magnet_depth") / of("thickness"); }
+  [[nodiscard]] double height() const { return parameter("thickness") + parameter("gap") - parameter("magnet_depth"); }
+  [[nodiscard]] double share() const { return 1 - parameter("magnet_depth") / parameter("thickness"); }
   // uT m^3: mu0 m/(4 pi) with m = Br V/mu0, for a disc.
   [[nodiscard]] double strength() const {
-    return 1e6 * of("remanence") * std::pow(of("magnet_diameter") / 4, 2) * of("magnet_thickness");
+    return 1e6 * parameter("remanence") * std::pow(parameter("magnet_diameter") / 4, 2) * parameter("magnet_thickness");
   }
 
   // Returns channel `channel` (0 field, 1 counts, 2 force) with the surface of each cell displaced
@@ -60,12 +60,12 @@ class Skin {
   // Readings are within half a count per axis of `expected` [uT], which includes the field without
   // load.
   void expect_total(const Vector3d& counts, const Vector3d& expected) const {
-    const Vector3d count{of("sensitivity"), of("sensitivity"), of("sensitivity_z")};
+    const Vector3d count{parameter("sensitivity"), parameter("sensitivity"), parameter("sensitivity_z")};
     EXPECT_LT((counts - expected.cwiseQuotient(count)).cwiseAbs().maxCoeff(), 0.501) << counts.transpose();
   }
 
  private:
-  Parameters is_ = defaults_of(magnetic_skin_sensor().about.parameters);
+  Parameters parameters_ = defaults_of(magnetic_skin_sensor().about.parameters);
   std::unique_ptr<Sensor> sensor_;
 };
 
@@ -120,7 +120,7 @@ TEST(MagneticSkin, SumOfMagnets) {
 TEST(MagneticSkin, ForceOfALoneMagnet) {
   Skin skin(one(), "grid");
   const double metre = skin.strength() / std::pow(skin.height(), 4) * skin.share();
-  const Eigen::RowVector3d k{skin.of("k_tangential"), skin.of("k_tangential"), skin.of("k_normal")};
+  const Eigen::RowVector3d k{skin.parameter("k_tangential"), skin.parameter("k_tangential"), skin.parameter("k_normal")};
   for (const Rows& u : {still, moved(0, 0, 1e-3), moved(8e-4, -3e-4, 6e-4), moved(-1e-3, 0, 2e-4)}) {
     const Rows found = skin.read(2, u).cwiseQuotient(k);
     EXPECT_LT((found - u).cwiseAbs().maxCoeff(), 1 / (3 * metre)) << u;
@@ -166,7 +166,7 @@ TEST(MagneticSkin, MisplacedMagnetShowsLoadAsShear) {
   Rows pressed = Rows::Zero(400, 3);
   pressed.col(2).setConstant(0.5e-3);
   const Rows loaded = skin.read(1, pressed);
-  const double s = skin.strength(), cx = skin.of("sensitivity"), cz = skin.of("sensitivity_z");
+  const double s = skin.strength(), cx = skin.parameter("sensitivity"), cz = skin.parameter("sensitivity_z");
   double squares = 0.0, sum = 0.0;
   for (int i = 0; i < 400; ++i) {
     double ex = 0.0, ey = 0.0;

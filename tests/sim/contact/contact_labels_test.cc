@@ -240,7 +240,7 @@ TEST(ContactLabels, EventsTellEveryChangeOfAUnitsState) {
   // To and fro in several directions, with separations: after each step the last event of a unit
   // gives its state.
   Rig rig(row({six_weights, {1.0}, six_weights}), {0.6, 0.4}, 1e-3);
-  std::vector<UnitState> told(3, UnitState::detached);
+  std::vector<UnitState> from_events(3, UnitState::detached);
   std::size_t read = 0, changes = 0, again = 0;
   for (int k = 0; k < 12000; ++k) {
     const double t = 1e-3 * k;
@@ -250,20 +250,20 @@ TEST(ContactLabels, EventsTellEveryChangeOfAUnitsState) {
       // Micro-slip begins only in a unit without any slip; a part sticks again only after full
       // slip.
       if (event.kind == EventKind::micro) {
-        EXPECT_EQ(told[event.unit], UnitState::stick) << "t " << t;
+        EXPECT_EQ(from_events[event.unit], UnitState::stick) << "t " << t;
       }
       if (event.kind == EventKind::part_sticks) {
-        EXPECT_EQ(told[event.unit], UnitState::slip) << "t " << t;
+        EXPECT_EQ(from_events[event.unit], UnitState::slip) << "t " << t;
       }
       again += event.kind == EventKind::part_sticks ? 1 : 0;
-      told[event.unit] = event.kind == EventKind::detach        ? UnitState::detached
-                         : event.kind == EventKind::slip        ? UnitState::slip
-                         : event.kind == EventKind::micro       ? UnitState::partial
-                         : event.kind == EventKind::part_sticks ? UnitState::partial
-                                                                : UnitState::stick;
+      from_events[event.unit] = event.kind == EventKind::detach        ? UnitState::detached
+                                : event.kind == EventKind::slip        ? UnitState::slip
+                                : event.kind == EventKind::micro       ? UnitState::partial
+                                : event.kind == EventKind::part_sticks ? UnitState::partial
+                                                                       : UnitState::stick;
       ++changes;
     }
-    ASSERT_EQ(told, frame.unit_state) << "t " << t;
+    ASSERT_EQ(from_events, frame.unit_state) << "t " << t;
   }
   EXPECT_GT(changes, 100U);
   EXPECT_GT(again, 0U);

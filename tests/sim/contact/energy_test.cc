@@ -179,19 +179,19 @@ bool is_inside(const Field& field, const Surface& surface, std::size_t i) {
 //   s^2)/2: at most |d|^2/8,
 // - at a change of face at most the whole term, k delta |d| with the larger of the two forces.
 void account(const Field& before, const Field& after, std::size_t i, const Vector& d, double bend, Balance& sum) {
-  const double k = after.layout().elements[i].k_normal, was = before.penetration(i), is = after.penetration(i);
-  if (was == 0.0 && is == 0.0) return;
+  const double k = after.layout().elements[i].k_normal, old_depth = before.penetration(i), new_depth = after.penetration(i);
+  if (old_depth == 0.0 && new_depth == 0.0) return;
   const double size = d.norm();
-  const double work = 0.5 * k * (was * before.normal(i) + is * after.normal(i)).dot(d);
+  const double work = 0.5 * k * (old_depth * before.normal(i) + new_depth * after.normal(i)).dot(d);
   sum.given += work;
   sum.taken += std::max(0.0, -work);
-  if (was == 0.0 || is == 0.0) {
+  if (old_depth == 0.0 || new_depth == 0.0) {
     sum.rounding += k * size * size / 8.0;
   } else if ((before.normal(i) - after.normal(i)).norm() > 1.1 * size * bend) {
-    sum.rounding += k * std::max(was, is) * size;
+    sum.rounding += k * std::max(old_depth, new_depth) * size;
     ++sum.changes;
   } else {
-    sum.rounding += k * size * size * size / 12.0 * 2.0 * bend * (1.0 + std::max(was, is) * bend);
+    sum.rounding += k * size * size * size / 12.0 * 2.0 * bend * (1.0 + std::max(old_depth, new_depth) * bend);
   }
 }
 

@@ -35,9 +35,9 @@ std::string refusal(const std::vector<Override>& changes, const std::string& tex
 }
 
 TEST(Override, ALongValueIsNotSaidAsAWhole) {
-  const std::string told = refusal({{"motion.speed", std::string(100'000, 'x')}});
-  EXPECT_LT(told.size(), 1000U);
-  EXPECT_EQ(told.substr(0, 24), "--set motion.speed=xxxxx");
+  const std::string message = refusal({{"motion.speed", std::string(100'000, 'x')}});
+  EXPECT_LT(message.size(), 1000U);
+  EXPECT_EQ(message.substr(0, 24), "--set motion.speed=xxxxx");
 }
 
 TEST(Override, ReplacesAValue) {

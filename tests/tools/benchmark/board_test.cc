@@ -51,7 +51,7 @@ const Json& row_of(const Json& set, const std::string& detector) {
 double score(const Json& set, const std::string& detector) { return row_of(set, detector).at("score").at("value").get<double>(); }
 
 TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
-  const std::vector<Held>& slip_2 = find_protocol("slip-2", "test").held_out;
+  const std::vector<TestSet>& slip_2 = find_protocol("slip-2", "test").held_out;
   const Json result = board("slip-2", "", 1, 2);
   std::map<std::string, std::set<std::string>> tracks;  // by detector
   for (const Json& set : result.at("sets")) {
@@ -62,9 +62,9 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
       tracks[row.at("detector")].insert(set.at("track"));
     }
     for (const char* control : {"always slip", "never slip", "motion known"}) EXPECT_TRUE(here.contains(control)) << control;
-    const Held& held = *std::ranges::find(slip_2, set.at("scene").get<std::string>(), &Held::scene);
-    EXPECT_EQ(here.contains("clock"), !std::isnan(held.clock));
-    EXPECT_EQ(here.contains("motion known, timed"), !std::isnan(held.time));
+    const TestSet& test_set = *std::ranges::find(slip_2, set.at("scene").get<std::string>(), &TestSet::scene);
+    EXPECT_EQ(here.contains("clock"), !std::isnan(test_set.clock));
+    EXPECT_EQ(here.contains("motion known, timed"), !std::isnan(test_set.time));
     EXPECT_EQ(score(set, "never slip"), 0.0);
     // Whoever is behind all others is the one who always says slip.
     EXPECT_EQ(set.at("rows").back().at("detector"), "always slip");
@@ -142,10 +142,10 @@ TEST(Board, FlipsLowerTheScore) {
 
 using Trials = std::vector<std::pair<Scene, TrialRecord>>;
 
-Trials all_trials(const Held& held) {
+Trials all_trials(const TestSet& test_set) {
   const Catalogues catalogues = program_catalogues();
   SweepOptions options;
-  options.scene_path = project_file(held.scene);
+  options.scene_path = project_file(test_set.scene);
   const ReadSweep read = read_sweep(options, catalogues);
   Trials trials;
   for (std::size_t k = 0; k < read.planned.plan.size(); ++k) {
@@ -156,15 +156,15 @@ Trials all_trials(const Held& held) {
 }
 
 // The score in open recordings of a detector that `detector` makes for each scene.
-double score_on(const Held& held, const Trials& trials, const std::function<DetectorScene(const Scene&)>& detector) {
+double score_on(const TestSet& test_set, const Trials& trials, const std::function<DetectorScene(const Scene&)>& detector) {
   std::vector<Part> parts;
   for (const auto& [scene, record] : trials) {
     const eval::Truth truth =
-        eval::truth_of(&scene, record, record.sensors[0], eval::TruthRule::masked, judged_from(held, scene));
+        eval::truth_of(&scene, record, record.sensors[0], eval::TruthRule::masked, judged_from(test_set, scene));
     const eval::Replayed replayed = eval::replay(detector(scene), record.sensors, 0, record.seed, record.trial);
-    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed, held.grace ? truth.period : 0.0), held));
+    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed, test_set.grace ? truth.period : 0.0), test_set));
   }
-  return score_of(parts, held).value;
+  return score_of(parts, test_set).value;
 }
 
 // The truth of a recording without its samples, which would not fit into memory for all trials of a set.
@@ -173,29 +173,30 @@ struct TruthOfTrial {
   eval::Truth truth;
 };
 
-std::vector<TruthOfTrial> all_truths(const Held& held) {
+std::vector<TruthOfTrial> all_truths(const TestSet& test_set) {
   const Catalogues catalogues = program_catalogues();
   SweepOptions options;
-  options.scene_path = project_file(held.scene);
+  options.scene_path = project_file(test_set.scene);
   const ReadSweep read = read_sweep(options, catalogues);
   std::vector<TruthOfTrial> truths;
   for (std::size_t k = 0; k < read.planned.plan.size(); ++k) {
     Scene scene = read.planned.plan.trial(k).scene;
-    std::erase_if(scene.sensors, [&](const SensorScene& sensor) { return sensor.name != held.readers.front(); });
+    std::erase_if(scene.sensors, [&](const SensorScene& sensor) { return sensor.name != test_set.readers.front(); });
     const TrialRecord record = run_trial(scene, k, Recording::full).record;
-    eval::Truth truth = eval::truth_of(&scene, record, record.sensors.front(), eval::TruthRule::masked, judged_from(held, scene));
+    eval::Truth truth =
+        eval::truth_of(&scene, record, record.sensors.front(), eval::TruthRule::masked, judged_from(test_set, scene));
     truths.push_back({std::move(scene), std::move(truth)});
   }
   return truths;
 }
 
-const Held& open_set(const std::string& protocol, const std::string& sensor, const std::string& domain) {
-  const auto wanted = [&](const Held& one) { return one.sensor == sensor && one.domain == domain; };
+const TestSet& open_set(const std::string& protocol, const std::string& sensor, const std::string& domain) {
+  const auto wanted = [&](const TestSet& one) { return one.sensor == sensor && one.domain == domain; };
   return *std::ranges::find_if(find_protocol(protocol, "test").held_out, wanted);
 }
 
 // The score of a control that `control` makes for each scene.
-double score_of_control(const Held& held, const std::vector<TruthOfTrial>& trials,
+double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>& trials,
                         const std::function<DetectorScene(const Scene&)>& control) {
   std::vector<Part> parts;
   for (std::size_t k = 0; k < trials.size(); ++k) {
@@ -204,9 +205,9 @@ double score_of_control(const Held& held, const std::vector<TruthOfTrial>& trial
     eval::Replayed replayed = silence(truth);
     const auto row = static_cast<std::size_t>(std::ranges::lower_bound(truth.time, from) - truth.time.begin());
     if (row < replayed.seen.size()) replayed.seen[row] = PadState::gross;
-    parts.push_back(recording_part(eval::judged(k, truth, replayed, truth.period), held));
+    parts.push_back(recording_part(eval::judged(k, truth, replayed, truth.period), test_set));
   }
-  return score_of(parts, held).value;
+  return score_of(parts, test_set).value;
 }
 
 // The first recording of each pair has no slip, the second one has. The controls know their best values,
@@ -215,25 +216,28 @@ TEST(Protocol, PairsOfSlip3) {
   register_control();
   for (const auto& [sensor, domain] : {std::pair{"taxels", "inside"}, {"papillarray", "outside"}}) {
     SCOPED_TRACE(sensor);
-    const Held& held = open_set("slip-3", sensor, domain);
-    const std::vector<TruthOfTrial> trials = all_truths(held);
+    const TestSet& test_set = open_set("slip-3", sensor, domain);
+    const std::vector<TruthOfTrial> trials = all_truths(test_set);
     for (std::size_t k = 0; k < trials.size(); ++k) {
       const eval::Truth& truth = trials[k].truth;
       EXPECT_EQ(std::isnan(truth.first_slip), k % 2 == 0) << "trial " << k;
-      const HandMotion hand = hand_motion(trials[k].scene, held.mover), other = hand_motion(trials[k ^ 1U].scene, held.mover);
+      const HandMotion hand = hand_motion(trials[k].scene, test_set.mover),
+                       other = hand_motion(trials[k ^ 1U].scene, test_set.mover);
       EXPECT_NEAR(hand.top_speed, other.top_speed, 0.15 * hand.top_speed) << "trial " << k;
       EXPECT_NEAR(hand.travel.back(), other.travel.back(), 1e-9) << "trial " << k;
     }
-    for (const Told told : {Told::clock, Told::motion_and_time, Told::speed, Told::travel}) {
-      SCOPED_TRACE(static_cast<int>(told));
-      const auto value = [&](const Held& with) {
-        return score_of_control(held, trials, [&](const Scene& scene) { return timed_control(told, with, scene); });
+    for (const SideInformation side_information :
+         {SideInformation::clock, SideInformation::motion_and_time, SideInformation::speed, SideInformation::travel}) {
+      SCOPED_TRACE(static_cast<int>(side_information));
+      const auto value = [&](const TestSet& with) {
+        return score_of_control(test_set, trials,
+                                [&](const Scene& scene) { return timed_control(side_information, with, scene); });
       };
-      const double best = value(held);
+      const double best = value(test_set);
       EXPECT_GT(best, 0.0);
       EXPECT_LE(best, 0.05);
       for (const double sign : {-1.0, 1.0}) {
-        Held beside = held;
+        TestSet beside = test_set;
         beside.clock += 0.02 * sign;
         beside.time += 0.01 * sign;
         beside.speed_time += 0.02 * sign;
@@ -252,19 +256,21 @@ TEST(Protocol, ControlsAreToldTheBest) {
   for (const auto& [protocol, sensor, domain, time_step, most] :
        {std::tuple{"slip-1", "biotac_sp", "", 0.02, 1.0}, std::tuple{"slip-2", "biotac_sp", "outside", 0.05, 0.05}}) {
     SCOPED_TRACE(protocol);
-    const Held& held = open_set(protocol, sensor, domain);
-    const Trials trials = all_trials(held);
-    const auto clock = [&](double time) { return score_on(held, trials, [=](const Scene&) { return control_of(time, never); }); };
-    const auto timed = [&](double time) {
-      return score_on(held, trials, [=](const Scene& scene) { return motion_known_and(time, scene, ""); });
+    const TestSet& test_set = open_set(protocol, sensor, domain);
+    const Trials trials = all_trials(test_set);
+    const auto clock = [&](double time) {
+      return score_on(test_set, trials, [=](const Scene&) { return control_of(time, never); });
     };
-    const double by_clock = clock(held.clock), by_time = timed(held.time);
+    const auto timed = [&](double time) {
+      return score_on(test_set, trials, [=](const Scene& scene) { return motion_known_and(time, scene, ""); });
+    };
+    const double by_clock = clock(test_set.clock), by_time = timed(test_set.time);
     EXPECT_GT(by_clock, 0.0) << "never to say slip would be better";
     EXPECT_GT(by_time, by_clock) << "who knows when it moves knows more";
     EXPECT_LE(by_time, most);
     for (const double sign : {-1.0, 1.0}) {
-      EXPECT_GT(by_clock, clock(held.clock + sign * clock_step)) << sign;
-      EXPECT_GT(by_time, timed(held.time + sign * time_step)) << sign;
+      EXPECT_GT(by_clock, clock(test_set.clock + sign * clock_step)) << sign;
+      EXPECT_GT(by_time, timed(test_set.time + sign * time_step)) << sign;
     }
   }
 }
@@ -279,7 +285,7 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
     learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the networks that ship
   for (const Protocol& protocol : protocols()) {
     for (const Lesson& lesson : protocol.lessons) learnt.insert(seed(lesson.scene));
-    for (const Held& held : protocol.held_out) EXPECT_FALSE(learnt.contains(seed(held.scene))) << held.scene;
+    for (const TestSet& test_set : protocol.held_out) EXPECT_FALSE(learnt.contains(seed(test_set.scene))) << test_set.scene;
   }
 }
 
@@ -287,15 +293,15 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
 TEST(Protocol, EveryOpenRecordingOfSlip3Moves) {
   register_control();
   const Catalogues catalogues = program_catalogues();
-  for (const Held& held : find_protocol("slip-3", "test").held_out) {
-    if (held.track != Track::open || !held.disturbance.empty()) continue;
+  for (const TestSet& test_set : find_protocol("slip-3", "test").held_out) {
+    if (test_set.track != Track::open || !test_set.disturbance.empty()) continue;
     SweepOptions options;
-    options.scene_path = project_file(held.scene);
+    options.scene_path = project_file(test_set.scene);
     const ReadSweep read = read_sweep(options, catalogues);
-    EXPECT_GE(read.planned.plan.size(), 240U) << held.scene;
+    EXPECT_GE(read.planned.plan.size(), 240U) << test_set.scene;
     for (std::size_t k = 0; k < read.planned.plan.size(); ++k) {
       const Scene scene = read.planned.plan.trial(k).scene;
-      EXPECT_LT(judged_from(held, scene), scene.duration) << held.scene << ", trial " << k;
+      EXPECT_LT(judged_from(test_set, scene), scene.duration) << test_set.scene << ", trial " << k;
     }
   }
 }
@@ -304,9 +310,9 @@ TEST(Protocol, EveryOpenRecordingOfSlip3Moves) {
 TEST(Protocol, LoopsDifferInTheirSensorAlone) {
   for (const Protocol& protocol : protocols()) {
     std::set<std::string> sweeps, seeds;
-    for (const Held& held : protocol.held_out) {
-      if (held.track != Track::loop) continue;
-      const SceneFile file = SceneFile::load(project_file(held.scene));
+    for (const TestSet& test_set : protocol.held_out) {
+      if (test_set.track != Track::loop) continue;
+      const SceneFile file = SceneFile::load(project_file(test_set.scene));
       sweeps.insert(file.text().substr(file.text().find("sweep:")));
       seeds.insert(file.root().find("seed")->text);
     }

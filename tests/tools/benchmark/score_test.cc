@@ -24,7 +24,7 @@ eval::Judgement judgement(Detection detection, double delay, std::size_t said, s
 }
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-const Held open{.track = Track::open}, loop{.track = Track::loop};
+const TestSet open{.track = Track::open}, loop{.track = Track::loop};
 
 // A box that 2 N hold, gripped with `ratio` times that.
 GraspOutcome grasp(double ratio, bool dropped) {
@@ -42,7 +42,7 @@ TEST(Score, CreditFallsWithTheDelay) {
 
 // By slip-3 a slip that is seen after 0, 1 or 3 times half_slip_distance earns 1, 1/2 or 1/4, whatever the delay.
 TEST(Score, CreditFallsWithTheSlippedDistance) {
-  const Held by_distance{.track = Track::open, .by_distance = true};
+  const TestSet by_distance{.track = Track::open, .by_distance = true};
   for (const auto& [distance, credit] : {std::pair{0.0, 1.0}, {half_slip_distance, 0.5}, {3.0 * half_slip_distance, 0.25}}) {
     eval::Judgement one = judgement(Detection::seen, 5.0, 0, 0);
     one.slip_distance = distance;
@@ -54,7 +54,7 @@ TEST(Score, CreditFallsWithTheSlippedDistance) {
 // A recording in which the object slips by less than the least distance has nothing to earn, though an alarm before the slip is a false one; one that
 // slips by the least distance has.
 TEST(Score, SlipsOfMicrometresHaveNothingToEarn) {
-  const Held by_distance{.track = Track::open, .by_distance = true};
+  const TestSet by_distance{.track = Track::open, .by_distance = true};
   eval::Judgement one = judgement(Detection::seen, 0.0, 0, 1);
   one.slip_distance = 0.0;
   one.whole_slip_distance = 0.9 * least_slip_distance;
@@ -69,7 +69,7 @@ TEST(Score, SlipsOfMicrometresHaveNothingToEarn) {
 
 // Twelve recordings: in two a part slips, which leaves ten; eight of these are silent.
 TEST(Score, DisturbedRecordingsAreScoredBySpecificity) {
-  const Held disturbed{.track = Track::open, .by_distance = true, .disturbance = "knock"};
+  const TestSet disturbed{.track = Track::open, .by_distance = true, .disturbance = "knock"};
   std::vector<Part> parts;
   for (int k = 0; k < 12; ++k) {
     eval::Judgement one = judgement(k < 2 ? Detection::missed : Detection::quiet, none, 0, 0);
@@ -144,7 +144,7 @@ TEST(Score, NeedlessForceCostsWhereTheProtocolSaysSo) {
   const std::vector<Part> parts{grasp_part(silent, held, lost), grasp_part(silent, held, held),
                                 grasp_part(silent, grasp(half, false), held)};
   EXPECT_EQ(score_of(parts, loop).value, 1.0);
-  Held counts = loop;
+  TestSet counts = loop;
   counts.needless = true;
   EXPECT_DOUBLE_EQ(score_of(parts, counts).value, 1.0 - 0.25);
 }

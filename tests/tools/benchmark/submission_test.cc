@@ -39,9 +39,9 @@ TEST_F(Submissions, AreRecomputed) {
 
   // Another score, as a cheat would write it.
   std::string text = bytes_of(file);
-  const std::string told = "\"alarms_per_minute\": 1.0";
-  ASSERT_NE(text.find(told), std::string::npos);
-  text.replace(text.find(told), told.size(), "\"alarms_per_minute\": 9.0");
+  const std::string rate = "\"alarms_per_minute\": 1.0";
+  ASSERT_NE(text.find(rate), std::string::npos);
+  text.replace(text.find(rate), rate.size(), "\"alarms_per_minute\": 9.0");
   std::ofstream(file) << text;
   const ChildResult changed = run_program_file({"benchmark", "--verify", file, "--quiet"});
   EXPECT_EQ(changed.status, 1);

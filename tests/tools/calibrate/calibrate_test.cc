@@ -51,19 +51,19 @@ struct Calibrated : slipbench::testing::FolderTest {
     return result;
   }
   static Json fitted(const Options& options) { return calibrate(options, program_catalogues()).json; }
-  static const Json& of(const Json& result, const std::string& key) {
+  static const Json& parameter_of(const Json& result, const std::string& key) {
     for (const Json& parameter : result.at("parameters")) {
       if (parameter.at("key") == key) return parameter;
     }
     throw std::logic_error(key);
   }
   static double error(const Json& result, const std::string& key) {
-    const Json& parameter = of(result, key);
+    const Json& parameter = parameter_of(result, key);
     EXPECT_TRUE(parameter.at("determined").get<bool>()) << key;
     return parameter.at("error").get<double>();
   }
   static double relative(const Json& result, const std::string& key) {
-    return error(result, key) / of(result, key).at("truth").get<double>();
+    return error(result, key) / parameter_of(result, key).at("truth").get<double>();
   }
   // A dataset of the scene's trials.
   std::string simulated_with(const std::vector<Override>& overrides) {
@@ -103,8 +103,8 @@ TEST_F(Calibrated, DrawnParametersComeBack) {
 TEST_F(Calibrated, FrictionWithoutASlideIsNotDetermined) {
   const Json result = fitted(options({normal, friction}, {{"motion.start", "2 s"}}));
   EXPECT_NEAR(relative(result, "sensors.pad.k_normal"), 0.0, 0.03);
-  EXPECT_FALSE(of(result, "friction.scale").at("determined").get<bool>());
-  EXPECT_NEAR(of(result, "friction.scale").at("value").get<double>(), 1.0, 0.02);
+  EXPECT_FALSE(parameter_of(result, "friction.scale").at("determined").get<bool>());
+  EXPECT_NEAR(parameter_of(result, "friction.scale").at("value").get<double>(), 1.0, 0.02);
   EXPECT_TRUE(recovers(result));
 }
 
@@ -125,21 +125,21 @@ TEST_F(Calibrated, AValueAtItsBoundIsCalledSo) {
   wanted.synthetic_truth = false;
   wanted.recordings = {simulated_with({{"sensors.pad.k_normal", "5.5 N/mm"}, {"sensors.pad.electronics", "ideal"}})};
   const Result low = calibrate(wanted, program_catalogues());
-  EXPECT_NEAR(of(low.json, "sensors.pad.k_normal").at("value").get<double>(), 6000.0, 0.005 * 4000.0);
-  EXPECT_TRUE(of(low.json, "sensors.pad.k_normal").at("at_bound").get<bool>());
-  EXPECT_TRUE(of(low.json, "sensors.pad.k_normal").at("determined").get<bool>());
+  EXPECT_NEAR(parameter_of(low.json, "sensors.pad.k_normal").at("value").get<double>(), 6000.0, 0.005 * 4000.0);
+  EXPECT_TRUE(parameter_of(low.json, "sensors.pad.k_normal").at("at_bound").get<bool>());
+  EXPECT_TRUE(parameter_of(low.json, "sensors.pad.k_normal").at("determined").get<bool>());
   EXPECT_THAT(low.fitted, HasSubstr(", at its bound"));
   wanted.keys = parse_fit_keys("sensors.pad.k_normal: {min: 3 N/mm, max: 5 N/mm}");
   const Json high = fitted(wanted);
-  EXPECT_NEAR(of(high, "sensors.pad.k_normal").at("value").get<double>(), 5000.0, 0.005 * 2000.0);
-  EXPECT_TRUE(of(high, "sensors.pad.k_normal").at("at_bound").get<bool>());
-  EXPECT_TRUE(of(high, "sensors.pad.k_normal").at("determined").get<bool>());
+  EXPECT_NEAR(parameter_of(high, "sensors.pad.k_normal").at("value").get<double>(), 5000.0, 0.005 * 2000.0);
+  EXPECT_TRUE(parameter_of(high, "sensors.pad.k_normal").at("at_bound").get<bool>());
+  EXPECT_TRUE(parameter_of(high, "sensors.pad.k_normal").at("determined").get<bool>());
 }
 
 TEST_F(Calibrated, EachRecordingHasItsFriction) {
   const Options wanted = options({normal, "friction.scale: {min: 0.6, max: 1.4, each: true}"});
   const Result result = calibrate(wanted, program_catalogues());
-  const Json& found = of(result.json, "friction.scale").at("by_recording");
+  const Json& found = parameter_of(result.json, "friction.scale").at("by_recording");
   ASSERT_EQ(found.size(), 4U);
   double mean = 0.0, square = 0.0;
   for (const Json& one : found) {
@@ -148,7 +148,7 @@ TEST_F(Calibrated, EachRecordingHasItsFriction) {
     square += std::pow(one.at("truth").get<double>(), 2) / 4.0;
   }
   const double sd = std::sqrt((square - mean * mean) * 4.0 / 3.0);
-  EXPECT_NEAR(of(result.json, "friction.scale").at("scatter").get<double>(), sd, 0.1 * sd);
+  EXPECT_NEAR(parameter_of(result.json, "friction.scale").at("scatter").get<double>(), sd, 0.1 * sd);
   EXPECT_THAT(result.fitted, HasSubstr("  friction.scale: {draw: normal, mean: "));
 }
 
@@ -184,16 +184,17 @@ TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
   wanted.recordings = {path("logs")};
   wanted.format = &import_format("papillarray-csv");
   const Result logs = calibrate(wanted, program_catalogues());
-  EXPECT_NEAR(of(logs.json, "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+  EXPECT_NEAR(parameter_of(logs.json, "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
   wanted.format = nullptr;
   wanted.recordings = {path("made.h5")};
-  EXPECT_NEAR(of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+  EXPECT_NEAR(parameter_of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
 
   const std::vector<std::string> files = write_calibration(path("mine.yaml"), logs.fitted, logs.json);
   EXPECT_EQ(files, (std::vector<std::string>{path("mine.yaml"), path("mine.html"), path("mine.json")}));
   const Scene scene = parse_scene(SceneFile::load(path("mine.yaml")), program_catalogues());
   // The scene holds the fitted value exactly.
-  EXPECT_EQ(scene.sensors.front().parameters.number("k_normal"), of(logs.json, "sensors.pad.k_normal").at("value").get<double>());
+  EXPECT_EQ(scene.sensors.front().parameters.number("k_normal"),
+            parameter_of(logs.json, "sensors.pad.k_normal").at("value").get<double>());
   EXPECT_EQ(TrialPlan(SceneFile::load(path("mine.yaml")), program_catalogues(), 0, 5).size(), 4U);
   EXPECT_THAT(calibration_page(logs.json), HasSubstr("Real and synthetic"));
 }
@@ -211,7 +212,7 @@ TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
   };
   const std::string name = "demo_0 of " + path("made.h5");
   EXPECT_EQ(recorded({"duration", "1.2 s"}), "accepted");
-  EXPECT_NEAR(of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+  EXPECT_NEAR(parameter_of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
   EXPECT_THAT(recorded({"duration", "1.3 s"}), refused_at(name, {"1296 ms", "1096 ms", "10 %"}));
   EXPECT_THAT(recorded({"duration", "0.9 s"}), refused_at(name, {"896 ms", "1096 ms", "10 %"}));
   EXPECT_THAT(recorded({"sensors.pad.rate", "100 Hz"}), refused_at(name, {"10 ms", "4 ms", "1 %", "100 Hz", "250 Hz"}));
@@ -227,7 +228,7 @@ TEST_F(Calibrated, TrialsMayLastDifferently) {
   wanted.synthetic_truth = false;
   wanted.recordings = {simulated_with({trials, {"sensors.pad.electronics", "ideal"}, {"sensors.pad.k_normal", "5.5 N/mm"}})};
   const Json result = fitted(wanted);
-  EXPECT_NEAR(of(result, "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+  EXPECT_NEAR(parameter_of(result, "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
   EXPECT_NEAR(result.at("recordings").at(1).at("compared_s").get<double>(), 1.6, 0.01);
 }
 
@@ -321,7 +322,8 @@ sweep: {motion: [{direction: 0 deg}, {direction: 100 deg, compression: 0.4 mm}, 
   wanted.synthetic_truth = false;
   const Json result = fitted(wanted);
   for (const auto& [key, value] : truth)
-    EXPECT_NEAR(of(result, "sensors.skin." + key).at("value").get<double>() / value, 1.0, key[0] == 'e' ? 0.1 : 0.01) << key;
+    EXPECT_NEAR(parameter_of(result, "sensors.skin." + key).at("value").get<double>() / value, 1.0, key[0] == 'e' ? 0.1 : 0.01)
+        << key;
   EXPECT_THAT(calibration_page(result), Not(HasSubstr("when sensors.skin.electronics")));  // whose keys have no profile
 }
 

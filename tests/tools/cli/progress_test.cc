@@ -158,9 +158,9 @@ TEST(PreparationNotice, SaysThatTrialsAreStillBeingPrepared) {
     EXPECT_THAT(::alarm(10), AnyOf(9U, 10U));
     testing::internal::CaptureStderr();
     std::raise(SIGALRM);
-    const std::string told = testing::internal::GetCapturedStderr();
-    EXPECT_EQ(told.starts_with("slipbench: still preparing the trials"), !quiet) << told;
-    EXPECT_EQ(told.empty(), quiet) << told;
+    const std::string message = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(message.starts_with("slipbench: still preparing the trials"), !quiet) << message;
+    EXPECT_EQ(message.empty(), quiet) << message;
   }
 }
 

@@ -28,11 +28,11 @@ TEST(ScratchFolders, GoWithAllThatLiesInThem) {
 
 // Not even root can make a folder in /proc.
 TEST(ScratchFolders, SayWhereTheyCannotBeMade) {
-  const char* const was = std::getenv("TMPDIR");
-  const std::string before = was == nullptr ? "" : was;
+  const char* const previous = std::getenv("TMPDIR");
+  const std::string before = previous == nullptr ? "" : previous;
   ::setenv("TMPDIR", "/proc", 1);
   const std::string message = refusal_of([] { const ScratchFolder folder; });
-  was == nullptr ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", before.c_str(), 1);
+  previous == nullptr ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", before.c_str(), 1);
   EXPECT_THAT(message, HasSubstr(" /proc/slipbench-"));
 }
 

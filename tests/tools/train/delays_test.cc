@@ -35,20 +35,21 @@ TEST_F(DelaysTest, AFrameAtTheOnsetIsNotBeforeIt) {
 
 TEST_F(DelaysTest, TheFirstCallDecides) {
   using Counts = std::array<std::size_t, 6>;  // detected, early, missed, false alarms; trials with slip; all trials
-  const auto told = [&](const std::vector<PadState>& called, double onset) {
+  const auto counts_of = [&](const std::vector<PadState>& called, double onset) {
     Delays one;
     one.add(time, called, onset);
     return Counts{one.delay.size(), one.early, one.missed, one.false_alarms, one.slipping, one.sequences};
   };
   const std::vector none(5, non_slip);
   constexpr Counts early{0, 1, 0, 0, 1, 1}, missed{0, 0, 1, 0, 1, 1};
-  EXPECT_EQ(told({non_slip, incipient, incipient, incipient, gross}, 0.15), early);
-  EXPECT_EQ(told({gross, non_slip, non_slip, gross, gross}, 0.15), early) << "what came and went leaves no delay of the next";
-  EXPECT_EQ(told({gross, non_slip, non_slip, non_slip, non_slip}, 0.15), early);
-  EXPECT_EQ(told(none, 0.15), missed);
-  EXPECT_EQ(told(none, 0.5), missed) << "after the last frame";
-  EXPECT_EQ(told({non_slip, non_slip, non_slip, non_slip, gross}, never), (Counts{0, 0, 0, 1, 0, 1}));
-  EXPECT_EQ(told(none, never), (Counts{0, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(counts_of({non_slip, incipient, incipient, incipient, gross}, 0.15), early);
+  EXPECT_EQ(counts_of({gross, non_slip, non_slip, gross, gross}, 0.15), early)
+      << "what came and went leaves no delay of the next";
+  EXPECT_EQ(counts_of({gross, non_slip, non_slip, non_slip, non_slip}, 0.15), early);
+  EXPECT_EQ(counts_of(none, 0.15), missed);
+  EXPECT_EQ(counts_of(none, 0.5), missed) << "after the last frame";
+  EXPECT_EQ(counts_of({non_slip, non_slip, non_slip, non_slip, gross}, never), (Counts{0, 0, 0, 1, 0, 1}));
+  EXPECT_EQ(counts_of(none, never), (Counts{0, 0, 0, 0, 0, 1}));
 }
 
 TEST_F(DelaysTest, AddUp) {

@@ -46,18 +46,18 @@ struct Frame {
   bool slips;
 };
 
-std::vector<Frame> frames(const Recorded& of) {
+std::vector<Frame> frames(const Recorded& recorded) {
   SpectralFeatures features{SpectralLayout{}};
   std::vector<Frame> result;
-  for (std::size_t n = 0; n < of.signal.size(); ++n) {
-    if (!features.push(of.signal[n])) continue;
+  for (std::size_t n = 0; n < recorded.signal.size(); ++n) {
+    if (!features.push(recorded.signal[n])) continue;
     double power = 0.0;
     std::size_t loudest = 0;
     for (std::size_t b = 0; b < features.bins(); ++b) {
       power += features.density()[b] * features.bin_width();
       if (features.density()[b] > features.density()[loudest]) loudest = b;
     }
-    result.push_back({static_cast<double>(n) * 1e-4, std::sqrt(power), features.frequency(loudest), of.slips[n]});
+    result.push_back({static_cast<double>(n) * 1e-4, std::sqrt(power), features.frequency(loudest), recorded.slips[n]});
   }
   return result;
 }
@@ -78,15 +78,16 @@ TEST(PiezoSkinStage, ATextureSoundsAtSpeedOverWavelength) {
   };
   for (const Case& texture :
        {Case{"10 mm/s", "100 um", 100.0}, Case{"30 mm/s", "120 um", 250.0}, Case{"30 mm/s", "60 um", 500.0}}) {
-    const Recorded of = slide({quiet,
-                               ideal,
-                               {"effects", std::string("[{texture: {wavelength: ") + texture.wavelength + ", height: 5 um}}]"},
-                               {"friction.kinetic", "0.7"},
-                               {"motion.speed", texture.speed},
-                               {"motion.travel", "60 mm"},
-                               {"duration", "2.2 s"}});
+    const Recorded recorded =
+        slide({quiet,
+               ideal,
+               {"effects", std::string("[{texture: {wavelength: ") + texture.wavelength + ", height: 5 um}}]"},
+               {"friction.kinetic", "0.7"},
+               {"motion.speed", texture.speed},
+               {"motion.travel", "60 mm"},
+               {"duration", "2.2 s"}});
     int heard = 0;
-    for (const Frame& frame : frames(of)) {
+    for (const Frame& frame : frames(recorded)) {
       if (frame.end < evenly) continue;
       ++heard;
       EXPECT_NEAR(frame.loudest, texture.frequency, 50.0) << frame.end;
@@ -102,9 +103,9 @@ TEST(PiezoSkinStage, WhileItSticksNothingIsHeard) {
   // ms) after the last motion. During the shear only the ramp is visible, 0.1 mm/s 6 N/mm 0.35
   // 2000/N = 420 counts/s, 8.4 counts over a window: harmonics k of rms 8.4/(sqrt(2) pi k), 2.37
   // counts in the twelve bins.
-  const Recorded of = slide({quiet, ideal, {"motion.speed", "0.1 mm/s"}, {"motion.travel", "15 um"}});
+  const Recorded recorded = slide({quiet, ideal, {"motion.speed", "0.1 mm/s"}, {"motion.travel", "15 um"}});
   double at_rest = 0.0, sheared = 0.0;
-  for (const Frame& frame : frames(of)) {
+  for (const Frame& frame : frames(recorded)) {
     if (frame.end < 1.4) continue;
     ASSERT_FALSE(frame.slips);
     double& loudest = frame.end < 1.5 || frame.end > 2.15 ? at_rest : sheared;
@@ -116,10 +117,10 @@ TEST(PiezoSkinStage, WhileItSticksNothingIsHeard) {
 }
 
 // Root mean square in the band while it slides evenly.
-double loudness(const Recorded& of) {
+double loudness(const Recorded& recorded) {
   double square = 0.0;
   int count = 0;
-  for (const Frame& frame : frames(of)) {
+  for (const Frame& frame : frames(recorded)) {
     if (frame.end < evenly) continue;
     square += frame.rms * frame.rms;
     ++count;
@@ -132,7 +133,7 @@ TEST(PiezoSkinStage, ImpulsesRingAtTheModesWhateverTheSpeed) {
   // 378 Hz: the loudest bins are next to them.
   std::vector<double> loud;
   for (const char* speed : {"5 mm/s", "10 mm/s", "30 mm/s"}) {
-    const Recorded of =
+    const Recorded recorded =
         slide({quiet,
                ideal,
                {"effects", "[{inertia: {frequency: 180 Hz, damping: 0.05, scatter: 0}}, {asperities: {scatter: 0}}]"},
@@ -142,14 +143,14 @@ TEST(PiezoSkinStage, ImpulsesRingAtTheModesWhateverTheSpeed) {
                {"duration", "3 s"}});
     SpectralFeatures features{SpectralLayout{}};
     std::vector<double> sum(features.bins());
-    for (std::size_t n = 0; n < of.signal.size(); ++n) {
-      if (!features.push(of.signal[n]) || static_cast<double>(n) * 1e-4 < evenly) continue;
+    for (std::size_t n = 0; n < recorded.signal.size(); ++n) {
+      if (!features.push(recorded.signal[n]) || static_cast<double>(n) * 1e-4 < evenly) continue;
       for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += features.density()[b];
     }
     const auto bin = [&](double frequency) { return sum[static_cast<std::size_t>(frequency / 50.0) - 1]; };
     EXPECT_GT(std::min(bin(150.0), bin(200.0)), 2.0 * std::max({bin(50.0), bin(100.0), bin(250.0), bin(300.0)})) << speed;
     EXPECT_GT(std::min(bin(350.0), bin(400.0)), 2.0 * std::max({bin(300.0), bin(450.0), bin(500.0), bin(600.0)})) << speed;
-    loud.push_back(loudness(of));
+    loud.push_back(loudness(recorded));
   }
   EXPECT_LT(loud[0], loud[1]);
   EXPECT_LT(loud[1], loud[2]);
@@ -265,11 +266,13 @@ TEST(PiezoSkinStage, SaysWhereItsConverterIsAtItsEnd) {
   // 0.53 gain: 1,061 counts, and 106,100 at a hundred times the gain, while 16 bits end at 32,767.
   const Override brief{"duration", "1 s"};
   EXPECT_TRUE(slide({brief}).record.outcome.saturated.empty());
-  const Recorded of = slide({brief, {"sensors.pad.gain", "200000"}});
-  const auto at_an_end = std::ranges::count_if(of.signal, [](float value) { return value == 32767.0F || value == -32768.0F; });
-  ASSERT_EQ(of.record.outcome.saturated.count("pad"), 1u);
-  EXPECT_GT(of.record.outcome.saturated.at("pad"), 100u);
-  EXPECT_LE(of.record.outcome.saturated.at("pad"), static_cast<std::uint64_t>(at_an_end)) << "the end itself is within the range";
+  const Recorded recorded = slide({brief, {"sensors.pad.gain", "200000"}});
+  const auto at_an_end =
+      std::ranges::count_if(recorded.signal, [](float value) { return value == 32767.0F || value == -32768.0F; });
+  ASSERT_EQ(recorded.record.outcome.saturated.count("pad"), 1u);
+  EXPECT_GT(recorded.record.outcome.saturated.at("pad"), 100u);
+  EXPECT_LE(recorded.record.outcome.saturated.at("pad"), static_cast<std::uint64_t>(at_an_end))
+      << "the end itself is within the range";
 }
 
 TEST(PiezoSkinStage, TheMotorsAreFeltAndNotInTheContact) {

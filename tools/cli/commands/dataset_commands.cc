@@ -95,9 +95,9 @@ std::string report_of(const Json& dataset, const Style& style) {
     const std::string name = check["check"].get<std::string>();
     const auto failed = check["failed"].get<std::size_t>();
     const auto checked = check["checked"].get<std::size_t>();
-    std::string of = check["of"].get<std::string>();  // such as "samples of units"
-    if (checked == 1) of.erase(std::min(of.find(' '), of.size()) - 1, 1);
-    text += fmt::format("  {:<8} {:>12} {}{}\n", name, checked, of,
+    std::string items = check["of"].get<std::string>();  // such as "samples of units"
+    if (checked == 1) items.erase(std::min(items.find(' '), items.size()) - 1, 1);
+    text += fmt::format("  {:<8} {:>12} {}{}\n", name, checked, items,
                         failed == 0 ? "" : ", " + style.error(fmt::format("{} failed", failed)));
     for (const Json& failure : dataset["failures"]) {
       if (failure["check"] == name) text += fmt::format("    {}{}\n", place_of(failure), text_of(failure["what"]));
@@ -465,16 +465,16 @@ The output is JSON with and without --json.
 Examples:
   slipbench schema > scene.schema.json
   slipbench schema map > map.schema.json)");
-  arguments.text("KIND", of, "Schema to print: scene, or map (files of import --map) (default: scene)").offers([] {
+  arguments.text("KIND", schema_kind, "Schema to print: scene, or map (files of import --map) (default: scene)").offers([] {
     return std::vector<std::string>{schema_kinds.begin(), schema_kinds.end()};
   });
 }
 
 int SchemaCommand::run() {
-  if (std::ranges::find(schema_kinds, of) == schema_kinds.end())
-    reject("schema: unknown kind {}{}", quote(of), allowed_names(of, schema_kinds));
+  if (std::ranges::find(schema_kinds, schema_kind) == schema_kinds.end())
+    reject("schema: unknown kind {}{}", quote(schema_kind), allowed_names(schema_kind, schema_kinds));
   take_stdout_back();
-  if (of == "map") PythonModule("slipbench._import.schema", "schema map", "").start("");
+  if (schema_kind == "map") PythonModule("slipbench._import.schema", "schema map", "").start("");
   constexpr int indent = 1;
   fmt::print("{}\n", scene_schema(program_catalogues()).dump(indent));
   return exit_good;

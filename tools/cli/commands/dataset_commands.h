@@ -73,7 +73,7 @@ struct SchemaCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  std::string of = "scene";
+  std::string schema_kind = "scene";
 };
 
 // `doctor` and `plugin-path`: what is installed, and where.

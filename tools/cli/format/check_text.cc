@@ -11,7 +11,7 @@
 namespace slipbench {
 namespace {
 
-std::string kept_text(std::size_t count, std::size_t of) { return fmt::format("{} of {}", count, of); }
+std::string kept_text(std::size_t count, std::size_t total) { return fmt::format("{} of {}", count, total); }
 
 }  // namespace
 

@@ -146,7 +146,7 @@ std::string milliseconds(double value) { return std::isnan(value) ? "-" : fmt::f
 // Accuracy comes last: frequent classes dominate it.
 struct Figure {
   const char* name;
-  double (*of)(const Confusion&);
+  double (*measure)(const Confusion&);
   Confusion Evaluation::*frames;
 };
 constexpr std::array figures{Figure{"recall of slip", recall_of_slip, &Evaluation::all},
@@ -364,7 +364,7 @@ Json recipe_list_json() {
 std::string draws_text(const HdSummary& summary, const Style& style) {
   Table table({"in %", "by sequence", "draw 0", "by frame"});
   for (const Figure& row : figures) {
-    const auto figure = [&](const Evaluation& e) { return row.of(e.*row.frames); };
+    const auto figure = [&](const Evaluation& e) { return row.measure(e.*row.frames); };
     table.add({row.name, percent(over_draws(summary.by_sequence, figure)), percent(figure(summary.by_sequence.front())),
                percent(over_draws(summary.by_frame, figure))});
   }

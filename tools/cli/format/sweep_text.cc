@@ -118,7 +118,9 @@ std::string percent_text(double share) { return std::isnan(share) ? "-" : fmt::f
 
 std::string milliseconds_text(double time) { return std::isnan(time) ? "-" : fmt::format("{:.1f} ms", 1e3 * time); }
 
-std::string count_of_text(std::size_t count, std::size_t of) { return of == 0 ? "-" : fmt::format("{} of {}", count, of); }
+std::string count_of_text(std::size_t count, std::size_t total) {
+  return total == 0 ? "-" : fmt::format("{} of {}", count, total);
+}
 
 // Title of a detector's figures: "force_ratio", "oracle (truth)".
 std::string detector_title(const std::string& type) { return type == oracle_type ? fmt::format("oracle ({})", type) : type; }

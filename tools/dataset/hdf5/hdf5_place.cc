@@ -55,10 +55,10 @@ std::uint64_t file_bytes(const Place& place) {
 
 // Cached for all attributes: creating a type takes HDF5 as long as writing an attribute.
 const Handle& text_type(H5T_cset_t characters = H5T_CSET_UTF8) {
-  const auto make = [](H5T_cset_t of) {
+  const auto make = [](H5T_cset_t character_set) {
     Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
     check(H5Tset_size(type.get(), H5T_VARIABLE));
-    check(H5Tset_cset(type.get(), of));
+    check(H5Tset_cset(type.get(), character_set));
     return type;
   };
   static const Handle utf8 = make(H5T_CSET_UTF8), ascii = make(H5T_CSET_ASCII);

@@ -159,10 +159,10 @@ std::string export_robomimic(const DatasetReader& reader, const std::vector<std:
   const std::string path = out.prepare("robomimic.hdf5");
   check_robomimic_target(path, reader.files());
   out.remove_card();
-  const auto told = [&](std::size_t done, std::uintmax_t bytes) {
+  const auto report_progress = [&](std::size_t done, std::uintmax_t bytes) {
     if (progress) progress(done, trials.size(), bytes);
   };
-  write_robomimic(reader, trials, path, {options.sensors, options.rate, options.slip_rule, options.compress, told});
+  write_robomimic(reader, trials, path, {options.sensors, options.rate, options.slip_rule, options.compress, report_progress});
   return path;
 }
 
@@ -403,8 +403,8 @@ std::vector<std::string> export_format_names() { return choice_names(formats); }
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress) {
   check_export_options(options);
-  const ExportProgress told = std::move(progress);  // destroyed before an error is reported
-  return export_trials(dataset_path, out_dir, options, told);
+  const ExportProgress report_progress = std::move(progress);  // destroyed before an error is reported
+  return export_trials(dataset_path, out_dir, options, report_progress);
 }
 
 OutputFolder::~OutputFolder() {

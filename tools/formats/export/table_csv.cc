@@ -57,7 +57,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
   std::span<const std::string> names = sensor.channel_names;
   for (const SensorColumn& column : sensor.channels) {
     const std::size_t count = column.row_size();
-    const std::string difference = view.of(column.name).difference;
+    const std::string difference = view.channel_view(column.name).difference;
     if (!difference.empty() && count != 2) {
       reject("sensor {}: channel '{}' has {} values, expected 2", sensor.name, column.name, count);
     }

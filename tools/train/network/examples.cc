@@ -140,15 +140,15 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   const std::vector<std::uint8_t>& states = states_of(sensor, rule);
   std::vector<std::uint8_t> labels;
   if (classes == ClassRule::direction) {
-    const std::uint8_t told = direction_of(record.params);
+    const std::uint8_t direction = direction_of(record.params);
     const bool truth = rule == LabelRule::latched && sensor.labels.stuck_fraction.size() == states.size();
     bool slipped = !truth;  // more than half of the touching units, in this contact
     for (std::size_t row = 0; row < states.size(); ++row) {
       const bool touches = states[row] != static_cast<std::uint8_t>(PadState::no_contact);
       const bool slides = truth && touches && sensor.labels.stuck_fraction[row] < 0.5F;
       if (truth) slipped = touches && (slipped || slides);
-      const bool neither = truth && (told == 0 ? slides : !slipped && slips(sensor.labels.state[row]));
-      labels.push_back(!touches || neither ? masked : slipped ? told : std::uint8_t{0});
+      const bool neither = truth && (direction == 0 ? slides : !slipped && slips(sensor.labels.state[row]));
+      labels.push_back(!touches || neither ? masked : slipped ? direction : std::uint8_t{0});
     }
     return labels;
   }

@@ -15,14 +15,14 @@ namespace {
 
 // Probabilities of the unmasked frames by truth: hold, slip. Sorted.
 std::array<std::vector<double>, 2> sorted_by_truth(std::span<const SlipSeries> series) {
-  std::array<std::vector<double>, 2> of;
+  std::array<std::vector<double>, 2> by_truth;
   for (const SlipSeries& one : series) {
     for (std::size_t t = 0; t < one.truth.size(); ++t) {
-      if (one.truth[t] != masked) of.at(one.truth[t]).push_back(one.probability[t]);
+      if (one.truth[t] != masked) by_truth.at(one.truth[t]).push_back(one.probability[t]);
     }
   }
-  for (std::vector<double>& part : of) std::ranges::sort(part);
-  return of;
+  for (std::vector<double>& part : by_truth) std::ranges::sort(part);
+  return by_truth;
 }
 
 std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b) {

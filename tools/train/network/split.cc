@@ -146,8 +146,8 @@ std::vector<Part> split_examples(std::span<const Example> examples, Split split,
     if (parts[i] == Part::learns) training.push_back(&examples[i]);
   }
   const auto deal = [&](const std::vector<const Example*>& dealt, Split by, double judging) {
-    const std::vector<Part> of = dealt_parts(dealt, by, judging, seed);
-    for (std::size_t i = 0; i < dealt.size(); ++i) parts[static_cast<std::size_t>(dealt[i] - examples.data())] = of[i];
+    const std::vector<Part> dealt_to = dealt_parts(dealt, by, judging, seed);
+    for (std::size_t i = 0; i < dealt.size(); ++i) parts[static_cast<std::size_t>(dealt[i] - examples.data())] = dealt_to[i];
   };
   if (!undivided.empty()) deal(undivided, split, held_out);
   if (!validates && !training.empty()) deal(training, Split::trial, 0.0);

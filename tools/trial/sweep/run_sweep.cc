@@ -202,7 +202,7 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
     throw;
   } catch (const SceneValueError& error) {
     reject("trial {}: {}: {}", index, plan.trials.where(index, error.path()), error.what());
-  } catch (const WrongRun& error) {
+  } catch (const FailedRun& error) {
     reject("trial {}: {}: {}", index, plan.trials.where(index, "time_step"), error.what());
   } catch (const InputError& error) {
     reject("trial {}: {}", index, error.what());

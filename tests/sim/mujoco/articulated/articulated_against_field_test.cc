@@ -167,7 +167,9 @@ TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
   // w/15, 1.5 % here. Turning of the box and the damped fingers would add some 1/kg each to w,
   // 5e-4.
   for (const std::size_t pad : {0U, 1U}) {
-    const auto normal_forces = [pad](DynamicRig& of) -> Eigen::ArrayXd { return of->contact(pad).contact_force.row(2); };
+    const auto normal_forces = [pad](DynamicRig& simulation) -> Eigen::ArrayXd {
+      return simulation->contact(pad).contact_force.row(2);
+    };
     EXPECT_LT((normal_forces(pillars) - normal_forces(field)).abs().maxCoeff(), 1e-4 * normal_forces(field).maxCoeff());
   }
   // At most 0.05 um/s, a tenth of the limit, and a sag equal to m g/(10 k_t) = 25 um within the
@@ -179,11 +181,11 @@ TEST_F(HeldBox, IsCarriedByTheSamePillarsAndCreepsInNeither) {
 
 TEST_F(HeldBox, IsDroppedByBothWhenTheGripIsTooWeak) {
   DynamicRig field = rig("field"), pillars = rig("articulated");
-  const auto onsets = [](DynamicRig& of, double until) {
+  const auto onsets = [](DynamicRig& simulation, double until) {
     oracle::FirstTimes slips(9, EventKind::slip);
-    while (of->contact(0).time < until - 1e-9) {
-      of->step();
-      slips(of->contact(0));
+    while (simulation->contact(0).time < until - 1e-9) {
+      simulation->step();
+      slips(simulation->contact(0));
     }
     return slips.times();
   };

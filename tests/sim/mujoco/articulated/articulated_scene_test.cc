@@ -53,8 +53,8 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
     // The solver stops at another digit, because its tolerance is relative to the model's inertia.
     ASSERT_LT((one.force - other.force).abs().maxCoeff(), 1e-6) << tick;
     for (const UnitState state : one.unit_state) slipping += state == UnitState::slip ? 1 : 0;
-    const Pose &pad = rig.body("pad").pose, &told = simulation->bodies().front().state.pose;
-    ASSERT_LT((pad.position - told.position).norm() + (pad.rotation - told.rotation).norm(), 1e-15) << tick;
+    const Pose &pad = rig.body("pad").pose, &reported = simulation->bodies().front().state.pose;
+    ASSERT_LT((pad.position - reported.position).norm() + (pad.rotation - reported.rotation).norm(), 1e-15) << tick;
   }
   EXPECT_GT(slipping, 1000U) << "the comparison has seen a slide";
 }

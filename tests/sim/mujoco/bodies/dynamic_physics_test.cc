@@ -199,13 +199,13 @@ TEST(DynamicSimulation, StageIsWhereItsMotionSaysAtEveryTick) {
   const std::unique_ptr<Motion> motion = make_motion(rig.scene(), 0);
   for (std::size_t tick = 0; tick < rig->ticks(0); ++tick) {
     rig->step();
-    const BodyState told = motion->pad_at(static_cast<double>(tick) / std::round(1.0 / rig->time_step(0)));
-    const BodyState& is = rig.body("pad");
-    ASSERT_EQ((is.pose.position - told.pose.position).norm(), 0.0) << tick;
+    const BodyState planned = motion->pad_at(static_cast<double>(tick) / std::round(1.0 / rig->time_step(0)));
+    const BodyState& actual = rig.body("pad");
+    ASSERT_EQ((actual.pose.position - planned.pose.position).norm(), 0.0) << tick;
     // Rounding, because the rotation passes through a quaternion.
-    ASSERT_LT((is.pose.rotation - told.pose.rotation).norm(), 1e-15) << tick;
-    ASSERT_LT((is.velocity - told.velocity).norm(), 1e-15) << tick;
-    ASSERT_LT((is.angular_velocity - told.angular_velocity).norm(), 1e-15) << tick;
+    ASSERT_LT((actual.pose.rotation - planned.pose.rotation).norm(), 1e-15) << tick;
+    ASSERT_LT((actual.velocity - planned.velocity).norm(), 1e-15) << tick;
+    ASSERT_LT((actual.angular_velocity - planned.angular_velocity).norm(), 1e-15) << tick;
   }
   EXPECT_TRUE(rig->rotating());
 }

@@ -289,15 +289,15 @@ TEST(GraspSolver, AutomaticTakesTheCheaperOne) {
     rig.run();
     return rig->truth().slip;
   };
-  const auto is = [&](const std::string& rate, const std::string& how, const std::string& solver) {
+  const auto gives = [&](const std::string& rate, const std::string& how, const std::string& solver) {
     return slip(rate, how) == slip(rate, how + "field_solver: " + solver + "\n");
   };
-  EXPECT_TRUE(is("100 Hz", "", "implicit"));
-  EXPECT_TRUE(is("1 kHz", "", "implicit"));
-  EXPECT_FALSE(is("1 kHz", "", "explicit"));
-  EXPECT_TRUE(is("100 Hz", "time_step: 0.2 ms\n", "implicit"));
-  EXPECT_TRUE(is("100 Hz", "time_step: 0.5 ms\n", "implicit"));
-  EXPECT_FALSE(is("100 Hz", "time_step: 0.2 ms\n", "explicit"));
+  EXPECT_TRUE(gives("100 Hz", "", "implicit"));
+  EXPECT_TRUE(gives("1 kHz", "", "implicit"));
+  EXPECT_FALSE(gives("1 kHz", "", "explicit"));
+  EXPECT_TRUE(gives("100 Hz", "time_step: 0.2 ms\n", "implicit"));
+  EXPECT_TRUE(gives("100 Hz", "time_step: 0.5 ms\n", "implicit"));
+  EXPECT_FALSE(gives("100 Hz", "time_step: 0.2 ms\n", "explicit"));
 }
 
 // Springs of unknown stiffness are stepped explicitly; a scene that asks for the implicit solver

@@ -15,7 +15,7 @@ const std::string hold = SLIPBENCH_SOURCE_DIR "/scenes/mujoco/hold.xml";
 
 // The gripper and the box of hold.xml without pads; its geoms collide, like a robot's.
 SpecPointer stock() {
-  know_the_plugin();
+  register_plugin_once();
   std::ifstream file(hold);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::regex pads(
@@ -33,7 +33,7 @@ std::vector<double> grasped(const ModelPointer& model, double seconds = 1.0) {
 }
 
 std::vector<double> reference() {
-  know_the_plugin();
+  register_plugin_once();
   std::array<char, 500> error{};
   const ModelPointer model(mj_loadXML(hold.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
   if (!model) throw std::runtime_error(error.data());

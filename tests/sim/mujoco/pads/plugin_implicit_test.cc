@@ -57,9 +57,9 @@ std::string pinch_xml(const Pinch& pinch) {
 }
 
 // The box under a weight that grows smoothly within 0.3 s, and then stays.
-class Held {
+class PinchedBox {
  public:
-  explicit Held(const Pinch& pinch) : model(load(pinch_xml(pinch))), data(data_of(model)), weight_(pinch.mass * g) {
+  explicit PinchedBox(const Pinch& pinch) : model(load(pinch_xml(pinch))), data(data_of(model)), weight_(pinch.mass * g) {
     const int ramp = static_cast<int>(std::lround(0.3 / pinch.dt));
     for (int i = 0; i < ramp; ++i) step(pinch.force, 0.5 * g * (1.0 - std::cos(std::numbers::pi * i / ramp)));
   }
@@ -98,7 +98,7 @@ class ImplicitPlugin : public testing::TestWithParam<std::pair<double, double>> 
 };
 
 TEST_P(ImplicitPlugin, HoldsJustAboveTheLeastForceAndCarriesTheWeight) {
-  Held held({mass, stiffness, 1.003 * least});
+  PinchedBox held({mass, stiffness, 1.003 * least});
   held.run(200, 1.003 * least);
   const double z = held.z();
   held.run(200, 1.003 * least);
@@ -108,7 +108,7 @@ TEST_P(ImplicitPlugin, HoldsJustAboveTheLeastForceAndCarriesTheWeight) {
 }
 
 TEST_P(ImplicitPlugin, HeldFirmlyCreepsNotAtAllAndNoLabelFlickers) {
-  Held held({mass, stiffness, 1.5 * least});
+  PinchedBox held({mass, stiffness, 1.5 * least});
   held.run(200, 1.5 * least);
   const double z = held.z();
   for (int i = 0; i < 200; ++i) {
@@ -121,7 +121,7 @@ TEST_P(ImplicitPlugin, HeldFirmlyCreepsNotAtAllAndNoLabelFlickers) {
 TEST_P(ImplicitPlugin, DropsJustBelowIt) {
   // a = g (1 - F/F_0) = 0.003 g: 1.2 mm within 0.28 s; a fifth of that must appear within 0.2 s
   // after the full weight.
-  Held held({mass, stiffness, 0.997 * least});
+  PinchedBox held({mass, stiffness, 0.997 * least});
   const double z = held.z();
   held.run(200, 0.997 * least);
   EXPECT_LT(held.z() - z, -0.2 * 0.003 * g * 0.5 * 0.2 * 0.2);
@@ -130,7 +130,7 @@ TEST_P(ImplicitPlugin, DropsJustBelowIt) {
 TEST_P(ImplicitPlugin, SlidesWithTheRightAcceleration) {
   // Half of the least force: m a = m g - 2 mu F = m g/2. The pads need some steps to follow the new
   // force: 10 ms pass before.
-  Held held({mass, stiffness, 1.2 * least});
+  PinchedBox held({mass, stiffness, 1.2 * least});
   held.run(10, 0.5 * least);
   const double before = held.speed();
   for (int i = 0; i < 20; ++i) {
@@ -145,7 +145,7 @@ TEST_P(ImplicitPlugin, SinksAtTheTerminalSpeedOfARateLaw) {
   // mm/s.
   Pinch pinch{mass, stiffness, 1.2 * least};
   pinch.effects = "[{viscous_friction: {gain: 0.1, speed: 1 mm/s}}]";
-  Held held(pinch);
+  PinchedBox held(pinch);
   held.run(300, least / 1.1);
   const double before = held.speed();
   held.run(20, least / 1.1);
@@ -176,7 +176,7 @@ TEST(PluginImplicit, AgreesWithTheExplicitForceAtAShortStep) {
   const auto fall = [&](const std::string& solver) {
     Pinch pinch{mass, 1.0, 1.5 * least, solver};
     pinch.dt = 1e-4;
-    Held held(pinch);
+    PinchedBox held(pinch);
     const double z = held.z();
     held.run(1000, 0.5 * least);
     return z - held.z();
@@ -234,7 +234,7 @@ std::vector<double> state_of(const mjModel* m, const mjData* d) {
 
 TEST(ImplicitPluginState, GoesOnTheSameInAnotherData) {
   const double least = 0.005 * g;
-  Held held({0.005, 100.0, 1.1 * least});
+  PinchedBox held({0.005, 100.0, 1.1 * least});
   held.run(5, 0.6 * least);  // the box slides
   const Data restored = data_of(held.model), copied = data_of(held.model);
   const std::vector<double> state = state_of(held.model.get(), held.data.get());
@@ -270,7 +270,7 @@ TEST(ImplicitPluginRefusal, SaysWhatTheModelLacks) {
 TEST(ImplicitPluginRefusal, OptionsThatChangeLaterAreSeen) {
   const double least = 0.005 * g;
   for (int change = 0; change < 3; ++change) {
-    Held held({0.005, 10.0, 1.1 * least});
+    PinchedBox held({0.005, 10.0, 1.1 * least});
     mjModel* m = held.model.get();
     mjData* d = held.data.get();
     if (change == 0) m->opt.solver = mjSOL_PGS;

@@ -18,7 +18,7 @@ namespace slipbench::testing_plugin {
 
 inline constexpr double g = 9.81;  // m/s2, MuJoCo's default
 
-inline void know_the_plugin() {
+inline void register_plugin_once() {
   [[maybe_unused]] static const bool once = [] {
     register_field_plugin({pad_catalogues(), &make_sensor});
     return true;
@@ -26,7 +26,7 @@ inline void know_the_plugin() {
 }
 
 inline Model load(const std::string& xml) {
-  know_the_plugin();
+  register_plugin_once();
   return compile(parse(xml).get());
 }
 

@@ -237,8 +237,8 @@ TEST(Stability, LongestExplicitStep) {
 
 // One degree of freedom of 1 kg: omega^2, tau omega^2 and a joint's damper.
 LinearModel one_mode(double omega, double viscous_time, double joint_damping = 0.0) {
-  const auto of = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
-  return {of(1.0), of(omega * omega), of(viscous_time * omega * omega), of(joint_damping)};
+  const auto one_by_one = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
+  return {one_by_one(1.0), one_by_one(omega * omega), one_by_one(viscous_time * omega * omega), one_by_one(joint_damping)};
 }
 
 constexpr double less = 0.99;  // the reported limit includes a margin of 1 %
@@ -356,7 +356,7 @@ TEST(Stability, DivergenceIsWhereTheStepsSpectralRadiusLeavesOne) {
 // tests/tools/cost/stability_map_test.cc.)
 TEST(Stability, DampersOfJointsCountAsEulerTakesThem) {
   using testing_plugin::config;
-  testing_plugin::know_the_plugin();
+  testing_plugin::register_plugin_once();
   const double square = 18.0 * k_n / 0.1, d = 400.0, root = std::sqrt(d * d + 4.0 * square);
   const auto instance = [](const std::string& name) {
     return "<instance name='" + name + "'>" + config("pad", name) + config("touch", "box") + testing_plugin::nine_pillars() +

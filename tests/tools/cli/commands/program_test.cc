@@ -450,12 +450,12 @@ TEST(Program, WarnsOnStderrAndInTheJson) {
   EXPECT_THAT(quiet.err, StartsWith(warning));
   const ChildResult run = run_program_file({"run", stage, "--set", start, "--json"});
   EXPECT_EQ(run.err, quiet.err);
-  const nlohmann::json told = nlohmann::json::parse(run.out);
-  ASSERT_EQ(told["warnings"].size(), 1U);
-  EXPECT_EQ(told["warnings"][0]["about"], "motion.start");
+  const nlohmann::json reported = nlohmann::json::parse(run.out);
+  ASSERT_EQ(reported["warnings"].size(), 1U);
+  EXPECT_EQ(reported["warnings"][0]["about"], "motion.start");
   const nlohmann::json checked =
       nlohmann::json::parse(run_program_file({"check", stage, "--set", start, "expect={no_slip_before: 3 s}", "--json"}).out);
-  EXPECT_EQ(checked["scenes"][0]["warnings"], told["warnings"]);
+  EXPECT_EQ(checked["scenes"][0]["warnings"], reported["warnings"]);
   EXPECT_TRUE(json_of(run_program_file({"run", stage, "--json"}))["warnings"].empty());
 }
 

@@ -394,11 +394,12 @@ TEST_F(AnySensor, EveryFormatTellsItsBytes) {
   for (const ExportFormat format : {ExportFormat::csv, ExportFormat::npz, ExportFormat::robomimic}) {
     ExportOptions options;
     options.format = format;
-    const std::string told = path("told");  // written by the child process
+    const std::string progress_file = path("progress");  // written by the child process
     export_dataset(path("a.h5"), path("out"), options, [&](std::size_t done, std::size_t total, std::uintmax_t bytes) {
-      std::ofstream(told, done == 1 ? std::ios::trunc : std::ios::app) << fmt::format("{}/{} {}\n", done, total, bytes > 0);
+      std::ofstream(progress_file, done == 1 ? std::ios::trunc : std::ios::app)
+          << fmt::format("{}/{} {}\n", done, total, bytes > 0);
     });
-    EXPECT_EQ(bytes_of(told), "1/2 true\n2/2 true\n");
+    EXPECT_EQ(bytes_of(progress_file), "1/2 true\n2/2 true\n");
   }
 }
 

@@ -244,11 +244,11 @@ TEST_F(SweepTest, ProgressCountsInOrder) {
 }
 
 TEST_F(SweepTest, SummaryIsJson) {
-  SweepOptions told = options("out.h5");
+  SweepOptions sweep_options = options("out.h5");
   Json trials = Json::array();
-  told.on_trial = [&trials](const TrialSummary& trial) { trials.push_back(Json::parse(trial_json(trial))); };
-  told.keep_units = false;
-  const SweepSummary summary = run(told);
+  sweep_options.on_trial = [&trials](const TrialSummary& trial) { trials.push_back(Json::parse(trial_json(trial))); };
+  sweep_options.keep_units = false;
+  const SweepSummary summary = run(sweep_options);
   EXPECT_THAT(summary.trials.at(3).sensors.at(0).units, IsEmpty());
   Json json = Json::parse(summary_json(summary));
   json["trials"] = std::move(trials);

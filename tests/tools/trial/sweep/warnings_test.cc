@@ -16,7 +16,7 @@ namespace {
 
 struct Warnings : FolderTest {
   // Warnings for a pad on a stage, whose scene has these lines 1 and 2.
-  std::vector<Warning> of(const std::string& text, const std::vector<Override>& overrides = {}) {
+  std::vector<Warning> find_warnings(const std::string& text, const std::vector<Override>& overrides = {}) {
     std::ofstream(path("s.yaml")) << "slipbench: 1\nsensors: {pad: {type: papillarray}}\n" << text;
     SweepOptions sweep;
     sweep.scene_path = path("s.yaml");
@@ -26,9 +26,9 @@ struct Warnings : FolderTest {
     return scene_warnings(read_sweep(sweep, catalogues_), sweep);
   }
   // Subject and message of each warning, without the folder.
-  std::vector<std::string> told(const std::string& text, const std::vector<Override>& overrides = {}) {
+  std::vector<std::string> warning_texts(const std::string& text, const std::vector<Override>& overrides = {}) {
     std::vector<std::string> lines;
-    for (const Warning& warning : of(text, overrides)) {
+    for (const Warning& warning : find_warnings(text, overrides)) {
       const std::size_t folder = warning.text.find(path(""));
       lines.push_back(folder == 0 ? warning.text.substr(path("").size()) : warning.text);
       EXPECT_THAT(warning.text, HasSubstr(": " + warning.about));
@@ -40,18 +40,18 @@ struct Warnings : FolderTest {
 };
 
 TEST_F(Warnings, MotionThatBeginsAtTheEndOrLater) {
-  EXPECT_THAT(told("motion: {start: 4 s}\n"),
+  EXPECT_THAT(warning_texts("motion: {start: 4 s}\n"),
               ElementsAre("s.yaml:3: motion.start: 4 s is not before the end of the trial, 4 s, so the motion never starts"));
-  EXPECT_THAT(told("motion: {start: 3.9 s}\n"), IsEmpty());
-  EXPECT_THAT(told("motion: {start: 4 s, speed: 0}\n"), IsEmpty());  // a pad that is only pressed
+  EXPECT_THAT(warning_texts("motion: {start: 3.9 s}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("motion: {start: 4 s, speed: 0}\n"), IsEmpty());  // a pad that is only pressed
 }
 
 // 4.2 mm by the vendor's data sheet.
 TEST_F(Warnings, PillarPressedBeyondItsHeight) {
   EXPECT_THAT(
-      told("motion: {compression: 5 mm}\n"),
+      warning_texts("motion: {compression: 5 mm}\n"),
       ElementsAre(AllOf(StartsWith("s.yaml:3: motion.compression: 5 mm exceeds the height"), HasSubstr("'pad', 4.2 mm;"))));
-  EXPECT_THAT(told("motion: {compression: 4.2 mm}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("motion: {compression: 4.2 mm}\n"), IsEmpty());
 }
 
 // Three points 4/3 mm apart span a wave of 4 mm, and their sum is 0; they are in phase for its
@@ -59,7 +59,8 @@ TEST_F(Warnings, PillarPressedBeyondItsHeight) {
 // 4 mm would average to 0. Across the ridges a grid turned by 90 degrees is equal.
 TEST_F(Warnings, TextureThatTheTaxelsPointsDoNotSample) {
   const auto of_taxels = [&](const std::string& keys, const std::string& texture) {
-    return told("effects: [{texture: {" + texture + "}}]\n", {{"sensors", "{skin: {type: taxels, width: 4 mm, " + keys + "}}"}});
+    return warning_texts("effects: [{texture: {" + texture + "}}]\n",
+                         {{"sensors", "{skin: {type: taxels, width: 4 mm, " + keys + "}}"}});
   };
   for (const char* angle : {"0 deg", "90 deg", "180 deg"}) {
     EXPECT_THAT(
@@ -78,54 +79,54 @@ TEST_F(Warnings, TextureThatTheTaxelsPointsDoNotSample) {
   EXPECT_THAT(of_taxels("points: 3", "wavelength: 8 mm"), IsEmpty());  // D(pi/6) = 0.67
   EXPECT_THAT(of_taxels("points: 1", "wavelength: 4 mm"), IsEmpty());
   EXPECT_THAT(of_taxels("points: 3", "wavelength: 4 mm, height: 0 mm"), IsEmpty());
-  EXPECT_THAT(told("effects: [texture]\n", {{"sensors", "{pad: {type: papillarray, bristles: 5}}"}}),
+  EXPECT_THAT(warning_texts("effects: [texture]\n", {{"sensors", "{pad: {type: papillarray, bristles: 5}}"}}),
               IsEmpty());  // all at the pillar's tip
 }
 
 TEST_F(Warnings, SpeedWithoutAUnit) {
-  EXPECT_THAT(told("motion: {speed: 4}\n"),
+  EXPECT_THAT(warning_texts("motion: {speed: 4}\n"),
               ElementsAre("s.yaml:3: motion.speed: 4 has no unit, so it is in m/s; if mm/s is meant, write '4 mm/s'"));
-  EXPECT_THAT(told("motion: {speed: 4 m/s}\n"), IsEmpty());
-  EXPECT_THAT(told("motion: {speed: 0.004}\n"), IsEmpty());
-  EXPECT_THAT(told("sweep: {motion.speed: [4 mm/s, 4, 5]}\n"),
+  EXPECT_THAT(warning_texts("motion: {speed: 4 m/s}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("motion: {speed: 0.004}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("sweep: {motion.speed: [4 mm/s, 4, 5]}\n"),
               ElementsAre(AllOf(HasSubstr("motion.speed: 4 has no unit"), HasSubstr("in 2 of 3 examined trials"))));
 }
 
 TEST_F(Warnings, ExtremeMassesAndLengths) {
-  const auto told_of = [&](const std::string& key, const std::string& value) {
-    const std::vector<Warning> found = of("box: {mass: 200 g}\ntime_step: 1 ms\n", {{key, value}});
+  const auto warning_about = [&](const std::string& key, const std::string& value) {
+    const std::vector<Warning> found = find_warnings("box: {mass: 200 g}\ntime_step: 1 ms\n", {{key, value}});
     return found.empty() ? "" : found.front().text;
   };
-  EXPECT_EQ(told_of("box.mass", "1e-9 kg"), "--set box.mass=1e-9 kg: box.mass: 1e-09 kg is unusual: less than 1e-06 kg");
-  EXPECT_EQ(told_of("box.mass", "200"), "");
-  EXPECT_EQ(told_of("box.mass", "2000"), "--set box.mass=2000: box.mass: 2000 kg is unusual: more than 1000 kg");
-  EXPECT_EQ(told_of("box.size", "[60, 60 mm, 100 mm]"),
+  EXPECT_EQ(warning_about("box.mass", "1e-9 kg"), "--set box.mass=1e-9 kg: box.mass: 1e-09 kg is unusual: less than 1e-06 kg");
+  EXPECT_EQ(warning_about("box.mass", "200"), "");
+  EXPECT_EQ(warning_about("box.mass", "2000"), "--set box.mass=2000: box.mass: 2000 kg is unusual: more than 1000 kg");
+  EXPECT_EQ(warning_about("box.size", "[60, 60 mm, 100 mm]"),
             "--set box.size=[60, 60 mm, 100 mm]: box.size.0: 60 m is unusual: more than 10 m");
 }
 
 TEST_F(Warnings, MaterialThatTheScenesFrictionReplaces) {
   const std::string friction = "friction: {static: 0.5, kinetic: 0.5}\n";
   EXPECT_THAT(
-      told(friction, {{"surface.material", "ptfe"}}),
+      warning_texts(friction, {{"surface.material", "ptfe"}}),
       ElementsAre(AllOf(StartsWith("--set surface.material=ptfe: surface.material: has no effect"), HasSubstr("s.yaml:3"))));
-  EXPECT_THAT(told("friction: {static: 0.5}\n", {{"surface.material", "ptfe"}}), IsEmpty());
-  EXPECT_THAT(told(friction, {{"surface.material", "ptfe"}, {"friction.static", "0.5"}}), IsEmpty());
+  EXPECT_THAT(warning_texts("friction: {static: 0.5}\n", {{"surface.material", "ptfe"}}), IsEmpty());
+  EXPECT_THAT(warning_texts(friction, {{"surface.material", "ptfe"}, {"friction.static", "0.5"}}), IsEmpty());
 }
 
 TEST_F(Warnings, PartsOfASplitWithoutATrial) {
   const std::string two = "sweep: {surface.material: [ptfe, felt], trials: 10}\n",
                     three = "sweep: {surface.material: [ptfe, felt, paper]}\n";
-  EXPECT_THAT(told(two),
+  EXPECT_THAT(warning_texts(two),
               ElementsAre(AllOf(HasSubstr("split: by material there are only 2 to divide, so valid is without trials"))));
-  EXPECT_THAT(told(three), IsEmpty());
-  EXPECT_THAT(told(two + "split: {by: trial}\n"), IsEmpty());
-  EXPECT_THAT(told(two + "split: {shares: [0.5, 0, 0.5]}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts(three), IsEmpty());
+  EXPECT_THAT(warning_texts(two + "split: {by: trial}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts(two + "split: {shares: [0.5, 0, 0.5]}\n"), IsEmpty());
   EXPECT_THAT(
-      told("sweep: {trials: 10}\nsplit: {by: material}\n"),
+      warning_texts("sweep: {trials: 10}\nsplit: {by: material}\n"),
       ElementsAre(AllOf(StartsWith("s.yaml:4: "), HasSubstr("there is only 1 to divide, so valid and test are without trials"))));
-  EXPECT_THAT(told("sweep: {trials: 10}\n"), IsEmpty());
-  EXPECT_THAT(told("sweep: {motion.speed: [1 mm/s, 2 mm/s, 3 mm/s], trials: 2}\nsplit: {by: speed}\n"), IsEmpty());
-  EXPECT_THAT(told("sweep: {surface.shape: [plane, sphere, box]}\nsplit: {by: object}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("sweep: {trials: 10}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("sweep: {motion.speed: [1 mm/s, 2 mm/s, 3 mm/s], trials: 2}\nsplit: {by: speed}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("sweep: {surface.shape: [plane, sphere, box]}\nsplit: {by: object}\n"), IsEmpty());
 }
 
 TEST_F(Warnings, ConverterAtAnEndInMostSamples) {
@@ -139,12 +140,12 @@ TEST_F(Warnings, ConverterAtAnEndInMostSamples) {
 // A body of a microgram on springs of kilonewtons per metre vibrates at more than a million radians
 // a second, which steps must resolve.
 TEST_F(Warnings, StepsThatTakeTenMinutes) {
-  const std::vector<Warning> found = of("box: {mass: 1e-9 kg}\n");
+  const std::vector<Warning> found = find_warnings("box: {mass: 1e-9 kg}\n");
   const auto steps = std::ranges::find(found, "time_step", &Warning::about);
   ASSERT_NE(steps, found.end());
   EXPECT_THAT(steps->text, AllOf(HasSubstr("auto gives steps of"), HasSubstr("days or more")));
-  EXPECT_EQ(std::ranges::count(of("box: {mass: 200 g}\n"), "time_step", &Warning::about), 0);
-  EXPECT_THAT(told("fidelity: articulated\ntime_step: 0.05 us\n"),
+  EXPECT_EQ(std::ranges::count(find_warnings("box: {mass: 200 g}\n"), "time_step", &Warning::about), 0);
+  EXPECT_THAT(warning_texts("fidelity: articulated\ntime_step: 0.05 us\n"),
               ElementsAre(AllOf(StartsWith("s.yaml:4: time_step: 0.05 us gives steps of 5e-08 s"), HasSubstr("; auto chooses"))));
 }
 

@@ -148,7 +148,7 @@ int CalibrateCommand::run() {
     const InterruptScope scope(&InterruptGuard::flag());
     Progress progress = Progress::for_stream(stderr, silent());
     options.interrupt = &InterruptGuard::flag();
-    options.progress = [&](std::size_t done, std::size_t of) { progress.update(done, of, std::nullopt); };
+    options.progress = [&](std::size_t done, std::size_t total) { progress.update(done, total, std::nullopt); };
     return calibrate::calibrate(options, program_catalogues());
   }();
   std::vector<std::string> files;
