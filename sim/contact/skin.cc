@@ -356,14 +356,14 @@ void Field::shear_skin() {
   }
 }
 
-void Field::add_sunk(double* depth_of) const {
+void FieldResults::add_sunk(double* depth_of) const {
   for (std::size_t i = 0; i < count_; ++i) {
     if (state(i) == ElementState::detached) depth_of[i] += columns_[depth][i];
   }
 }
 
 // p'C p/2 + q'C q/2: forces times displacements of the surface.
-kernel::SpringSums Field::skin_sums() const {
+kernel::SpringSums FieldResults::skin_sums() const {
   kernel::SpringSums sums{Eigen::Vector3d::Zero(), 0.0, 0.0};
   for (std::size_t i = 0; i < count_; ++i) {
     if (state(i) == ElementState::detached) continue;

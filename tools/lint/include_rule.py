@@ -35,7 +35,8 @@ INCLUDE = re.compile(r'#include (["<])([^">]+)[">]')
 ANY_INCLUDE = re.compile(r"^\s*(?:/\*.*\*/\s*)?#\s*(?:include|\\$)")
 STANDARD = re.compile(r"[a-z_0-9]+")
 # The truth, and the interfaces that receive or return it.
-TRUTH = ("sim/api/contact_frame.h", "sim/api/effect.h", "sim/api/motion.h", "sim/api/sensor.h", "sim/api/simulation.h")
+TRUTH = ("sim/api/contact_frame.h", "sim/api/effect.h", "sim/api/element_columns.h", "sim/api/element_event.h",
+         "sim/api/motion.h", "sim/api/sensor.h", "sim/api/simulation.h")
 MUJOCO = ("sim/mujoco/", "tests/sim/mujoco/", "tests/stability/", "tests/install/consumer/")  # who may include its headers
 TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "python", "tests")
 # The layers of sim, as in sim/README.md, with the other layers that each may include.
