@@ -199,7 +199,7 @@ ControllerKind reorient() {
        "turn: the arm rises at `turn_speed` to `target`. FR 0-6 Hz < fr_slip for `fr_quiet` without a break: one count looser, then a wait of `settle`. FR 6-8 Hz > fr_upright: the box is upright, since theta' = v/(l cos theta) grows without bound, and the phase ends\n"
        "release: the arm moves sideways at `forward`, and the fingers open by one count every `release_wait`, until normal force and torsional moment are below released_normal and released_moment. Then the fingers open to their stop and the arm stops.\n"
        "Magnitudes, force and moment are the detector's features fl_0_6, fr_0_6, fr_6_8, normal, moment. Heights are the commanded ones. Each phase begins with a wait of `settle`, while the window of the spectra still holds the phase before.",
-       "nib paper (papers/nib-reconfigurable), section VI, Algorithms 2 and 3. The paper reads the pads of both fingers; here one pad has a sensor",
+       "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, IEEE RA-L 2020, section VI, Algorithms 2 and 3. The paper reads the pads of both fingers; here one pad has a sensor",
        with_registers(
            {number_spec("tare_time", Quantity::time, "0.2 s", non_negative, "Time at the start in which the controller tares.",
                         "assumed"),

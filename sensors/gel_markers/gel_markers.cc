@@ -109,8 +109,8 @@ struct Point {
   std::array<double, 4> shares;
 };
 
-// SplitMix64's mix (Steele, Lea, Flood, OOPSLA 2014). Each random number is a mix of its purpose,
-// so that none depends on how many others are drawn.
+// SplitMix64's mix [steele2014]. Each random number is a mix of its purpose, so that none depends
+// on how many others are drawn.
 std::uint64_t mixed(std::uint64_t x) {
   x += UINT64_C(0x9e3779b97f4a7c15);
   x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);

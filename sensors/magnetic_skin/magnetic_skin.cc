@@ -132,7 +132,7 @@ struct Skin {
   std::uint64_t random;
 };
 
-// SplitMix64 (Steele, Lea and Flood 2014).
+// SplitMix64 [steele2014].
 double uniform(std::uint64_t& state) {
   std::uint64_t z = state += UINT64_C(0x9e3779b97f4a7c15);
   z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);

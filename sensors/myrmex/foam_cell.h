@@ -6,9 +6,9 @@ namespace slipbench::myrmex {
 // Unloaded reading of a 12-bit converter; the reading falls with the force.
 inline constexpr double full_scale = 4095.0;  // counts
 
-// The foam's memory is rate-independent: generalised plays (Visintin, Differential Models of
-// Hysteresis, 1994, ch. III), summed as by Prandtl and Ishlinskii. A play follows the force F from
-// below as (1 - w) F and from above as (1 + w) F, and is constant in between:
+// The foam's memory is rate-independent: generalised plays ([visintin1994], ch. III), summed as by
+// Prandtl and Ishlinskii. A play follows the force F from below as (1 - w) F and from above as
+// (1 + w) F, and is constant in between:
 //   p <- min(max(p, (1 - w) F), (1 + w) F)
 // The cell feels f = (F + p_1 + p_2)/3 with w_1 = h, w_2 = 2 h. So it feels (1 - h) F while the
 // force grows from zero, and (1 + h) F once the force has fallen by more than 4 h/(1 + 2 h) of its

@@ -6,8 +6,8 @@
 //   tangential   u     = P (c - a),  P = I - n n'
 //                c: contact point, a: anchor, where the tip stuck to the surface
 //   stick        |k_t u| <= mu_s f_n
-//   slip         |k_t u|  = mu_k f_n; the anchor follows: return mapping (Simo & Hughes,
-//                Computational Inelasticity, 1998, sec. 1.2 and 3)
+//   slip         |k_t u|  = mu_k f_n; the anchor follows: return mapping
+//                ([simo1998], sec. 1.2 and 3)
 //
 // If the face that an element meets changes inside the surface (at an edge, or where its axis
 // begins to point at a face behind which it already is), the penetration would jump, and k_n

@@ -1,7 +1,7 @@
 // The passes of a step over all elements, vectorised; field.h states the law.
 //
 // Backward Euler for one element, over a step with the contact point c, the anchor a and the normal
-// n at its end (return mapping: Simo & Hughes, Computational Inelasticity, 1998, sec. 1.2 and 3):
+// n at its end (return mapping: [simo1998], sec. 1.2 and 3):
 //   trial    f_n = max(0, k_n (-gap) + h_n), u = P (c - a), T = k_t u + h_t; P = I - n n'
 //   project  |T| <= mu_s f_n (mu_k f_n if the element slipped): f = T, otherwise f = mu_k f_n T/|T|,
 //            the closest point of the circle of radius mu_k f_n

@@ -13,10 +13,9 @@
 namespace slipbench {
 
 // A stream of random numbers keyed by (dataset seed, trial, stream name). Generator: Philox4x32-10
-// (Salmon et al., SC 2011). One block under the key `seed`, with the counter (trial, hash of the
-// name), gives the stream's own key and the upper half of its counter; the lower half counts the
-// blocks drawn. Streams with different keys are independent; the same key always gives the same
-// numbers.
+// [salmon2011]. One block under the key `seed`, with the counter (trial, hash of the name), gives
+// the stream's own key and the upper half of its counter; the lower half counts the blocks drawn.
+// Streams with different keys are independent; the same key always gives the same numbers.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view name);

@@ -10,10 +10,9 @@ namespace slipbench {
 namespace {
 
 // Solves b y + ln y = a + b for y = 1 + w/speed > 1, with a > 0, b > 0; z = b y is Wright's omega
-// function. Near the root: the fourth-order step of Fritsch, Shafer and Crowley (Commun. ACM 16
-// (1973) 123). Elsewhere: Newton's step, which never overshoots from below because the left side is
-// concave. `y`: the last step's solution, 0 for none. Each lane is solved as if alone. A steady
-// slide needs one logarithm.
+// function. Near the root: the fourth-order step of [fritsch1973]. Elsewhere: Newton's step, which
+// never overshoots from below because the left side is concave. `y`: the last step's solution, 0
+// for none. Each lane is solved as if alone. A steady slide needs one logarithm.
 SLIPBENCH_INLINE Quad solve(const Quad& a, const Quad& b, decltype(Quad{} < Quad{}) wanted, Quad y) {
   const Quad one = Quad{} + 1.0;
   const auto fresh = ~(y >= 1.0);

@@ -8,8 +8,8 @@
 
 namespace slipbench {
 
-// Fast Fourier transform of Cooley and Tukey (Math. Comput. 19 (1965) 297), radix 2. Eigen's and
-// FFTW's take their sines from the C library, whose bits depend on the processor.
+// Fast Fourier transform of Cooley and Tukey [cooley1965], radix 2. Eigen's and FFTW's take their
+// sines from the C library, whose bits depend on the processor.
 class WaveSum {
  public:
   // `points`: number of points per period, evenly spaced; a power of two.

@@ -1,5 +1,5 @@
-// Oracle: an elastic half-space, incompressible, touched by a rigid sphere of radius R (Johnson,
-// Contact Mechanics, 1985, ch. 4 and 7). At the depth d, with E* = 4 G and mu:
+// Oracle: an elastic half-space, incompressible, touched by a rigid sphere of radius R
+// ([johnson1985], ch. 4 and 7). At the depth d, with E* = 4 G and mu:
 // - Hertz: a = sqrt(R d), N = (16/3) G sqrt(R) d^1.5, p = p0 sqrt(1 - r^2/a^2), p0 = 3 N/(2 pi
 //   a^2); the second moment of p is (2/5) a^2 N.
 // - Cattaneo and Mindlin: all slides from delta_f = 3 mu N (2 - nu)/(16 G a) = 9 mu N/(32 G a)
@@ -310,9 +310,9 @@ TEST(ElasticLayer, GivesAsItsDifferentialEquationSays) {
 }
 
 // A pad on a thick layer behaves as on a half-space: the back reduces a disc's compliance by 1.17
-// a/t (Johnson, sec. 5.8), 0.1 % at 1,000 pads. A pad on a thin layer shifts by t/G per unit of
-// traction, except strips of the order of t along its edges; extrapolating two layers, one half as
-// thick, leaves an error of second order.
+// a/t ([johnson1985], sec. 5.8), 0.1 % at 1,000 pads. A pad on a thin layer shifts by t/G per unit
+// of traction, except strips of the order of t along its edges; extrapolating two layers, one half
+// as thick, leaves an error of second order.
 TEST(ElasticLayer, IsAHalfSpaceWhereThickAndSpringsWhereThin) {
   const double side = 2.4e-3, g = 150e3;
   const auto stiffness = [&](int n, double thickness) {

@@ -93,6 +93,9 @@ VIOLATIONS = (
     ("wording", "cmake/d.cmake", "# What a build reads.\n", ":1:", "'What'"),
     ("wording", "sim/core/d.cc", 'throw Error("the mesh is no box");\n', ":1:", "is not a"),
     ("wording", "sim/core/d.cc", 'throw Error("2 rows; allowed: as many");\n', ":1:", "name what is allowed"),
+    ("citations", "sim/core/d.h", "// The law of [nobody" "1999].\n", ":1:", "nobody1999"),
+    ("citations", "docs/references.bib", "@book{nobody1999,\n}\n", ":1:", "not cited"),
+    ("citations", "tools/files/d.py", "# As in pap" "ers/law.\n", ":1:", "not in the tree"),
     ("wording", "tools/files/e.py", "fail('the run has gone wrong')\n", ":1:", "diverges"),
 )
 

@@ -52,10 +52,9 @@ class Disturbances {
   [[nodiscard]] const std::vector<Disturbance>& by_component() const { return disturbances_; }
 
   // Returns the best linear fit of `read` by `ideal` under these disturbances: ridge regression
-  // with a Gaussian prior of each sd, the linear part of a variable projection (Golub and Pereyra
-  // 1973). The gains of a component have the mean 1 over its units, weighted by the units' signal
-  // energy: a gain common to all units cannot be distinguished from the sensor's stiffness or
-  // sensitivity.
+  // with a Gaussian prior of each sd, the linear part of a variable projection [golub1973]. The
+  // gains of a component have the mean 1 over its units, weighted by the units' signal energy: a
+  // gain common to all units cannot be distinguished from the sensor's stiffness or sensitivity.
   [[nodiscard]] Distance distance(const Waves& read, const Waves& ideal) const;
 
   // Returns, by column, the common gain: a device's changes from its first value, divided by it,

@@ -26,10 +26,9 @@ struct Interval {
   double high = 1.0;
 };
 
-// The exact two-sided interval of a share after k successes in n trials (C. J. Clopper, E. S.
-// Pearson, Biometrika 26, 1934): k or more successes at `low`, and k or fewer at `high`, have the
-// probability (1 - confidence)/2. [0, 1] if n is 0. Throws std::logic_error if k > n or
-// `confidence` is not within (0, 1).
+// The exact two-sided interval of a share after k successes in n trials [clopper1934]: k or more
+// successes at `low`, and k or fewer at `high`, have the probability (1 - confidence)/2. [0, 1] if
+// n is 0. Throws std::logic_error if k > n or `confidence` is not within (0, 1).
 Interval clopper_pearson(std::size_t k, std::size_t n, double confidence = 0.95);
 
 // The fewest successes in n trials whose interval does not begin below `rate`; n + 1 if no number
@@ -57,10 +56,10 @@ double median_time(std::size_t passes, const std::function<void()>& pass);
 
 // Confidence intervals of other figures of trials.
 
-// 95 % intervals by the percentile bootstrap over groups (B. Efron, Ann. Stat. 7, 1979). Each draw
-// takes `groups` groups with replacement by RandomStream(seed, draw, "intervals"); an interval runs
-// from the 2.5 to the 97.5 % quantile of a figure over the draws. Dependent values in one group,
-// such as frames of a trial, thus stay together.
+// 95 % intervals by the percentile bootstrap over groups [efron1979]. Each draw takes `groups`
+// groups with replacement by RandomStream(seed, draw, "intervals"); an interval runs from the 2.5
+// to the 97.5 % quantile of a figure over the draws. Dependent values in one group, such as frames
+// of a trial, thus stay together.
 // `figures` receives the numbers of the groups drawn, 0 to groups - 1, and returns the same number
 // of figures each time; there is one interval per figure. A figure that is NaN in a draw is left
 // out of its quantiles. Both ends are NaN for fewer than two groups and for a figure that is NaN in
@@ -81,17 +80,17 @@ struct Auc {
   std::size_t positives = 0, negatives = 0;
 };
 
-// Exact, by ranks (Mann and Whitney's U over m n). The interval is DeLong's (Biometrics 44, 1988),
-// by normal approximation and within [0, 1]. At 0 and at 1, where DeLong's variance vanishes, it is
-// that of min(m, n) pairs without common values, all in one order (clopper_pearson). Throws
+// Exact, by ranks (Mann and Whitney's U over m n). The interval is DeLong's [delong1988], by normal
+// approximation and within [0, 1]. At 0 and at 1, where DeLong's variance vanishes, it is that of
+// min(m, n) pairs without common values, all in one order (clopper_pearson). Throws
 // std::invalid_argument if a class is empty or a value is NaN.
 Auc auc(std::span<const double> positives, std::span<const double> negatives);
 
 // As above for values in groups, such as frames in recordings: values within a group may depend on
 // each other, groups do not. `..._group` holds the group number of each value; a group may have
-// values of both classes. The interval is Obuchowski's (Biometrics 53, 1997), which equals DeLong's
-// if each value is its own group; at 0 and at 1 it is that of the groups of the class that has
-// fewer. Throws std::invalid_argument also if a list of groups differs in length from its values.
+// values of both classes. The interval is Obuchowski's [obuchowski1997], which equals DeLong's if
+// each value is its own group; at 0 and at 1 it is that of the groups of the class that has fewer.
+// Throws std::invalid_argument also if a list of groups differs in length from its values.
 Auc auc(std::span<const double> positives, std::span<const std::size_t> positive_group, std::span<const double> negatives,
         std::span<const std::size_t> negative_group);
 

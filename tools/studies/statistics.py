@@ -14,7 +14,7 @@ NORMAL_975 = 1.959963984540054  # quantile of the normal distribution
 
 
 def clopper_pearson(k: int, n: int, confidence: float = 0.95) -> tuple[float, float]:
-    """The exact two-sided interval of a share (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934).
+    """The exact two-sided interval of a share [clopper1934].
 
     Args:
         k: successes
@@ -85,8 +85,8 @@ def _unbiased(groups: int) -> float:
 
 
 def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | None = None, negative_group: ArrayLike | None = None) -> Auc:
-    """The area, exact by ranks, with DeLong's interval (Biometrics 44, 1988), or Obuchowski's
-    (Biometrics 53, 1997) for values in groups.
+    """The area, exact by ranks, with DeLong's interval [delong1988], or Obuchowski's [obuchowski1997]
+    for values in groups.
 
     At 0 and at 1, where DeLong's variance vanishes, the interval is that of clopper_pearson() for
     the groups of the class that has fewer.
@@ -139,7 +139,7 @@ def median_interval(values: ArrayLike) -> tuple[float, float]:
 
 def bootstrap_intervals(groups: int, draws: int, seed: int,
                         figures: Callable[[NDArray[np.int64]], Sequence[float]]) -> list[tuple[float, float]]:
-    """Intervals of 95 % by the percentile bootstrap over groups (B. Efron, Ann. Stat. 7, 1979).
+    """Intervals of 95 % by the percentile bootstrap over groups [efron1979].
 
     Draw number d takes its groups from RandomStream(seed, d, "intervals").
 

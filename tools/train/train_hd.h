@@ -45,9 +45,9 @@ std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories,
 // RandomStream(seed, epoch, "hd epochs"). A sample that is not nearer to its own class than to any
 // other by more than a sixteenth of the bits is added to its own class and subtracted from the
 // nearest other, as often as it counts, and the prototypes are set to the signs of the sums again
-// (after Imani et al., QuantHD, IEEE TCAD 2019). So the sums of all classes add up to 0, and the
-// prototypes stay separated. The result is the signs of the mean of the sums over all judged
-// samples (an averaged perceptron).
+// (after QuantHD [imani2020]). So the sums of all classes add up to 0, and the prototypes stay
+// separated. The result is the signs of the mean of the sums over all judged samples (an averaged
+// perceptron).
 std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
                                  std::span<const std::uint32_t> times, std::size_t epochs, std::uint64_t seed);
 

@@ -1,5 +1,5 @@
-"""Tactile images and the tactile graph of the BioTac SP (papers/biotac-stability-slip), for recipes
-and the paper's studies."""
+"""Tactile images and the tactile graph of the BioTac SP [zapata2019], for recipes and the paper's
+studies."""
 
 # PyTorch's layers and operators are typed only in part, depending on the release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"

@@ -99,8 +99,8 @@ class FrameGru(nn.Module):
 
 
 class PiezoMlp(nn.Module):
-    """MLP of the piezoelectric skin (papers/piezo-fft-gru, sections IV.A, IV.B, Table I), each
-    spectrum by itself.
+    """MLP of the piezoelectric skin ([ayral2023], sections IV.A, IV.B, Table I), each spectrum by
+    itself.
 
     Four layers and a linear one to two classes give the numbers of parameters that Table I prints.
 
@@ -122,8 +122,7 @@ class PiezoMlp(nn.Module):
 
 
 class PiezoTcn(nn.Module):
-    """Causal convolutions of the piezoelectric skin (papers/piezo-fft-gru, Table I: TCN 128, kernel
-    8).
+    """Causal convolutions of the piezoelectric skin ([ayral2023], Table I: TCN 128, kernel 8).
 
     Not padded: the first answer comes after all the frames that it is made of, in training as in
     the loop.
@@ -151,7 +150,7 @@ class PiezoTcn(nn.Module):
 
 
 class PiezoGru(nn.Module):
-    """GRUs of the piezoelectric skin (papers/piezo-fft-gru, Table I: FFT GRU 32, raw GRU 32).
+    """GRUs of the piezoelectric skin ([ayral2023], Table I: FFT GRU 32, raw GRU 32).
 
     | layer | FFT GRU 32 | raw GRU 32 |
     |---|---|---|
@@ -297,8 +296,8 @@ class SlipGru(nn.Module):
 
 
 class MyrmexCnn(nn.Module):
-    """Networks of the Myrmex (papers/myrmex-tactile-cnn, section 4, Table 2). 32 channels and
-    padding by 1 are assumed.
+    """Networks of the Myrmex ([meier2016], section 4, Table 2). 32 channels and padding by 1 are
+    assumed.
 
     | layer | net 1 | net 2 | net 3 |
     |---|---|---|---|
@@ -327,7 +326,7 @@ class MyrmexCnn(nn.Module):
 
 
 class BiotacCnn(nn.Module):
-    """Grasp stability by tactile images (papers/biotac-stability-slip, section 5.1, Table 2).
+    """Grasp stability by tactile images ([zapata2019], section 5.1, Table 2).
 
     | layer | output |
     |---|---|
@@ -349,11 +348,9 @@ class BiotacCnn(nn.Module):
 
 
 class BiotacGcn(nn.Module):
-    """Grasp stability by a tactile graph (papers/biotac-stability-slip, section 5.1, Table 2 and
-    Fig. 12).
+    """Grasp stability by a tactile graph ([zapata2019], section 5.1, Table 2 and Fig. 12).
 
-    A graph convolution is y = A x W + b with A = D^-1/2 (A' + 1) D^-1/2 (Kipf and Welling, ICLR
-    2017).
+    A graph convolution is y = A x W + b with A = D^-1/2 (A' + 1) D^-1/2 [kipf2017].
 
     | layer | output |
     |---|---|
@@ -384,8 +381,8 @@ class BiotacGcn(nn.Module):
 
 
 class BiotacLstm(nn.Module):
-    """Direction of slip by LSTMs (papers/biotac-stability-slip, section 5.2, Table 3). Begins
-    afresh with each window.
+    """Direction of slip by LSTMs ([zapata2019], section 5.2, Table 3). Begins afresh with each
+    window.
 
     | layer | output |
     |---|---|
@@ -411,8 +408,8 @@ class BiotacLstm(nn.Module):
 
 
 class ConvLstm(nn.Module):
-    """An LSTM whose gates are convolutions 3 x 3 (Shi et al., NIPS 2015, without peepholes). [M, T,
-    C, H, W] to [M, T, channels, H, W]."""
+    """An LSTM whose gates are convolutions 3 x 3 ([shi2015], without peepholes). [M, T, C, H,
+    W] to [M, T, channels, H, W]."""
 
     def __init__(self, inputs: int, channels: int) -> None:
         super().__init__()
@@ -432,8 +429,8 @@ class ConvLstm(nn.Module):
 
 
 class BiotacConvLstm(nn.Module):
-    """Direction of slip by convolutional LSTMs (papers/biotac-stability-slip, section 5.2, Table
-    3). Begins afresh with each window.
+    """Direction of slip by convolutional LSTMs ([zapata2019], section 5.2, Table 3). Begins afresh
+    with each window.
 
     The paper has five layers of 32 filters, which take 30 times as long to train as two of 8.
 

@@ -79,7 +79,7 @@ def _piezo() -> list[Recipe]:
     def recipe(name: str, summary: str, row: str, network: Callable[[int, int], nn.Module], steps: int, batch: int, rate: float,
                frames: Input = spectra) -> Recipe:
         return Recipe(
-            name, summary, f"Piezoelectric skin, FFT-GRU slip detection (papers/piezo-fft-gru), sections IV.A and IV.B, Table I: {row}",
+            name, summary, f"Piezoelectric skin, FFT-GRU slip detection: Ayral et al., IEEE/ASME AIM 2023, sections IV.A and IV.B, Table I: {row}",
             "four layers, which give the numbers of parameters printed; weights of classes in place of balanced drawing, no label smoothing, no penalty "
             "of changes; steps of Adam, whose rate falls to a fiftieth, in place of 200 epochs of RMSProp at 8e-4",
             frames, network, Training(steps=steps, batch=batch, clip=128, learning_rate=rate, final_rate=0.02, validate_every=steps // 20), labels="paper")
@@ -128,7 +128,7 @@ def _myrmex() -> list[Recipe]:
     def recipe(row: str, summary: str, convolutions: int, hidden: int) -> Recipe:
         return Recipe(
             "myrmex_" + row.replace(" ", ""), summary,
-            f"Myrmex, slip classification by spectra and a CNN (papers/myrmex-tactile-cnn), section 4, Table 2: {row}",
+            f"Myrmex, slip classification by spectra and a CNN: Meier et al., ICANN 2016, section 4, Table 2: {row}",
             "32 and 32 channels, images padded by 1, Adam at 1e-3, 600 steps; stable, translation and rotation are the truth: of the rigid motion that "
             "fits the slip best, the part with more energy; at most 60 frames of a class and trial",
             frames, partial(networks.MyrmexCnn, convolutions=convolutions, hidden=hidden),
@@ -153,7 +153,7 @@ def _biotac() -> list[Recipe]:
 
     def recipe(name: str, summary: str, section: str, assumed: str, frames: Input, network: Callable[[int, int], nn.Module], classes: str = "slip",
                steps: int = 600) -> Recipe:
-        return Recipe(name, summary, f"BioTac SP, grasp stability and direction of slip (papers/biotac-stability-slip), {section}", assumed, frames, network,
+        return Recipe(name, summary, f"BioTac SP, grasp stability and direction of slip: Zapata-Impata et al., Robotics 8(4), 2019, {section}", assumed, frames, network,
                       replace(training, steps=steps), scaling="range", classes=classes)
 
     changes = replace(rows, window=2, channels=["electrodes", "pdc", "pac"], transform="levels", spans=(2, 4, 8, 30), floor=3.0, stride=1)

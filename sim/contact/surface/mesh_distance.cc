@@ -212,8 +212,7 @@ void MeshDistance::search(std::uint32_t at, const Eigen::Vector3d& p, double& di
   if (way_to_far < distance2) search(far, p, distance2);
 }
 
-// By the region that p projects to: a corner, an edge or the face (Ericson, Real-Time Collision
-// Detection, 2005, sec. 5.1.5).
+// By the region that p projects to: a corner, an edge or the face ([ericson2005], sec. 5.1.5).
 double MeshDistance::distance2_to(const Triangle& triangle, const Eigen::Vector3d& p) {
   if (triangle.normal.isZero(0.0)) return std::numeric_limits<double>::infinity();
   const auto& [a, b, c] = triangle.corner;

@@ -16,11 +16,10 @@ namespace slipbench {
 // edge of each other are merged. Faces with two equal corners are dropped, and faces no wider than
 // that tolerance are never the nearest, since their neighbours are as near. A point is inside if
 // the mesh winds around it: a ray from there leaves through faces more often than it enters
-// (Jacobson, Kavan & Sorkine-Hornung, ACM Trans. Graph. 32(4), 2013). Each edge is crossed on the
-// same side for both its faces, so the count is exact for a closed mesh, and needs no normals,
-// which slivers do not have. Several shells may touch or intersect: a point is inside if it is
-// inside any of them, at the distance of the nearest face, hidden or not. The nearest face is found
-// in a tree of boxes.
+// [jacobson2013]. Each edge is crossed on the same side for both its faces, so the count is exact
+// for a closed mesh, and needs no normals, which slivers do not have. Several shells may touch or
+// intersect: a point is inside if it is inside any of them, at the distance of the nearest face,
+// hidden or not. The nearest face is found in a tree of boxes.
 class MeshDistance {
  public:
   using Face = std::array<std::uint32_t, 3>;  // vertices, counter-clockwise from outside

@@ -37,10 +37,9 @@ struct Capsule {
 //
 // The nearest point x of the surface satisfies p - x = t q with q_k = x_k/half_k^2, so x_k = p_k
 // half_k^2/(half_k^2 + t), and t, the largest root of F(t) = sum (x_k/half_k)^2 = 1, has the sign
-// of the distance (Eberly, Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid,
-// 2013). 1/sqrt(F) is concave and nearly straight (straight for a sphere), so Newton's steps for
-// 1/sqrt(F) = 1 never pass the root, and a few suffice, as for the secular equation of a trust
-// region (Conn, Gould & Toint, Trust-Region Methods, 2000, sec. 7.3).
+// of the distance [eberly2013]. 1/sqrt(F) is concave and nearly straight (straight for a sphere),
+// so Newton's steps for 1/sqrt(F) = 1 never pass the root, and a few suffice, as for the secular
+// equation of a trust region ([conn2000], sec. 7.3).
 struct Ellipsoid {
   Eigen::Vector3d half;  // m, half axes along x, y, z; centre at the origin
 

@@ -4,14 +4,13 @@
 // Normal: forces p >= 0 with gap + C p >= 0 and p (gap + C p) = 0, where C is the compliance
 // (below). The contact area is solved for, not assumed: conjugate gradients on the pressing
 // elements. Elements that would pull leave the set, and elements that would be penetrated join it
-// (Polonsky and Keer, Wear 231, 1999).
+// [polonsky1999].
 //
 // Tangential, in steps: let g be the shift of the tips if all stuck, u = C q their actual shift,
 // and L each element's friction limit. The forces q minimise q'C q/2 - q'g under |q| <= L. Then
-// s = g - u is the slip of the step: 0 where |q| < L, along q where |q| = L (Kalker,
-// Three-Dimensional Elastic Bodies in Rolling Contact, 1990, ch. 4). Projected gradients with
-// Nesterov's momentum, which restarts when it leads uphill (O'Donoghue and Candes, Found. Comput.
-// Math. 15, 2015).
+// s = g - u is the slip of the step: 0 where |q| < L, along q where |q| = L ([kalker1990], ch. 4).
+// Projected gradients with Nesterov's momentum, which restarts when it leads uphill
+// [odonoghue2015].
 //
 // Both first guesses extrapolate the last step's increment as far as that lowers the energy: under
 // a steady drive they are right to second order.

@@ -33,7 +33,7 @@ struct Kernel {
 };
 
 // Half-space, rectangle [x1, x2] x [y1, y2] around the point, loaded by 1 N/m^2: the integrals of
-// 1/r, x^2/r^3, y^2/r^3 and x y/r^3 from corner to corner (Love, Phil. Trans. A 228, 1929).
+// 1/r, x^2/r^3, y^2/r^3 and x y/r^3 from corner to corner [love1929].
 Kernel rectangle(double x1, double x2, double y1, double y2, double shear_modulus) {
   double along_x = 0.0, along_y = 0.0, mixed = 0.0;
   const auto corner = [&](double x, double y, double sign) {
@@ -367,7 +367,7 @@ class MeshInfluence final : public Influence {
     for (Eigen::MatrixXd* m : {&normal_, &xx_, &yy_, &xy_}) m->resize(n, n);
     const double c = 1.0 / (4.0 * pi * body.shear_modulus), radius = patch / std::sqrt(pi);
     // A round patch under a uniform load: its mean displacement equals that at a distance of 3
-    // pi/16 radii from a point load (Johnson, sec. 3.4).
+    // pi/16 radii from a point load ([johnson1985], sec. 3.4).
     own_normal_ = c * 16.0 / (3.0 * pi * radius);
     own_tangential_ = 1.5 * own_normal_;
     for (Eigen::Index i = 0; i < n; ++i) {

@@ -10,8 +10,7 @@ namespace slipbench {
 // Displacement of the surface of an incompressible elastic body under load.
 //
 // Half-space with shear modulus G and Poisson's ratio 1/2, so that normal and tangential problems
-// do not couple. A point load at distance r moves the surface by (Johnson, Contact Mechanics, 1985,
-// sec. 3.2 and 3.6)
+// do not couple. A point load at distance r moves the surface by ([johnson1985], sec. 3.2 and 3.6)
 //   u_z = p/(4 pi G r)                                     (Boussinesq)
 //   u_x = [(1/r + x^2/r^3) q_x + (x y/r^3) q_y]/(4 pi G)   (Cerruti), u_y alike.
 // Layer of thickness t on a rigid back, incompressible: in Fourier space, with the wave number k
@@ -19,9 +18,9 @@ namespace slipbench {
 //   normal              N(s)/(2 G k),  N = (sinh 2s - 2s)/(cosh 2s + 1 + 2 s^2)
 //   tangential along k  A(s)/(2 G k),  A = (sinh 2s + 2s)/(cosh 2s + 1 + 2 s^2)
 //   tangential across   B(s)/(G k),    B = tanh s
-// (Johnson, sec. 5.8; Menga, Int. J. Solids Struct. 164, 2019). All three tend to 1 as s grows: the
-// half-space. The coupling of normal and tangential load, of order s^2 exp(-2 s), is neglected: it
-// is small where the layer is thick compared with the contact.
+// ([johnson1985], sec. 5.8; [menga2019]). All three tend to 1 as s grows: the half-space. The
+// coupling of normal and tangential load, of order s^2 exp(-2 s), is neglected: it is small where
+// the layer is thick compared with the contact.
 struct ElasticBody {
   double shear_modulus;  // G [Pa]
   double thickness;      // t [m]; infinite: a half-space

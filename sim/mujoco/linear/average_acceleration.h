@@ -1,8 +1,8 @@
 // The springs of a grasp taken implicitly: `field_solver: implicit` in a scene with a gripper.
 //
-// Newmark's average acceleration (A method of computation for structural dynamics, 1959; beta 1/4,
-// gamma 1/2), linearised about the springs at the start of the step, in the form of MuJoCo's steps,
-// the velocity first and the position with the new velocity:
+// Newmark's average acceleration ([newmark1959]; beta 1/4, gamma 1/2), linearised about the springs
+// at the start of the step, in the form of MuJoCo's steps, the velocity first and the position with
+// the new velocity:
 //   S a = F(x, v),   S = M + (h/2) C + (h^2/4) K,   v' = v + h a,   x' = x + h v'
 // F is that of an explicit step, from fields whose tips stick, slip and touch as they do at x. So
 // statics, thresholds and labels are those of the explicit step, and K and C act as an inertia that

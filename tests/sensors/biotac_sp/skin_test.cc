@@ -113,8 +113,8 @@ TEST(BioTacSkin, CarriesTheForceOfAnElasticFoundation) {
     }
   }
   // The finger: near its outermost point the radii of curvature are a^2/b = 19.0 mm and c^2/b = 9.6
-  // mm, so F = q pi sqrt(R1 R2) d^2 up to d/R (Johnson, Contact Mechanics, sec. 4.3). With the
-  // default q that is 2 N at 1 mm, where the manual's pressure saturates.
+  // mm, so F = q pi sqrt(R1 R2) d^2 up to d/R ([johnson1985], sec. 4.3). With the default q that is
+  // 2 N at 1 mm, where the manual's pressure saturates.
   const Skin finger = skin(4000);
   const double q = k_normal / sum(finger.area), d = 0.2e-3;
   const double r1 = radii.x() * radii.x() / radii.y(), r2 = radii.z() * radii.z() / radii.y();

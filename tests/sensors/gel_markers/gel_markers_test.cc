@@ -124,9 +124,9 @@ TEST(GelMarkers, RefuseWhatIsNoPad) {
   EXPECT_THAT(refusal({{"exposure", 50e-3}}), mentions({"exposure", "frame"}));
 }
 
-// A sphere of radius R, d deep in a half-space of G and nu = 1/2 (Johnson, Contact Mechanics, 1985,
-// 3.4 and 7.2): a^2 = R d, p = p0 sqrt(1 - r^2/a^2), p0 = 8 G a/(pi R). If the whole contact slides
-// along -x, q = mu p; with s = asin(a/r), w = sqrt(1 - a^2/r^2) outside, s = pi/2, w = 0 inside:
+// A sphere of radius R, d deep in a half-space of G and nu = 1/2 ([johnson1985], 3.4 and 7.2):
+// a^2 = R d, p = p0 sqrt(1 - r^2/a^2), p0 = 8 G a/(pi R). If the whole contact slides along -x,
+// q = mu p; with s = asin(a/r), w = sqrt(1 - a^2/r^2) outside, s = pi/2, w = 0 inside:
 //   even = (2a^2 - r^2) s + a r w, odd = [r^2 s + (2a^2 - r^2) w a/r]/(4 r^2), u_z = even/(pi R)
 //   u_x = -mu/(pi R) [3/2 even + odd (x^2 - y^2)], u_y = -mu/(pi R) odd 2 x y
 // Positions are those of the deformed skin, which touches the sphere.

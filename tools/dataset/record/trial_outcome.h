@@ -57,11 +57,11 @@ struct HoldOutcome {
 };
 
 // Result of a detector in a trial. An alarm is a tick at which the loop sees incipient or gross.
-// The first alarm decides, as the stopping time does in sequential change detection (A. N.
-// Shiryaev, Theory Probab. Appl. 8, 1963; G. Lorden, Ann. Math. Stat. 42, 1971), where the delay is
-// that of the runs without an alarm before the change. So a detector that alarms before the slip
-// has no delay in that trial, even if the alarm is withdrawn and comes again after the slip began:
-// a loop has acted on the first one, and an alarm that comes and goes would hit any slip at once.
+// The first alarm decides, as the stopping time does in sequential change detection
+// ([shiryaev1963], [lorden1971]), where the delay is that of the runs without an alarm before the
+// change. So a detector that alarms before the slip has no delay in that trial, even if the alarm
+// is withdrawn and comes again after the slip began: a loop has acted on the first one, and an
+// alarm that comes and goes would hit any slip at once.
 enum class Detection : std::uint8_t {
   quiet,        // no slip, no alarm
   false_alarm,  // no slip, an alarm
