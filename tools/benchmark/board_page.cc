@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/benchmark/benchmark.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/page/svg.h"
 
 namespace slipbench::benchmark {

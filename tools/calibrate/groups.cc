@@ -10,7 +10,7 @@
 
 #include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/workers/ordered_workers.h"
 

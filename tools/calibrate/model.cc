@@ -15,7 +15,7 @@
 #include "sim/scene/entry_reader.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/trial/run_trial.h"
 

@@ -13,7 +13,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/page/page.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/report/report.h"

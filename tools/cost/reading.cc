@@ -11,7 +11,7 @@
 
 #include "sim/core/math/decade.h"
 #include "tools/cost/explore.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 
 namespace slipbench::cost {
 namespace {

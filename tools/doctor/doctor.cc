@@ -18,7 +18,7 @@
 #include <Eigen/Core>
 
 #include "sim/mujoco/mjcf.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 
 namespace slipbench {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "tools/dataset/reader.h"
 #include "tools/eval/detect.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/page/timeline.h"
 
 namespace slipbench::eval {

@@ -11,7 +11,7 @@
 #include "tools/eval/evaluate.h"
 #include "tools/eval/metrics.h"
 #include "tools/eval/recorded_trial.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/page/svg.h"
 #include "tools/page/timeline.h"
 #include "tools/registry/program_catalogues.h"

@@ -13,7 +13,7 @@
 #include "detectors/hd/words.h"
 #include "sim/core/choice.h"
 #include "sim/core/random.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/train/network/examples.h"
 #include "tools/workers/ordered_workers.h"

@@ -25,7 +25,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/json.h"
 #include "tools/doctor/doctor.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/plugin/plugin_builds.h"
 #include "tools/registry/program_catalogues.h"

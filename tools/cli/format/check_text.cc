@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/cli/format/sweep_text.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 
 namespace slipbench {
 namespace {

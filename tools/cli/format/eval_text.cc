@@ -12,7 +12,7 @@
 #include "tools/cost/reading.h"
 #include "tools/eval/eval_page.h"
 #include "tools/eval/evaluate.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 
 namespace slipbench {
 namespace {

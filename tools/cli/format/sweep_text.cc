@@ -18,7 +18,7 @@
 #include "sim/api/sensor.h"
 #include "sim/core/quantity.h"
 #include "sim/core/readable_quantity.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/confusion.h"
 

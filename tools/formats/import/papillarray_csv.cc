@@ -9,7 +9,7 @@
 
 #include "detectors/channel.h"
 #include "sim/core/error.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/formats/import/source_table.h"
 #include "tools/learning_data/samples.h"
 

@@ -17,7 +17,7 @@
 #include "sim/core/math/decade.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/sensor_catalogue.h"
 

@@ -22,7 +22,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/myrmex_images.h"
 #include "tools/learning_data/samples.h"

@@ -9,7 +9,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/eval/detect_page.h"
 #include "tools/eval/replay.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/trial/sweep/run_sweep.h"
 #include "tools/workers/python_package/python_package.h"
 

@@ -17,7 +17,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
 #include "tools/cli/terminal.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
 

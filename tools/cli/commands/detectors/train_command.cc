@@ -14,7 +14,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/format/describe.h"
 #include "tools/cli/terminal.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/train/recipe_list.h"
 #include "tools/trial/sweep/run_sweep.h"

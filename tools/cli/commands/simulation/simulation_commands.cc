@@ -20,7 +20,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/dataset/record/json.h"
 #include "tools/dataset/shard_set.h"
-#include "tools/files/counted.h"
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/sweep/warnings.h"
