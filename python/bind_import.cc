@@ -16,6 +16,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "python/module.h"
+#include "sim/core/counted.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/yaml_tree.h"
 #include "tools/cli/commands/dataset_commands.h"
@@ -79,8 +80,8 @@ class MappedImport {
       sensor.channels.push_back({channel, unit, scalar ? std::vector<std::size_t>{} : shape, copied(values)});
       sensor.channel_names.insert(sensor.channel_names.end(), names.begin(), names.end());
       if (sensor.channels.back().values.size() != sensor.time.size() * sensor.channels.back().row_size())
-        reject("{}/{}: has {} values for {} samples of {}", name, channel, values.size(), sensor.time.size(),
-               sensor.channels.back().row_size());
+        reject("{}/{}: has {} for {} of {}", name, channel, counted(values.size(), "value"),
+               counted(sensor.time.size(), "sample"), sensor.channels.back().row_size());
     }
     sensor.rate = rate ? *rate : rate_of(sensor.time, resolution);
     if (!rate) sensor.timing = timing_of(sensor.time, resolution);

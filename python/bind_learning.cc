@@ -27,6 +27,7 @@
 #include "python/arrays.h"
 #include "python/module.h"
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/files/reject.h"
 #include "tools/statistics/confusion.h"
@@ -95,7 +96,7 @@ class FrameReader {
     return {input, type, rate, all};
   }
   void check(std::size_t values) const {
-    if (values != values_) reject("a sample of {} values; expected {}, the values of all channels", values, values_);
+    if (values != values_) reject("a sample of {}; expected {}, the values of all channels", counted(values, "value"), values_);
   }
 
   network::Frames frames_;
@@ -112,7 +113,7 @@ class EngineOfFile {
   void reset() { engine_->reset(); }
   nb::ndarray<nb::numpy, float> run(const Rows& inputs) {
     if (inputs.shape(1) != engine_->inputs())
-      reject("inputs of {} values per step; expected {}", inputs.shape(1), engine_->inputs());
+      reject("inputs of {} per step; expected {}", counted(inputs.shape(1), "value"), engine_->inputs());
     std::vector<float> outputs;
     const std::size_t classes = engine_->description().classes.size();
     for (std::size_t step = 0; step < inputs.shape(0); ++step) {
@@ -251,8 +252,8 @@ std::vector<train::SlipSeries> series_of(const Series& given) {
   std::vector<train::SlipSeries> all;
   for (const auto& [probability, truth] : given) {
     if (probability.shape(0) != truth.shape(0))
-      reject("series {}: {} probabilities for {} frames; expected one for each", all.size(), probability.shape(0),
-             truth.shape(0));
+      reject("series {}: {} for {}; expected one for each", all.size(), counted(probability.shape(0), "probability"),
+             counted(truth.shape(0), "frame"));
     all.push_back(
         {{probability.data(), probability.data() + probability.shape(0)}, {truth.data(), truth.data() + truth.shape(0)}});
   }

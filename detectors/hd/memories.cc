@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 
@@ -47,12 +48,11 @@ std::vector<Hypervector> continuum(std::size_t dimension, std::size_t rows, std:
 
 void check_rows(const char* name, const std::vector<Hypervector>& memory, std::size_t rows, std::size_t dimension) {
   if (memory.size() != rows) {
-    throw InputError(std::string(name) + ": " + std::to_string(memory.size()) + " vectors, but the model has " +
-                     std::to_string(rows));
+    throw InputError(std::string(name) + ": " + counted(memory.size(), "vector") + ", but the model has " + std::to_string(rows));
   }
   for (const Hypervector& vector : memory) {
     if (vector.dimension() != dimension) {
-      throw InputError(std::string(name) + ": a vector of " + std::to_string(vector.dimension()) + " bits, but the model has " +
+      throw InputError(std::string(name) + ": a vector of " + counted(vector.dimension(), "bit") + ", but the model has " +
                        std::to_string(dimension));
     }
   }
@@ -95,8 +95,7 @@ std::string to_hex(const Hypervector& a) {
 Hypervector from_hex(std::string_view text, std::size_t dimension) {
   const std::size_t digits = (dimension + 3) / 4;
   if (text.size() != digits) {
-    throw InputError(std::to_string(text.size()) + " digits, but " + std::to_string(dimension) + " bits need " +
-                     std::to_string(digits));
+    throw InputError(counted(text.size(), "digit") + ", but " + counted(dimension, "bit") + " need " + std::to_string(digits));
   }
   Hypervector vector(dimension);
   for (std::size_t column = 0; column < digits; ++column) {

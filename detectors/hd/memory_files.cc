@@ -16,6 +16,7 @@
 
 #include "detectors/hd/words.h"
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
 #include "sim/core/process/own_library.h"
 #include "sim/core/process/regular_file.h"
 
@@ -75,7 +76,7 @@ std::vector<Hypervector> read_memory(const fs::path& file, std::size_t dimension
     }
   }
   if (memory.size() != rows && memory.size() != rows_too) {
-    throw InputError(at(file, lines.size() + 1) + "the file ends after " + std::to_string(lines.size()) + " lines; expected " +
+    throw InputError(at(file, lines.size() + 1) + "the file ends after " + counted(lines.size(), "line") + "; expected " +
                      std::to_string(rows));
   }
   memory.resize(rows);
@@ -284,7 +285,7 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
     try {
       check(saved.model);
     } catch (const InputError& error) {
-      throw InputError(path.string() + ": most lines have " + std::to_string(digits) + " digits: " + error.what());
+      throw InputError(path.string() + ": most lines have " + counted(digits, "digit") + ": " + error.what());
     }
   }
   const auto read = [&](std::size_t file, std::size_t rows, std::size_t rows_too) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "detectors/spectral/spectral_features.h"
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
@@ -50,8 +51,8 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
 // Returns one value for each feature.
 std::vector<float> spread(const std::vector<double>& given, double otherwise, std::size_t features, const std::string& name) {
   if (given.size() > 1 && given.size() != features) {
-    throw InputError("the network has " + std::to_string(given.size()) + " values of " + name + " for the " +
-                     std::to_string(features) + " features of a frame; allowed: none, 1 or " + std::to_string(features));
+    throw InputError("the network has " + counted(given.size(), "value") + " of " + name + " for the " +
+                     counted(features, "feature") + " of a frame; allowed: none, 1 or " + std::to_string(features));
   }
   std::vector<float> result(features, static_cast<float>(given.empty() ? otherwise : given.front()));
   if (given.size() > 1) std::ranges::transform(given, result.begin(), [](double x) { return static_cast<float>(x); });
@@ -99,8 +100,7 @@ struct Frames::State {
     const std::size_t values = places.size();
     const std::size_t features = frame_size(input, values);
     if (input.transform == Transform::units && values % 3 != 0) {
-      throw InputError("the network reads " + std::to_string(values) +
-                       " values in units of three; expected x, y, z of each unit");
+      throw InputError("the network reads " + counted(values, "value") + " in units of three; expected x, y, z of each unit");
     }
     if (features == 0) throw InputError("the network's frame is empty; it needs at least one feature");
     for (const std::size_t span : input.spans) rows = std::max(rows, span);
@@ -110,8 +110,8 @@ struct Frames::State {
     for (const auto& pixel : input.pixels) {
       for (const std::size_t value : pixel) {
         if (value < values) continue;
-        throw InputError("a pixel of the network shows value " + std::to_string(value) + ", of " + std::to_string(values) +
-                         " values; allowed: 0 to " + std::to_string(values - 1));
+        throw InputError("a pixel of the network shows value " + std::to_string(value) + ", of " + counted(values, "value") +
+                         "; allowed: 0 to " + std::to_string(values - 1));
       }
     }
     offset = spread(input.offset, 0.0, features, "offset");

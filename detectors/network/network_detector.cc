@@ -8,6 +8,7 @@
 
 #include "detectors/network/engine.h"
 #include "detectors/network/frames.h"
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -28,8 +29,8 @@ class NetworkDetector final : public Detector {
           fed_.size() < made
               ? " (an extent that the file leaves open, also that of time, is taken as 1; export the network with fixed extents)"
               : "";
-      throw InputError("the network takes " + std::to_string(fed_.size()) + " values, but its description gives " +
-                       std::to_string(history) + " frames of " + std::to_string(frames_.size()) + open);
+      throw InputError("the network takes " + counted(fed_.size(), "value") + ", but its description gives " +
+                       counted(history, "frame") + " of " + std::to_string(frames_.size()) + open);
     }
     estimate_.latency = latency;
     estimate_.features.assign(features().size(), std::numeric_limits<double>::quiet_NaN());

@@ -9,6 +9,7 @@
 #include <google/protobuf/stubs/logging.h>
 #include <onnx/onnx_pb.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 
 namespace slipbench::network {
@@ -125,7 +126,7 @@ class Checker {
     const std::size_t held = tensor.has_raw_data() ? tensor.raw_data().size() / *width : typed_elements(tensor);
     const bool whole = !tensor.has_raw_data() || tensor.raw_data().size() % *width == 0;
     if (held != elements || !whole) {
-      refuse("has " + name + " of " + std::to_string(elements) + " elements, but data of " + std::to_string(held));
+      refuse("has " + name + " of " + counted(elements, "element") + ", but data of " + std::to_string(held));
     }
     check_numbers(tensor);
   }

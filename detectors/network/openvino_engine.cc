@@ -22,6 +22,7 @@
 
 #include "detectors/network/engine.h"
 #include "detectors/network/onnx_check.h"
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 
@@ -227,14 +228,14 @@ class OpenVinoEngine final : public Engine {
     std::fill_n(input_.data<float>(), input_.get_size(), 0.0F);
     output_ = tensor(network.compiled.output(network.about.output));
     if (output_.get_size() != about_.classes.size()) {
-      throw InputError(path_ + ": returns " + std::to_string(output_.get_size()) + " values; expected " +
+      throw InputError(path_ + ": returns " + counted(output_.get_size(), "value") + "; expected " +
                        std::to_string(about_.classes.size()) + ", one for each class of its description");
     }
     for (const State& state : about_.states) {
       states_.emplace_back(tensor(network.compiled.input(state.input)), tensor(network.compiled.output(state.output)));
       const auto& [in, out] = states_.back();
       if (in.get_size() != out.get_size()) {
-        throw InputError(path_ + ": the state " + quote(state.input) + " has " + std::to_string(in.get_size()) + " values, but " +
+        throw InputError(path_ + ": the state " + quote(state.input) + " has " + counted(in.get_size(), "value") + ", but " +
                          quote(state.output) + " has " + std::to_string(out.get_size()));
       }
     }

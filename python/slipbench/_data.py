@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from slipbench._program import counted
 from slipbench._trial import Body, Contact, Control, Labels, Row, Sensor, table, trial_table, trial_text
 from slipbench._values import index as whole_number
 from slipbench.bin import _core
@@ -187,7 +188,7 @@ class StoredSensor(_Read, Arrays, Sensor):
         return self._array(name)
 
     def _title(self) -> str:
-        return f"Sensor {self.name!r} {self.type}, {len(self['t'])} samples at {self.rate:g} Hz"
+        return f"Sensor {self.name!r} {self.type}, {counted(len(self['t']), 'sample')} at {self.rate:g} Hz"
 
     def _rows(self) -> Iterator[Row]:
         return self._arrays([str(channel) for channel in self.attrs["channels"]])
@@ -437,7 +438,7 @@ class Dataset(Mapping[int, StoredTrial]):
             return f"<slipbench.Dataset {self._path}: closed>"
         first = self[self.trials[0]].sensors if self.trials else {}
         sensors = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in first.items())
-        return f"<slipbench.Dataset {self._path}: {len(self)} trials; {sensors or 'only outcomes'}>"
+        return f"<slipbench.Dataset {self._path}: {counted(len(self), 'trial')}; {sensors or 'only outcomes'}>"
 
     def _repr_html_(self) -> str:
         return trial_table(repr(self), self[self.trials[0]].sensors if self._files[0] and self.trials else {})
@@ -500,7 +501,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return Windows, self._arguments
 
     def __repr__(self) -> str:
-        return f"<slipbench.Windows {len(self)} of {self._length} samples every {self._stride}, {len(self._trials)} trials, labels {self._rule}>"
+        return f"<slipbench.Windows {len(self)} of {counted(self._length, 'sample')} every {self._stride}, {counted(len(self._trials), 'trial')}, labels {self._rule}>"
 
     def _repr_html_(self) -> str:
         values = (len(self), *self[0][0].shape) if len(self) and self._dataset._files[0] else (len(self), self._length)
@@ -570,7 +571,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         columns = self._read(self.trial(0))[0].shape[1] if len(self) else 0
         size = 4 * len(self) * self._length * columns
         if size > _MOST_BYTES:
-            raise _core.InputError(f"{len(self)} windows of {self._length} samples of {columns} values need {size /  1e9:.3g} GB; allowed: "
+            raise _core.InputError(f"{counted(len(self), 'window')} of {counted(self._length, 'sample')} of {counted(columns, 'value')} need {size /  1e9:.3g} GB; allowed: "
                                    f"{_MOST_BYTES / 1e9:g} GB; use a greater stride, a shorter length or fewer channels")
         X, y = np.empty((len(self), self._length, columns), np.float32), np.empty(len(self), np.uint8)
         at = 0

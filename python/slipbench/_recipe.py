@@ -13,7 +13,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from slipbench._program import SIGNALS, styled, text_width, write_result
+from slipbench._program import SIGNALS, counted, styled, text_width, write_result
 
 if TYPE_CHECKING:
     from slipbench.learning import Input, Recipe, Training
@@ -31,10 +31,10 @@ def frequency_text(hertz: float) -> str:
 def input_text(frames: Input) -> str:
     """Describes the input of a network."""
     picks = frames.channels.items() if hasattr(frames.channels, "items") else [(name, ()) for name in frames.channels]
-    names = ", ".join(f"{len(values)} values of {name}" if len(values) else name for name, values in picks)
+    names = ", ".join(f"{counted(len(values), 'value')} of {name}" if len(values) else name for name, values in picks)
     text = f"{names} of a {frames.sensor} at {frequency_text(frames.rate)}"
     text += f", median of {frames.median}" if frames.median > 1 else ""
-    text += f"; a frame of {frames.window} sample{'' if frames.window == 1 else 's'} every {frames.stride}"
+    text += f"; a frame of {counted(frames.window, 'sample')} every {frames.stride}"
     text += ", minus its mean" if frames.centre else ""
     band, spans = f"{frequency_text(frames.low)} to {frequency_text(frames.high)}", ", ".join(str(span) for span in frames.spans)
     text += {"samples": "", "log_psd": f", log10 of its power spectral density, {band}", "amplitude": f", amplitude of its spectrum, {band}",
@@ -47,14 +47,14 @@ def input_text(frames: Input) -> str:
 def training_text(training: Training) -> str:
     """Describes the training of a network."""
     text = (f"{'Adam' if training.optimiser == 'adam' else 'RMSProp'} at {training.learning_rate:g}, falling to "
-            f"{training.learning_rate * training.final_rate:g}; {training.steps} steps of {training.batch} clips of {training.clip} answers; "
+            f"{training.learning_rate * training.final_rate:g}; {counted(training.steps, 'step')} of {counted(training.batch, 'clip')} of {counted(training.clip, 'answer')}; "
             f"classes {'drawn' if training.balance == 'drawing' else 'weighted'} alike")
     if training.onset_frames:
         text += f"; of each slip the first {training.onset_frames} frames and each tenth train"
     if training.label_smoothing:
         text += f"; label smoothing {training.label_smoothing:g}"
     if training.patience:
-        text += f"; stops after {training.patience} validations without improvement"
+        text += f"; stops after {counted(training.patience, 'validation')} without improvement"
     return text
 
 

@@ -152,7 +152,7 @@ def print_summary(request: Request, trained: Trained) -> None:
     print(figures_text(trained))
     split = " by the dataset's split" if trained.own_split else ""
     print(f"  {counted(parts['learns'], 'trial')} for training, {parts['validates']} for validation, {parts['judges']} for the test{split}; "
-          f"{facts['frames']} frames, {facts['parameters']} parameters, state of step {facts['steps'][-1]}")
+          f"{counted(facts['frames'], 'frame')}, {counted(facts['parameters'], 'parameter')}, state of step {facts['steps'][-1]}")
     print(f"  operating point: slip after {counted(alarm['on'], 'consecutive frame')} with a probability of {described['threshold']:.3f} or more, "
           f"for at least {alarm['least']}, until {counted(alarm['off'], 'consecutive frame')} below")
     print(f"  validation: {share_text(trained.validation)} balanced accuracy, {'nan' if rate is None else f'{rate:.1f}'} false alarms per minute of hold")

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from slipbench._program import counted
 from slipbench.bin import _core
 
 Floats = NDArray[np.float32]
@@ -176,7 +177,7 @@ class Sensor(Described):
         return [*super().__dir__(), *self.channels]
 
     def _title(self) -> str:
-        return f"Sensor {self.name!r} {self.type}, {len(self.t)} samples at {self.rate:g} Hz"
+        return f"Sensor {self.name!r} {self.type}, {counted(len(self.t), 'sample')} at {self.rate:g} Hz"
 
     def _rows(self) -> Iterator[Row]:
         for name, values in self.channels.items():

@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 
 from slipbench._render import Renderer
 from slipbench._scene import Scene, located, naming_unknown_classes, overrides_of, warn
+from slipbench._program import counted
 from slipbench.bin import _core
 
 __all__ = ["GraspEnv", "GraspVectorEnv", "StageSlipEnv"]
@@ -292,7 +293,7 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         super().reset(seed=_seed(first))
         seeds = list(seed) if isinstance(seed, (list, tuple)) else [None if first is None else int(first) + i for i in range(self.num_envs)]
         if len(seeds) != self.num_envs:
-            raise _core.InputError(f"{len(seeds)} seeds; expected one for each of the {self.num_envs} environments")
+            raise _core.InputError(f"{counted(len(seeds), 'seed')}; expected one for each of the {self.num_envs} environments")
         if options and "reset_mask" in options:
             raise _core.InputError("options has 'reset_mask', but this vector resets all environments together")
         asked = [_seed(one) for one in seeds]

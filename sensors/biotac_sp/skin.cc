@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
@@ -131,7 +132,7 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor, std::span<
       throw SceneValueError(sensor + ".radii",
                             "[" + length(radii.x()) + ", " + length(radii.y()) + ", " + length(radii.z()) +
                                 "] leaves electrode E" + std::to_string(e + 1) + " without any of the " +
-                                std::to_string(points.size()) + " elements of the skin; use radii near the device's, " +
+                                counted(points.size(), "element") + " of the skin; use radii near the device's, " +
                                 (places.size() == electrodes ? own_radii : own_radii_19) + ", or more elements");
     }
     skin.layout.units.push_back({first, own});

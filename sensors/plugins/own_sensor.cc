@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -32,7 +33,7 @@ void OwnSensor::set(OwnLayout said) {
     refuse("has a rate of " + format_number(said.rate) + " Hz; it must be finite and above 0 Hz");
   std::vector<Element>& elements = said.elements;
   if (elements.empty() || elements.size() > OwnLayout::most_elements)
-    refuse("has a layout of " + std::to_string(elements.size()) + " elements; allowed: 1 to " +
+    refuse("has a layout of " + counted(elements.size(), "element") + "; allowed: 1 to " +
            std::to_string(OwnLayout::most_elements));
   for (std::size_t i = 0; i < elements.size(); ++i) {
     Element& element = elements[i];
@@ -54,8 +55,7 @@ void OwnSensor::set(OwnLayout said) {
     ++layout_.units.back().count;
   }
   if (said.channels.empty() || said.channels.size() > OwnLayout::most_channels)
-    refuse("has " + std::to_string(said.channels.size()) + " channels; allowed: 1 to " +
-           std::to_string(OwnLayout::most_channels));
+    refuse("has " + counted(said.channels.size(), "channel") + "; allowed: 1 to " + std::to_string(OwnLayout::most_channels));
   std::size_t size = 0;
   for (Channel& channel : said.channels) {
     const auto bad = [&](const std::string& problem) { refuse("has the channel " + quote(channel.name) + " " + problem); };

@@ -7,6 +7,7 @@
 
 #include "sensors/electronics/pad_sensor.h"
 #include "sim/api/sensor.h"
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -107,7 +108,7 @@ struct Description {
       refuse(matrix.empty() ? "curve" : "matrix", "defines a signal that no channel reads; add channels: {NAME: signal}");
     if (!(p.vector("range")[0] < p.vector("range")[1])) refuse("range", "must be [lowest, highest]");
     if (!matrix.empty() && matrix.front().size() != axes * places.size())
-      refuse("matrix", "has rows of " + std::to_string(matrix.front().size()) + " numbers; expected " +
+      refuse("matrix", "has rows of " + counted(matrix.front().size(), "number") + "; expected " +
                            std::to_string(axes * places.size()) + ", the x, y and z of each taxel");
     const auto back = std::ranges::adjacent_find(curve, [](const auto& a, const auto& b) { return b[0] <= a[0]; });
     if (curve.size() == 1 || back != curve.end())

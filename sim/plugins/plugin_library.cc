@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "sim/core/counted.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {
@@ -129,8 +130,8 @@ void PluginLibrary::check_build(const slipbench_abi& own) {
   std::memcpy(&found, at, sizeof found);
   for (const Size& size : sizes_of(part_)) {
     if (found.*size.member == own.*size.member) continue;
-    refuse("was built with a " + std::string(size.structure) + " of " + std::to_string(found.*size.member) +
-           " bytes; allowed: " + std::to_string(own.*size.member));
+    refuse("was built with a " + std::string(size.structure) + " of " + counted(found.*size.member, "byte") +
+           "; allowed: " + std::to_string(own.*size.member));
   }
 }
 

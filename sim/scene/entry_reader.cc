@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim/core/counted.h"
 #include "sim/scene/scene_values.h"
 
 namespace slipbench {
@@ -138,7 +139,7 @@ Parameters::Value EntryReader::vector(const YamlNode& node, const std::string& p
   if (node.kind != YamlNode::Kind::sequence)
     fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed_form(spec));
   if (node.children.size() != spec.size) {
-    fail(node.origin, path + " has " + std::to_string(node.children.size()) + " entries; allowed: " + allowed_form(spec));
+    fail(node.origin, path + " has " + counted(node.children.size(), "entry") + "; allowed: " + allowed_form(spec));
   }
   std::vector<double> entries;
   for (std::size_t i = 0; i < spec.size; ++i) {
@@ -245,7 +246,7 @@ std::vector<Named> EntryReader::read_list(const YamlNode* node, const std::strin
     const std::string item_path = path + "." + std::to_string(i);
     if (item.kind != YamlNode::Kind::scalar && (item.kind != YamlNode::Kind::map || item.children.size() != 1)) {
       const std::string found =
-          item.kind == YamlNode::Kind::map ? "a map of " + std::to_string(item.children.size()) + " keys" : described(item);
+          item.kind == YamlNode::Kind::map ? "a map of " + counted(item.children.size(), "key") : described(item);
       fail(item.origin, item_path + " is " + found + "; allowed: a name, or one {name: {parameters}}");
     }
     const bool bare = item.kind == YamlNode::Kind::scalar;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 #include "sim/scene/scene_reader.h"
@@ -177,8 +178,8 @@ TrialPlan::TrialPlan(const SceneFile& file, const Catalogues& catalogues, std::s
   plan_ = std::move(plan);
   draws_ = draws == 0 ? plan_->sweep.trials() : draws;
   if (draws_ > max_trials / plan_->sweep.cells()) {
-    throw InputError(file.name_ + ": " + std::to_string(plan_->sweep.cells()) + " grid cells of " + std::to_string(draws_) +
-                     " trials each; allowed: at most 1,000,000 trials");
+    throw InputError(file.name_ + ": " + counted(plan_->sweep.cells(), "grid cell") + " of " + counted(draws_, "trial") +
+                     " each; allowed: at most 1,000,000 trials");
   }
   count_ = plan_->sweep.cells() * draws_;
   for (std::size_t cell = 0; cell < std::min(plan_->sweep.cells(), max_checked_cells); ++cell) {

@@ -11,6 +11,7 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 
@@ -474,7 +475,7 @@ YamlNode read_csv(const std::string& path, const std::vector<TableColumn>& colum
       continue;
     }
     if (!columns.empty() && cells.size() != places.size()) {
-      fail(at, "a row of " + std::to_string(cells.size()) + " cells, but the header has " + std::to_string(places.size()));
+      fail(at, "a row of " + counted(cells.size(), "cell") + ", but the header has " + std::to_string(places.size()));
     }
     YamlNode row = node_of(YamlNode::Kind::sequence, at);
     row.children.assign(columns.empty() ? cells.size() : columns.size(), node_of(YamlNode::Kind::null, at));

@@ -139,7 +139,7 @@ TEST(PluginDetector, RefusesAnotherBuild) {
                                                                   {"slipbench_estimate", "24"}}};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const auto& [type, bytes] = sizes[i];
-    EXPECT_THAT(outcome_of("size" + std::to_string(i) + "=1"), refused_at("detector.library", {"IT", type, "1 bytes", bytes}));
+    EXPECT_THAT(outcome_of("size" + std::to_string(i) + "=1"), refused_at("detector.library", {"IT", type, "1 byte;", bytes}));
   }
 }
 

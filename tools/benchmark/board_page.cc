@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/benchmark/benchmark.h"
 #include "sim/core/counted.h"
+#include "tools/benchmark/benchmark.h"
 #include "tools/page/svg.h"
 
 namespace slipbench::benchmark {
@@ -295,7 +295,7 @@ std::string board_page(const Json& result) {
       {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
       {"half_slip_distance", fmt::format("{:g} mm", ms * protocol.at("half_slip_distance_m").get<double>())},
       {"least_slip_distance", fmt::format("{:g} mm", ms * protocol.at("least_slip_distance_m").get<double>())},
-      {"limit", fmt::format("{:g} false alarms per minute", protocol.at("alarms_per_minute").get<double>())},
+      {"limit", fmt::format("{:g} per minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};
   const std::vector<std::string> rules_list(rules.begin(), rules.end());

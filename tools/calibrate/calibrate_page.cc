@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/calibrate/calibrate.h"
 #include "sim/core/counted.h"
+#include "tools/calibrate/calibrate.h"
 #include "tools/files/output_file.h"
 #include "tools/files/reject.h"
 #include "tools/page/svg.h"

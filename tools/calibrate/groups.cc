@@ -8,9 +8,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/workers/ordered_workers.h"
 

@@ -10,12 +10,12 @@
 #include <nlohmann/json.hpp>
 
 #include "sensors/electronics/electronics.h"
+#include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "sim/scene/entry_reader.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/trial/run_trial.h"
 

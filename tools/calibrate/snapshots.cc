@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "sensors/papillarray/papillarray.h"
+#include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "tools/files/reject.h"
 #include "tools/statistics/descriptive.h"
@@ -98,8 +99,8 @@ Snapshots snapshots_of(const std::vector<RawRecording>& recordings, const std::s
              fmt::join(names, ", "));
     const std::size_t count = channel_of(*found, "force", "N")->shape[0];
     if (units != 0 && count != units)
-      reject("{}: sensor '{}' has {} units, but in {} {}; expected recordings of the same sensor", recording.name, name, count,
-             recordings.front().name, units);
+      reject("{}: sensor '{}' has {}, but in {} {}; expected recordings of the same sensor", recording.name, name,
+             counted(count, "unit"), recordings.front().name, units);
     units = count;
     rows += static_cast<Index>(found->time.size());
     sensors.push_back(&*found);

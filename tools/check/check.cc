@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "sim/core/counted.h"
 #include "tools/page/page.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/report/report.h"
@@ -376,8 +376,8 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
 }
 
 std::string failure_text(const ExpectationResult& result) {
-  return fmt::format("{}: {} in {} of {} trials, but {} are needed; worst: {} in trial {}", result.name, result.limit,
-                     result.kept, result.trials, result.needed, result.worst_text, result.worst.trial);
+  return fmt::format("{}: {} in {} of {}, needed in {}; worst: {} in trial {}", result.name, result.limit, result.kept,
+                     counted(result.trials, "trial"), result.needed, result.worst_text, result.worst.trial);
 }
 
 std::string tests_nothing_text(const SceneCheck& check) {

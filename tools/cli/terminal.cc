@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "tools/cli/command.h"
 
@@ -222,7 +223,7 @@ std::string progress_bar_text(const ProgressState& state, std::size_t width) {
 }
 
 std::string progress_line_text(const ProgressState& state) {
-  return fmt::format("{}/{} trials ({:.0f} %), {}{} trials/s, {}", state.done, state.total, 100.0 * share(state),
+  return fmt::format("{}/{} ({:.0f} %), {}{} trials/s, {}", state.done, counted(state.total, "trial"), 100.0 * share(state),
                      speed_text(state, ", "), short_count(per_second(static_cast<double>(state.done), state)), time_text(state));
 }
 

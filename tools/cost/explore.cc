@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/cost/reading.h"
 #include "tools/files/reject.h"
@@ -323,7 +324,7 @@ class Explorer {
       if (result_.prices[i].why.empty()) jobs.push_back(&price_jobs_[i]);
     }
     std::ranges::stable_sort(jobs, {}, &Job::expected);
-    say(fmt::format("timing {} settings alternately for {:.0f} s", jobs.size(), std::max(0.0, left())));
+    say(fmt::format("timing {} alternately for {:.0f} s", counted(jobs.size(), "setting"), std::max(0.0, left())));
     bool any = true;
     for (std::size_t round = 0; any; ++round) {
       any = false;

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/math/decade.h"
 #include "tools/cost/explore.h"
-#include "sim/core/counted.h"
 
 namespace slipbench::cost {
 namespace {
@@ -109,8 +109,9 @@ std::string left_out_text(const Tried& tried) {
   add(tried.refused, "refused");
   add(tried.not_run, "not run, because the budget was used up");
   if (parts.empty()) return "";
-  return fmt::format("{1} of {0} settings of MuJoCo's own contact are not counted: {2}.", tried.all, tried.all - tried.compared,
-                     fmt::join(parts, ", "));
+  const std::size_t left_out = tried.all - tried.compared;
+  return fmt::format("{} of {} of MuJoCo's own contact {} not counted: {}.", left_out, counted(tried.all, "setting"),
+                     left_out == 1 ? "is" : "are", fmt::join(parts, ", "));
 }
 
 void append_statement(const Exploration& exploration, Measure measure, double limit, std::vector<std::string>& lines) {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/random.h"
 #include "tools/dataset/record/json.h"
 #include "tools/files/reject.h"
@@ -110,7 +111,7 @@ SweepShard parse_shard(const std::string& file_name, const std::string& text, st
   const bool has_count = number_error == std::errc() && slash != end && *slash == '/';
   if (has_count) std::from_chars(slash + 1, end, shard.count);
   if (shard_text(shard) != text || shard.number < 1 || shard.number > shard.count || shard.count > trials) {
-    reject("{}: /: attribute 'sweep_shard' is {}, which is not a shard of {} trials", file_name, quote(text), trials);
+    reject("{}: /: attribute 'sweep_shard' is {}, which is not a shard of {}", file_name, quote(text), counted(trials, "trial"));
   }
   return shard;
 }
@@ -134,7 +135,7 @@ std::string failures_text(const std::vector<FailedTrial>& failed, std::size_t pl
     list += (i + 1 == numbers.size() && failed.size() <= most ? " and " : ", ") + numbers[i];
   }
   if (failed.size() > most) list += fmt::format(" and {} more", failed.size() - most);
-  return fmt::format("{} of {} trials failed: {}", failed.size(), planned, list);
+  return fmt::format("{} of {} failed: {}", failed.size(), counted(planned, "trial"), list);
 }
 
 std::string shard_path(const std::string& path, std::size_t shard) {

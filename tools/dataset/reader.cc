@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "tools/dataset/hdf5/hdf5_place.h"
 #include "tools/dataset/record/content_digest.h"
 #include "tools/dataset/run_folder.h"
@@ -278,7 +279,7 @@ struct DatasetReader::State {
       values = read_numbers<double>(place, group, name).values;
       std::size_t expected = units;
       for (const std::size_t extent : tail) expected *= extent;
-      if (values.size() != expected) place.fail(fmt::format("attribute '{}' does not fit {} units", name, units));
+      if (values.size() != expected) place.fail(fmt::format("attribute '{}' does not fit {}", name, counted(units, "unit")));
     });
     for_each_label(labels, units, [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
       const Place at = place.below(name);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/process/check_readable.h"
 #include "tools/dataset/dataset_file.h"
 #include "tools/dataset/hdf5/hdf5_place.h"
@@ -104,7 +105,7 @@ void ShardSet::check_same_sweep(const Shard& shard) const {
   if (one.part->count != header().part->count)
     refuse(fmt::format("shard {}, but {} has shard {}", shard_text(*one.part), first.path, shard_text(*header().part)));
   if (one.part->trials != header().part->trials)
-    refuse(fmt::format("{} trials in total, but {} has {}", one.part->trials, first.path, header().part->trials));
+    refuse(fmt::format("{} in total, but {} has {}", counted(one.part->trials, "trial"), first.path, header().part->trials));
 }
 
 void ShardSet::add_trials(const Shard& shard) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "tools/dataset/hdf5/hdf5_place.h"
 #include "tools/dataset/record/content_digest.h"
 #include "tools/files/reject.h"
@@ -174,7 +175,8 @@ std::vector<StoredTrial> stored_trials(const std::string& path) {
   const bool is_batch = H5Lexists(file.get(), batch_groups_name, H5P_DEFAULT) > 0;
   const Place place{file.get(), path, std::string("/") + (is_batch ? batch_groups_name : shard_groups_name)};
   std::vector<std::string> groups = hdf5::texts_of(place, hdf5::open_object(place));
-  if (groups.size() != trials.size()) place.fail(fmt::format("has {} texts for {} trials", groups.size(), trials.size()));
+  if (groups.size() != trials.size())
+    place.fail(fmt::format("has {} for {}", counted(groups.size(), "text"), counted(trials.size(), "trial")));
   for (std::size_t i = 0; i < trials.size(); ++i) trials[i].group = std::move(groups[i]);
   return trials;
 }

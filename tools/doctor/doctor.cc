@@ -17,8 +17,8 @@
 #include <openssl/crypto.h>
 #include <Eigen/Core>
 
-#include "sim/mujoco/mjcf.h"
 #include "sim/core/counted.h"
+#include "sim/mujoco/mjcf.h"
 
 namespace slipbench {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "tools/dataset/reader.h"
 #include "tools/eval/detect.h"
-#include "sim/core/counted.h"
 #include "tools/page/timeline.h"
 
 namespace slipbench::eval {

@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "tools/dataset/reader.h"
 #include "tools/eval/evaluate.h"
 #include "tools/eval/metrics.h"
 #include "tools/eval/recorded_trial.h"
-#include "sim/core/counted.h"
 #include "tools/page/svg.h"
 #include "tools/page/timeline.h"
 #include "tools/registry/program_catalogues.h"
@@ -111,14 +111,14 @@ std::string histogram(const std::vector<double>& delays) {
   }
   const std::array<double, 2> ends{0.0, *std::ranges::max_element(counts)};
   const Axis up = page::linear_axis(ends, std::max(1.0, page::round_step(ends[1], 5.0)), foot, top);
-  Svg svg = page::chart(frame, fmt::format("Delay of the {} trials with detected slip", delays.size()), across,
+  Svg svg = page::chart(frame, fmt::format("Delay in {} with detected slip", counted(delays.size(), "trial")), across,
                         "delay after the true onset [ms]", up, "trials");
   const double bar = (right - left) / static_cast<double>(bars);
   for (std::size_t k = 0; k < bars; ++k) {
     const double high = up.at(counts[k]);
     if (counts[k] > 0.0) svg.bar("s0", left + bar * static_cast<double>(k) + 0.5, high, bar - 1.0, foot - high);
   }
-  return svg.element(fmt::format("Histogram of the delays of the {} trials with detected slip", delays.size()));
+  return svg.element(fmt::format("Histogram of the delays in {} with detected slip", counted(delays.size(), "trial")));
 }
 
 // One dot per seen trial, and at the upper edge one per missed trial.
@@ -307,7 +307,9 @@ std::string eval_page(const Json& result, const std::string& html_path, const De
           "counts. A constant detector has a balanced accuracy (slip or no slip) of 50 %.",
           count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
           count("false_alarms"),
-          left_out > 0 ? fmt::format(" {} trials of the detector's training are left out.", left_out) : ""),
+          left_out > 0
+              ? fmt::format(" Left out: {} of the detector's training.", counted(static_cast<std::size_t>(left_out), "trial"))
+              : ""),
       page::table_html(tables.figures));
   body += page::section_html("Confusion matrix", "Rows are true states; shares are of the samples of the row.",
                              page::table_html(tables.called));

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/memory_files.h"
+#include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/content_check.h"
@@ -364,9 +365,9 @@ Json worst_json(const std::vector<Judged>& trials) {
 Json training_warnings(const Options& options, std::size_t learnt, std::size_t judged) {
   Json warnings = Json::array();
   if (learnt > 0) {
-    warnings.push_back(fmt::format(
-        "the detector was trained on {} of the {} evaluated trials, so the figures do not show its performance on new data",
-        learnt, judged));
+    warnings.push_back(
+        fmt::format("the detector was trained on {} of {} evaluated here, so the figures do not show its performance on new data",
+                    learnt, counted(judged, "trial")));
   }
   const Json said = Json::parse(options.trained, nullptr, false);
   if (is_trained(options.detector) && !(said.is_object() && said.contains("sha256_seen"))) {

@@ -9,6 +9,7 @@
 #include "sim/api/contact_frame.h"
 #include "sim/api/motion.h"
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
 #include "sim/motion/motion_catalogue.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
@@ -152,7 +153,8 @@ std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
 
 std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes) {
   if (codes.size() != sensor.time.size()) {
-    reject("labels/{}: {} states for {} samples; expected one for each", sensor.name, codes.size(), sensor.time.size());
+    reject("labels/{}: {} for {}; expected one for each", sensor.name, counted(codes.size(), "state"),
+           counted(sensor.time.size(), "sample"));
   }
   std::vector<PadState> states;
   for (const std::uint8_t code : codes) {

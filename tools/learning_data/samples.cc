@@ -10,6 +10,7 @@
 #include "detectors/channel.h"
 #include "sim/api/motion.h"
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "sim/motion/motion_catalogue.h"
 #include "sim/scene/parser.h"
@@ -224,7 +225,7 @@ PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule
     : record_(&record), rule_(rule), label_speed_(label_speed) {
   if (record.type != "papillarray") reject("sensor {}: is a {}, but this format needs a papillarray", record.name, record.type);
   if (record.labels.units() != pillars) {
-    reject("sensor {}: labels of {} units, expected {}", record.name, record.labels.units(), pillars);
+    reject("sensor {}: labels of {}, expected {}", record.name, counted(record.labels.units(), "unit"), pillars);
   }
   force_ = &channel_of(record, "force");
   displacement_ = &channel_of(record, "displacement");

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/page/page.h"
 #include "tools/page/svg.h"
@@ -276,7 +277,8 @@ void check_drawable(const SensorRecord& sensor) {
       reject("sensors/{}: channel {} has a time that is not finite", sensor.name, channel.name);
   }
   if (sensor.channel_names.size() != values)
-    reject("sensors/{} names {} channels, but its samples have {} values", sensor.name, sensor.channel_names.size(), values);
+    reject("sensors/{} names {}, but its samples have {}", sensor.name, counted(sensor.channel_names.size(), "channel"),
+           counted(values, "value"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sim/api/contact_frame.h"
+#include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
 #include "tools/files/reject.h"
@@ -196,8 +197,8 @@ void check_labels(const SensorRecord& sensor, const std::string& place) {
   std::size_t values = 0;
   for (const SensorColumn& channel : sensor.channels) values += channel.row_size();
   if (sensor.channel_names.size() != values)
-    reject("{}: sensors/{} names {} channels, but its samples have {} values", place, sensor.name, sensor.channel_names.size(),
-           values);
+    reject("{}: sensors/{} names {}, but its samples have {}", place, sensor.name,
+           counted(sensor.channel_names.size(), "channel"), counted(values, "value"));
 }
 
 double motion_start(const TrialRecord& trial, double from) {

@@ -11,7 +11,7 @@ from typing import Any
 import slipbench
 import slipbench_studies
 from slipbench import InputError
-from slipbench._program import write_whole
+from slipbench._program import counted, write_whole
 from slipbench.bin import _core
 from slipbench_studies.result import Options
 
@@ -53,13 +53,13 @@ class KeptNetworks:
                     raise InputError(f"{self.path} belongs to other options, data, scenes or another build; repeat the same command with --resume, "
                                      f"or delete the folder")
                 if not options.resume and self.size:
-                    raise InputError(f"{self.path} contains {self.size} networks of an unfinished run; continue with --resume, or delete the folder")
+                    raise InputError(f"{self.path} contains {counted(self.size, 'network')} of an unfinished run; continue with --resume, or delete the folder")
             self.path.mkdir(exist_ok=True)
             identity.write_text(line)
         except OSError as error:
             raise InputError(f"cannot write {self.path}: {error.strerror}") from error
         if self.size:
-            options.say(f"{self.size} networks of an earlier run are used")
+            options.say(f"reused of an earlier run: {counted(self.size, 'network')}")
         elif options.resume:
             options.say(f"no network of an earlier run is in {self.path}; starting from the beginning")
 

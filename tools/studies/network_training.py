@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slipbench import RandomStream
+from slipbench._program import counted
 from slipbench.learning import Recipe, Trained, Training, fit, scale_of, train
 from slipbench.learning._fit import answers_to_all, reproducible
 from slipbench_studies.grid import jobs_of
@@ -161,7 +162,7 @@ def train_all(name: str, subjects: Sequence[str], options: Options, work: Callab
             _collect(processes, results, kept)
     except KeyboardInterrupt:
         if kept is not None and kept.size:
-            raise KeyboardInterrupt(f"interrupted; {kept.size} networks are kept in {kept.path}; continue by the same command with --resume") from None
+            raise KeyboardInterrupt(f"interrupted; {counted(kept.size, 'network')} kept in {kept.path}; continue by the same command with --resume") from None
         raise
     finally:
         processes.end()

@@ -12,8 +12,8 @@
 #include "detectors/hd/memories.h"
 #include "detectors/hd/words.h"
 #include "sim/core/choice.h"
-#include "sim/core/random.h"
 #include "sim/core/counted.h"
+#include "sim/core/random.h"
 #include "tools/files/reject.h"
 #include "tools/train/network/examples.h"
 #include "tools/workers/ordered_workers.h"
@@ -332,11 +332,12 @@ HdSummary train_hd(const HdTraining& options) {
   saved.memories.associative = fit(saved.model, saved.memories, samples, once, options.epochs, options.seed);
   if (options.point) saved.alarm = train::best_point(summary.by_sequence[0].said, 1.0 / detector_rate, options.alarms).alarm;
   summary.alarm = saved.alarm;
-  const std::string learnt = summary.own_split ? fmt::format("{} of {} sequences (part train)", summary.sequences, summary.trials)
-                                               : fmt::format("all {} sequences", summary.sequences);
+  const std::string learnt = summary.own_split
+                                 ? fmt::format("{} of {} (part train)", summary.sequences, counted(summary.trials, "sequence"))
+                                 : "all " + counted(summary.sequences, "sequence");
   summary.trained = saved.trained =
       fmt::format("{}; labels {}, seed {}, {}{}", data.command, slip_rule_name(options.sequences.labels), options.seed, learnt,
-                  options.epochs > 0 ? fmt::format(", {} epochs", options.epochs) : "");
+                  options.epochs > 0 ? ", " + counted(options.epochs, "epoch") : "");
   add_trials();
   hd::save(options.output, saved, trials);
   return summary;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/interrupted.h"
@@ -228,7 +229,7 @@ class DatasetCheck {
     }
     if (const std::size_t samples = reader_.info(trial).num_samples; samples != record.body_time.size()) {
       verification_.fail(Check::times, {trial, "truth"},
-                         fmt::format("has {} rows, but num_samples is {}", record.body_time.size(), samples));
+                         fmt::format("has {}, but num_samples is {}", counted(record.body_time.size(), "row"), samples));
     }
   }
 

@@ -23,6 +23,7 @@ from slipbench._export.card import card_text, croissant_text
 from slipbench._export.parquet import encodings
 from slipbench._export.request import Progress, Request, make_folder, split_of
 from slipbench._export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
+from slipbench._program import counted
 
 VERSION = "v3.0"
 ROBOT = "slipbench"  # identifies datasets of this program
@@ -419,7 +420,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
                 for note in _other_rate(trial, sensors, rate):
                     progress.note(f"trial {number}: {note}")
                 if len(pieces) > 1:
-                    progress.note(f"trial {number}: its {len(t)} frames at {rate:g} fps become {len(pieces)} episodes, since float32 timestamps of one "
+                    progress.note(f"trial {number}: its {counted(len(t), 'frame')} at {rate:g} fps become {len(pieces)} episodes, since float32 timestamps of one "
                                   f"would miss LeRobot's tolerance of {STEP_TOLERANCE:g} s")
             progress.update(done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values()))
         for rate, writer in writers.items():

@@ -11,6 +11,7 @@ import numpy as np
 from slipbench import InputError
 from slipbench._import.arrays import Columns
 from slipbench._import.block import Block, nearest
+from slipbench._program import counted
 
 MOST_VALUES = 100_000  # of one list in a message
 MOST_IN_TOPIC = 100_000_000
@@ -219,7 +220,7 @@ class Bag:
             titles = titles or list(row)
             if list(row) != titles:
                 raise InputError(
-                    f"{self.path}: topic {name}, message {len(times) + 1}: has {len(row)} values and the first message "
+                    f"{self.path}: topic {name}, message {len(times) + 1}: has {counted(len(row), 'value')} and the first message "
                     f"{len(titles)}; expected lists of the same length"
                 )
             times.append(time)

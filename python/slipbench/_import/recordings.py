@@ -297,7 +297,7 @@ def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str
         )
     more = f" and {counted(len(runs) - MOST_RUNS, 'more gap')}" if len(runs) > MOST_RUNS else ""
     have, are = ("have", "are") if len(rows) > 1 else ("has", "is")
-    return f"{len(rows)} of {len(times)} samples {have} missing values and {are} {done}: {'; '.join(texts)}{more}"
+    return f"{len(rows)} of {counted(len(times), 'sample')} {have} missing values and {are} {done}: {'; '.join(texts)}{more}"
 
 
 class Importer:

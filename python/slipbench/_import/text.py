@@ -296,7 +296,7 @@ class TextTable(Source):
     def _refuse_cells(self, row: int) -> None:
         cells = cells_of(self._lines[row], self._separator)
         cause = self.layout_hint() or self._row_hint(cells)
-        raise InputError(f"{self.place(row)}: has {filled(cells)} cells; expected {len(self.titles)}{cause}")
+        raise InputError(f"{self.place(row)}: has {counted(filled(cells), 'cell')}; expected {len(self.titles)}{cause}")
 
     def _row_hint(self, cells: list[str]) -> str:
         if (

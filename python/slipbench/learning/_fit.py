@@ -22,7 +22,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from slipbench._program import write_whole
+from slipbench._program import counted, write_whole
 from slipbench.bin import _core
 from slipbench.learning._names import named
 
@@ -254,7 +254,7 @@ class Clips:
         self._training, self._before = training, history - 1
         lengths = np.array([len(labels) for _, labels in sequences])
         if len(lengths) == 0 or lengths.min() <= self._before:
-            raise _core.InputError(f"a sequence has {lengths.min() if len(lengths) else 0} frames; an answer needs {history} or more")
+            raise _core.InputError(f"a sequence has {counted(int(lengths.min()) if len(lengths) else 0, 'frame')}; an answer needs {history} or more")
         self._features = np.concatenate([features for features, _ in sequences])
         trained = [_thinned(labels, training.onset_frames) for _, labels in sequences]
         self._labels = np.concatenate(trained).astype(np.int64)

@@ -19,6 +19,7 @@ import torch
 from torch import Tensor, nn
 
 from slipbench._values import index
+from slipbench._program import counted
 from slipbench.bin import _core
 from slipbench.learning._export import check_output, mean_answers, write_detector
 from slipbench.learning._fit import MASKED, Checkpoint, Floats, Labels, Report, balanced_accuracy, fit, history_of, logits_of, reproducible
@@ -296,7 +297,7 @@ def _log_writer(log: str | os.PathLike[str] | None) -> Any:
 def _check_classes(paths: Sequence[str], part: str, examples: Sequence[Example], classes: Sequence[tuple[str, str]], history: int) -> None:
     for one in examples:
         if len(one.labels) < history:
-            raise _core.InputError(f"{', '.join(paths)}: trial {one.trial}: {len(one.labels)} frames, but an answer needs {history}")
+            raise _core.InputError(f"{', '.join(paths)}: trial {one.trial}: {counted(len(one.labels), 'frame')}, but an answer needs {history}")
     labels = np.concatenate([one.labels[history - 1 :] for one in examples])
     counts = [int(np.sum(labels == one)) for one in range(len(classes))]
     if 0 in counts:

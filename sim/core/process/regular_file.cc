@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -30,7 +31,7 @@ void check_regular_file(const std::string& path, std::uintmax_t most) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
   if (!error && size > most) {
-    throw InputError(path + ": has " + std::to_string(size) + " bytes; allowed: at most " + std::to_string(most));
+    throw InputError(path + ": has " + counted(size, "byte") + "; allowed: at most " + std::to_string(most));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/entry_reader.h"
@@ -133,7 +134,7 @@ PadLayout read_element_table(const YamlNode& rows, const YamlNode* units) {
     layout.elements.push_back(read_row(row, "element " + std::to_string(layout.elements.size())));
   }
   if (layout.elements.empty() || layout.elements.size() > Field::max_elements) {
-    fail(rows.origin, std::to_string(layout.elements.size()) + " elements; allowed: 1 to " + std::to_string(Field::max_elements));
+    fail(rows.origin, counted(layout.elements.size(), "element") + "; allowed: 1 to " + std::to_string(Field::max_elements));
   }
   std::size_t first = 0;
   if (units == nullptr) {
@@ -148,7 +149,7 @@ PadLayout read_element_table(const YamlNode& rows, const YamlNode* units) {
   }
   if (first != layout.elements.size()) {
     fail(units->origin,
-         "the units have " + std::to_string(first) + " elements, but the pad has " + std::to_string(layout.elements.size()));
+         "the units have " + counted(first, "element") + ", but the pad has " + std::to_string(layout.elements.size()));
   }
   return layout;
 }

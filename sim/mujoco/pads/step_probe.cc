@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pads/field_plugin.h"
@@ -63,8 +64,8 @@ StepProbe::StepProbe(const std::string& model, std::span<const double> kick, con
   call_mujoco([&] { state_->model.reset(mj_compile(spec.get(), nullptr)); });
   if (!state_->model) throw InputError(fmt::format("the probed model: {}", mjs_getError(spec.get())));
   if (kick.size() != static_cast<std::size_t>(state_->model->nv)) {
-    throw InputError(fmt::format("the probed model has {} degrees of freedom, but its kick has {} values",
-                                 static_cast<int>(state_->model->nv), kick.size()));
+    throw InputError(fmt::format("the probed model has {} degrees of freedom, but its kick has {}",
+                                 static_cast<int>(state_->model->nv), counted(kick.size(), "value")));
   }
   state_->model->opt.disableflags |= mjDSBL_AUTORESET;
   state_->kick.assign(kick.begin(), kick.end());

@@ -268,7 +268,7 @@ TEST(SceneTable, ErrorsNameTheLineOfWhatIsWrong) {
   EXPECT_THAT(refusal(csv, "x,z\n1,2\n"), refused_at("places.csv:1", {"z", "x, y, weight"}));
   EXPECT_THAT(refusal(csv, "x,x\n"), refused_at("places.csv:1", {"x", "twice"}));
   EXPECT_THAT(refusal(csv, "x [mm,y\n"), refused_at("places.csv:1", {"x [mm", "]"}));
-  EXPECT_THAT(refusal(csv, "x,y\n1,2\n1\n"), refused_at("places.csv:3", {"1 cells", "2"}));
+  EXPECT_THAT(refusal(csv, "x,y\n1,2\n1\n"), refused_at("places.csv:3", {"1 cell,", "2"}));
   EXPECT_THAT(refusal(csv, "x,y\n1,2\n1,two\n"), refused_at("places.csv:3", {"sensors.pad.places", "two", "length"}));
   EXPECT_THAT(refusal(csv, "x,weight\n1,2\n"), refused_at("places.csv:2", {"sensors.pad.places", "nothing"}));
   EXPECT_THAT(refusal(csv, "x,y\n"), refused_at("places.csv", {"sensors.pad.places"}));

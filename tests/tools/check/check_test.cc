@@ -216,8 +216,8 @@ for suite in root:
   EXPECT_EQ(read.out, R"x(testsuites ['6', '2', '0', '1']
 testsuite 'a&b<"\'>\t?.yaml' ['3', '1', '0', '0']
   testcase max_slip True
-    failure expectation max_slip: at most 3 mm in 18 of 20 trials, but 20 are needed; worst: 4.1 mm in trial 7
-max_slip: at most 3 mm in 18 of 20 trials, but 20 are needed; worst: 4.1 mm in trial 7
+    failure expectation max_slip: at most 3 mm in 18 of 20 trials, needed in 20; worst: 4.1 mm in trial 7
+max_slip: at most 3 mm in 18 of 20 trials, needed in 20; worst: 4.1 mm in trial 7
 replay: slipbench run 'a&b<">.yaml' --set 'description=]]>' --seed 1 --trial 7
 trial 3: <unstable>
 file: left/trial_7.h5

@@ -36,7 +36,7 @@ TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
       ElementsAre(
           "slip onset, error up to 1 %: 500 times real time (element field, 5 ms); MuJoCo's own contact: 1.25 times real time (noslip 3), 400 times slower.",
           "slip onset, error up to 0.1 %: 100 times real time (the scene as it is, 1 ms); MuJoCo's own contact: not reached by its 2 settings, 0.8 % at best (noslip 3, 1.25 times real time).",
-          "1 of 3 settings of MuJoCo's own contact are not counted: 1 diverged."));
+          "1 of 3 settings of MuJoCo's own contact is not counted: 1 diverged."));
 }
 
 TEST(CostReading, AReferenceThatHasNotConvergedIsNoSecret) {

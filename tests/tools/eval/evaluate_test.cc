@@ -127,7 +127,7 @@ TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   trained.all = true;
   const Json with_all = evaluate(trained);
   EXPECT_EQ(with_all.at("all").at("trials"), 24);
-  EXPECT_THAT(with_all.at("warnings")[0].get<std::string>(), HasSubstr("trained on 4 of the 24 evaluated trials"));
+  EXPECT_THAT(with_all.at("warnings")[0].get<std::string>(), HasSubstr("trained on 4 of 24 trials evaluated here"));
   trained.all = false;
   trained.trained = R"({"sha256_seen": ["12"]})";
   EXPECT_THAT(refusal_of([&] { evaluate(trained); }), mentions({"trained.sha256_seen"}));

@@ -77,7 +77,7 @@ TEST_F(Recordings, RefusesWhatIsNotThere) {
   unnamed.sensors[0].channel_names.pop_back();
   never.sensors[0].time[1] = std::numeric_limits<double>::infinity();
   EXPECT_THAT(refusal_of([&] { page_of({unnamed}); }),
-              mentions({"a.h5", "demo_2", "sensors/tip", "names 1 channels", "2 values"}));
+              mentions({"a.h5", "demo_2", "sensors/tip", "names 1 channel,", "2 values"}));
   EXPECT_THAT(refusal_of([&] { page_of({never}); }), mentions({"a.h5", "demo_3", "sensors/tip", "time", "finite"}));
   EXPECT_THAT(refusal_of([&] { page_of({}); }), mentions({path("a.h5"), "contains no trial"}));
 }

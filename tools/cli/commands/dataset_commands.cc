@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
 #include "tools/cli/arguments.h"
@@ -25,7 +26,6 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/json.h"
 #include "tools/doctor/doctor.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/plugin/plugin_builds.h"
 #include "tools/registry/program_catalogues.h"
@@ -108,9 +108,8 @@ std::string report_of(const Json& dataset, const Style& style) {
 }
 
 std::string sweep_report(const Json& sweep, const Style& style) {
-  std::string text =
-      fmt::format("{} {} shards of one sweep", sweep["holds"].get<bool>() ? style.good("ok:") : style.error("failed:"),
-                  sweep["shards"].get<std::size_t>());
+  std::string text = fmt::format("{} {} of one sweep", sweep["holds"].get<bool>() ? style.good("ok:") : style.error("failed:"),
+                                 counted(sweep["shards"].get<std::size_t>(), "shard"));
   if (!sweep["trials"].is_null()) text += ": " + counted(sweep["trials"].get<std::size_t>(), "trial");
   if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
     const auto duplicates = sweep["duplicates"].get<std::size_t>(), within = sweep["within_rounding"].get<std::size_t>();

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/cli/format/sweep_text.h"
 #include "sim/core/counted.h"
+#include "tools/cli/format/sweep_text.h"
 
 namespace slipbench {
 namespace {

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "tools/cost/reading.h"
 #include "tools/eval/eval_page.h"
 #include "tools/eval/evaluate.h"
-#include "sim/core/counted.h"
 
 namespace slipbench {
 namespace {

@@ -16,9 +16,9 @@
 
 #include "sim/api/detector.h"
 #include "sim/api/sensor.h"
+#include "sim/core/counted.h"
 #include "sim/core/quantity.h"
 #include "sim/core/readable_quantity.h"
-#include "sim/core/counted.h"
 #include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/confusion.h"
 
@@ -76,7 +76,7 @@ std::string sensor_text(const SensorSummary& sensor, const SensorAbout& about, c
   const std::string title =
       fmt::format("{}  {}, {} at {:g} Hz\n", style.heading(sensor.name), about.type, counted(units, "unit"), about.rate);
   const std::string others =
-      left_out == 0 ? "" : fmt::format("  {} of the {} units never touch and are not listed\n", left_out, units);
+      left_out == 0 ? "" : fmt::format("  never in contact and not listed: {} of {}\n", left_out, counted(units, "unit"));
   return title + (left_out == units ? "" : table.text(style)) + others + class_text(sensor.state_count, sensor.state_micro_count);
 }
 
@@ -231,8 +231,8 @@ std::string saturation_text(const TrialSummary& trial, const Style& style) {
     const auto found = trial.outcome.saturated.find(sensor.name);
     if (found == trial.outcome.saturated.end()) continue;
     const std::size_t samples = std::accumulate(sensor.state_count.begin(), sensor.state_count.end(), std::size_t{0});
-    text += fmt::format("  {}: {}: values beyond its range in {} of {} samples\n", style.bold("saturated"), sensor.name,
-                        found->second, samples);
+    text += fmt::format("  {}: {}: values beyond its range in {} of {}\n", style.bold("saturated"), sensor.name, found->second,
+                        counted(samples, "sample"));
   }
   return text;
 }
@@ -248,8 +248,8 @@ std::string saturations_text(const std::vector<TrialSummary>& trials, const Styl
   }
   std::string text;
   for (const auto& [sensor, found] : by_sensor) {
-    text += fmt::format("  {}: {}: values beyond its range in {} of {} trials, {} samples\n", style.bold("saturated"), sensor,
-                        found.first, trials.size(), found.second);
+    text += fmt::format("  {}: {}: values beyond its range in {} of {}, {}\n", style.bold("saturated"), sensor, found.first,
+                        counted(trials.size(), "trial"), counted(found.second, "sample"));
   }
   return text;
 }

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/files/reject.h"
 
@@ -115,7 +116,8 @@ std::string why_not_hdf5(const std::string& path, const std::string& message) {
   if (start.starts_with(signature.substr(0, start.size()))) {
     const auto found = number_after(message, "truncated file: eof = "), written = number_after(message, "stored_eof = ");
     if (found && written) return fmt::format("is truncated: it has {} of {} bytes; copy or download it again", *found, *written);
-    if (start.size() < superblock) return fmt::format("is truncated: it has {} bytes; copy or download it again", start.size());
+    if (start.size() < superblock)
+      return fmt::format("is truncated: it has {}; copy or download it again", counted(start.size(), "byte"));
     return "is damaged: " + message;
   }
   struct Kind {

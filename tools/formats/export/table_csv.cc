@@ -1,3 +1,4 @@
+#include "sim/core/counted.h"
 #include "tools/formats/export/formats.h"
 
 #include <algorithm>
@@ -50,7 +51,8 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
   std::size_t expected = 0;
   for (const SensorColumn& column : sensor.channels) expected += column.row_size();
   if (sensor.channel_names.size() != expected) {
-    reject("sensor {}: {} names for {} values per sample", sensor.name, sensor.channel_names.size(), expected);
+    reject("sensor {}: {} for {} per sample", sensor.name, counted(sensor.channel_names.size(), "name"),
+           counted(expected, "value"));
   }
   const SensorView view = sensor_view(sensor.type);
   std::vector<NamedColumn> columns;
@@ -59,7 +61,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
     const std::size_t count = column.row_size();
     const std::string difference = view.channel_view(column.name).difference;
     if (!difference.empty() && count != 2) {
-      reject("sensor {}: channel '{}' has {} values, expected 2", sensor.name, column.name, count);
+      reject("sensor {}: channel '{}' has {}, expected 2", sensor.name, column.name, counted(count, "value"));
     }
     columns.push_back({&column, names.first(count), difference});
     names = names.subspan(count);

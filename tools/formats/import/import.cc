@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/dataset/writer.h"
 #include "tools/files/reject.h"
@@ -168,8 +169,8 @@ void RecordingWriter::resample_and_note(TrialRecord& record, const std::string& 
   params["resampled"] = {{"rate_hz", rate}, {"samples_in_gaps", in_gaps}};
   record.params = params.dump();
   if (in_gaps > 0)
-    warn(path, fmt::format("{} of {} samples at {} lie in gaps of the recording and are interpolated linearly", in_gaps,
-                           record.num_samples(), format_quantity(rate, Quantity::frequency)));
+    warn(path, fmt::format("interpolated linearly in gaps of the recording: {} of {} at {}", in_gaps,
+                           counted(record.num_samples(), "sample"), format_quantity(rate, Quantity::frequency)));
 }
 
 void RecordingWriter::add(TrialRecord record, const std::string& path, std::size_t repeated_rows,

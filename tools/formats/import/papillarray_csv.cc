@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "detectors/channel.h"
-#include "sim/core/error.h"
 #include "sim/core/counted.h"
+#include "sim/core/error.h"
 #include "tools/formats/import/source_table.h"
 #include "tools/learning_data/samples.h"
 

@@ -13,11 +13,11 @@
 #include <fmt/ranges.h>
 
 #include "sim/api/sensor.h"
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/math/decade.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/sensor_catalogue.h"
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from slipbench import InputError, describe, list_names, parse_quantity
+from slipbench._program import counted
 from slipbench.bin import _core
 from slipbench_studies.grid import Cell, check_only, chosen, run_grid
 from slipbench_studies.hd_papillarray.grasp import ROW_STRIDE, GraspFigures, Spread, grasp_figures, spread
@@ -333,7 +334,7 @@ def setup_lines(trials: int, seed: int) -> list[str]:
         values = [f"{spec['name']} {spec['default']}" for spec in _described(one["name"], "part of a grasp")["parameters"] if spec["source"].startswith("assumed")]
         assumed.append(f"Assumed, {one['name']}: {', '.join(values)}.")
     return [
-        f"{SCENE}, seed {seed}, {trials} trials a row; nothing else differs between rows than what they name. Trial k has the same box, place and loop phase "
+        f"{SCENE}, seed {seed}, {counted(trials, 'trial')} a row; nothing else differs between rows than what they name. Trial k has the same box, place and loop phase "
         "in every row.",
         "Rows of detectors have the controller step_on_slip. constant_force, controller force_ratio, force_pid and hold_preset ask no detector: gst_hd with the "
         "shipped memory looks on for the paper's estimate. Controller stuck_fraction has the detector stuck_fraction.",

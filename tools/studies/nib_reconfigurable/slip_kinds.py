@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from slipbench import InputError, Trial, describe, parse_quantity
+from slipbench._program import counted
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.nib_reconfigurable.bench import HOP, WINDOW, Trace
 from slipbench_studies.result import Chart, Curve, Options, Result, Table
@@ -134,7 +135,7 @@ def study(options: Options) -> Result:
         source='Fig. 12 and section IV-B of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation"',
         figures={"auc": figures},
         setup=[
-            f"{scenes[0]} and rotational.yaml, seed {options.draws_seed}, {trials} runs a cell: electronics typical (drift and noise), pads set up with "
+            f"{scenes[0]} and rotational.yaml, seed {options.draws_seed}, {counted(trials, 'run')} a cell: electronics typical (drift and noise), pads set up with "
             "scatter of place, yaw and tilt.",
             "Slip: the lever has moved by 2 mm since the pull began (paper). FL, FR: magnitude over 0 to 6 Hz; curl: of the normalised shear; means over "
             "the windows that end within 0.5 s after these 2 mm, and of runs without slip over those that end between 0.5 s after the pull's beginning and "

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from slipbench import Trial, parse_quantity
+from slipbench._program import counted
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.nib_reconfigurable.bench import LAWS, Signature, Trace, has_waves, signature_of
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
@@ -159,7 +160,7 @@ def study(options: Options) -> Result:
     as_is = [of_law[of_law["reading"] == "as_is"] for of_law in runs]
     head = [*(row.text for row in PUBLISHED.values()), "all"]
     laws = Table("The same under other friction", ["law", *head],
-                 note=f"Mean error [N], detected before 6 mm, early ones. The first row has {trials} runs a cell, the others up to {FEW_DRAWS}.")
+                 note=f"Mean error [N], detected before 6 mm, early ones. The first row has {counted(trials, 'run')} a cell, the others up to {FEW_DRAWS}.")
     readings = Table("The same trials read otherwise", ["detector", *head], note="As above.")
     signature = Table("Energy of the linear mode below 8 Hz while the pad slips",
                       ["law", "plates", "slips that last", "share below 8 Hz", "below, counts rms", "above", "time of the slip, s"],
@@ -193,7 +194,7 @@ def study(options: Options) -> Result:
         source='Table II and section V of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation"',
         figures=figures,
         setup=[
-            f"{SCENE}, seed {options.draws_seed}, {trials} runs of each of its surfaces and pulls.",
+            f"{SCENE}, seed {options.draws_seed}, {counted(trials, 'run')} of each of its surfaces and pulls.",
             "Paper: M 9, alpha 10, windows of 500 ms a 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of the noise: "
             "detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates but the soaped one, which were moved once in a dry run after the published "
             "errors had been seen, the plates' patches and waves, masses and damping of the lever.",

@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from slipbench import Trial, describe, parse_quantity
+from slipbench._program import counted
 from slipbench_studies.grid import Cell, check_only, chosen, run_grid
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 from slipbench_studies.statistics import clopper_pearson, median
@@ -238,7 +239,7 @@ def study(options: Options) -> Result:
         source='Table III and section VI of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation", IEEE RA-L 2020',
         figures={"cells": figures},
         setup=[
-            f"{SCENE}, seed {seed}, {trials} trials a cell, which differ by what `scatter` draws, the patches and the noise.",
+            f"{SCENE}, seed {seed}, {counted(trials, 'trial')} a cell, which differ by what `scatter` draws, the patches and the noise.",
             "Success: at the trial's end the box is upright to 5 degrees, the table carries it and no pad touches it.",
             "Turned up: at some time nearer than 20 degrees to upright, whatever came after.",
             "The paper's row of weights, of centres of mass and of surfaces share one cell, 200 g in the middle with paper: 10 of 11.",

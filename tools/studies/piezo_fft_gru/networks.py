@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slipbench import InputError, RandomStream
+from slipbench._program import counted
 from slipbench.learning import MASKED, Input, Training, find_recipe
 from slipbench.learning._fit import history_of
 from slipbench_studies.network_training import Floats, Labels, folds, train_and_answer, train_all
@@ -414,7 +415,7 @@ def setup_of(options: Options, size: Size, recordings: int) -> list[str]:
         trained = ("200 epochs of 32 clips of 128 frames a step by RMSProp; a fifth of the recordings learnt from "
                    "chooses the state.")
     return [
-        f"{recordings} recordings of {source}.",
+        f"{counted(recordings, 'recording')} of {source}.",
         "Frames of 20 ms every 10 ms, log power in bins of 50 Hz, standardised on the recordings that are learnt.",
         f"{FOLDS} folds by recording; mean and standard deviation of the folds. {trained}",
         "Labels: position, that the bench's 100 Hz position has changed since its last reading; true, that a part of "

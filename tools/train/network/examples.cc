@@ -16,13 +16,13 @@
 #include "detectors/network/frames.h"
 #include "sim/api/contact_frame.h"
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
 #include "sim/core/random.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/myrmex_images.h"
 #include "tools/learning_data/samples.h"
@@ -129,8 +129,8 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
                                             : recorded || rule == LabelRule::paper ? labels.state_paper
                                                                                    : labels.state_micro;
   if (states.size() != sensor.time.size()) {
-    reject("sensor {}: {} states by the labels {} for {} samples; expected one for each", sensor.name, states.size(),
-           choice_name(label_words, rule), sensor.time.size());
+    reject("sensor {}: {} by the labels {} for {}; expected one for each", sensor.name, counted(states.size(), "state"),
+           choice_name(label_words, rule), counted(sensor.time.size(), "sample"));
   }
   return states;
 }
@@ -230,7 +230,7 @@ std::string wanted(const network::Input& input) {
   std::vector<std::string> names;
   for (const network::ChannelPick& pick : input.channels) names.push_back(pick.name);
   return fmt::format("a {} at {} Hz (within 1 %) with {}{}", input.sensor, input.rate, fmt::join(names, ", "),
-                     values > 0 ? fmt::format(" of {} values or more", values) : std::string());
+                     values > 0 ? fmt::format(" of {} or more", counted(values, "value")) : std::string());
 }
 
 std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const ExampleOptions& options,
@@ -307,7 +307,7 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
     features.insert(features.end(), frames.latest().begin(), frames.latest().end());
   }
   if (ends.empty()) {
-    reject("sensor {}: {} samples are fewer than a frame of {}", sensor.name, sensor.time.size(), options.input.window);
+    reject("sensor {}: {}, fewer than a frame of {}", sensor.name, counted(sensor.time.size(), "sample"), options.input.window);
   }
   std::vector<std::uint8_t> all;
   for (const std::size_t row : ends) all.push_back(labels[row]);

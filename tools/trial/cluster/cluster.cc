@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/scene/parser.h"
 #include "tools/files/output_file.h"
 #include "tools/files/reject.h"
@@ -224,7 +225,7 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
       {"PYTHON_NAME", python_text(name)},
       {"RAW_NAME", name},
       {"PROGRAM", program},
-      {"WHAT", fmt::format("`{}`: {} trials. Written by `slipbench cluster`.", command, planned.asked)}};
+      {"WHAT", fmt::format("`{}`: {}. Written by `slipbench cluster`.", command, counted(planned.asked, "trial"))}};
   std::error_code error;
   std::filesystem::create_directories(folder / "logs", error);
   if (error) reject("cannot create the folder {}: {}", (folder / "logs").string(), error.message());

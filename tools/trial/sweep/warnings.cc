@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "sim/api/detector.h"
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
@@ -324,8 +325,8 @@ std::vector<Warning> converter_warnings(const std::map<std::string, ConverterUse
     warnings.push_back(
         {"sensors." + name + ".electronics",
          fmt::format(
-             "sensor '{}' has values beyond its range in {} of {} samples, where its converter clips them or its accuracy is not specified",
-             name, use.at_an_end, use.samples)});
+             "sensor '{}' has values beyond its range in {} of {}, where its converter clips them or its accuracy is not specified",
+             name, use.at_an_end, counted(use.samples, "sample"))});
   }
   return warnings;
 }

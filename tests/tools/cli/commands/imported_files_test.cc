@@ -185,7 +185,7 @@ TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
       run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "--rate", "1 kHz", "-o", resampled});
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_THAT(again.out, HasSubstr("resampled at 1 kHz by linear interpolation"));
-  EXPECT_THAT(again.err, HasSubstr("1 of 101 samples at 1 kHz lie in gaps"));
+  EXPECT_THAT(again.err, HasSubstr("in gaps of the recording: 1 of 101 samples at 1 kHz"));
   const ChildResult judged = run_program_file({"eval", network, resampled, "--labels", "recorded", "--json"});
   EXPECT_EQ(judged.status, 0) << judged.err;
 }

@@ -316,7 +316,7 @@ TEST(Program, Check) {
       {"check", stage, "--set", "expect={gross_slip_by: 1.0 s}", "-o", folder / "left", "--junit", folder / "j.xml"});
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.out,
-              AllOf(HasSubstr("replay: "), HasSubstr("slipbench run " + stage), HasSubstr("0 of 1 scenes passed, 1 failed")));
+              AllOf(HasSubstr("replay: "), HasSubstr("slipbench run " + stage), HasSubstr("0 of 1 scene passed, 1 failed")));
   EXPECT_TRUE(std::filesystem::exists(folder / "left/stage/trial_0.html"));
   EXPECT_TRUE(std::filesystem::exists(folder / "j.xml"));
   expect_refusal({"check", stage}, mentions({"expectations"}));

@@ -71,12 +71,12 @@ TEST(Summary, OfManyUnitsThoseThatTouchAreShown) {
     const std::string text = trial_text(trial, {about}, Style(false));
     EXPECT_THAT(text, HasSubstr("\n  U0 "));
     EXPECT_EQ(text.find("\n  U39 ") == std::string::npos, units == 41U);
-    EXPECT_EQ(text.find("\n  40 of the 41 units never touch and are not listed\n") == std::string::npos, units == 40U);
+    EXPECT_EQ(text.find("\n  never in contact and not listed: 40 of 41 units\n") == std::string::npos, units == 40U);
     if (units == 40U) continue;
     // Without a touch there is no table at all.
     trial.sensors[0].units[0] = trial.sensors[0].units[1];
     EXPECT_THAT(trial_text(trial, {about}, Style(false)),
-                HasSubstr("at 2 Hz\n  41 of the 41 units never touch and are not listed\n"));
+                HasSubstr("at 2 Hz\n  never in contact and not listed: 41 of 41 units\n"));
   }
 }
 

@@ -471,8 +471,7 @@ TEST_F(Timed, ResamplingTakesValuesBetweenTheSamples) {
   // Strictly between 0.29 and 0.8 s: 24/80 to 63/80 s.
   EXPECT_EQ(params(0)["resampled"], nlohmann::json::parse(R"({"rate_hz": 80.0, "samples_in_gaps": 40})"));
   ASSERT_THAT(summary.warnings, SizeIs(2));
-  EXPECT_EQ(summary.warnings[1].text,
-            file + ": 40 of 88 samples at 80 Hz lie in gaps of the recording and are interpolated linearly");
+  EXPECT_EQ(summary.warnings[1].text, file + ": interpolated linearly in gaps of the recording: 40 of 88 samples at 80 Hz");
   EXPECT_THAT(DatasetReader(path("out.h5")).header().command, HasSubstr(" --map map.yaml --rate '80 Hz' --seed 7"));
   EXPECT_TRUE(verify_datasets({path("out.h5")}).holds);
 }

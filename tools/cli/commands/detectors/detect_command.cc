@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
 #include "tools/cli/terminal.h"
 #include "tools/eval/detect_page.h"
 #include "tools/eval/replay.h"
-#include "sim/core/counted.h"
 #include "tools/trial/sweep/run_sweep.h"
 #include "tools/workers/python_package/python_package.h"
 

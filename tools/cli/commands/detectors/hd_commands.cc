@@ -13,11 +13,11 @@
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/words.h"
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
 #include "tools/cli/terminal.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
 

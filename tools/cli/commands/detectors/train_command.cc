@@ -1,3 +1,4 @@
+#include "sim/core/counted.h"
 #include "tools/cli/commands/detectors/detector_commands.h"
 
 #include <algorithm>
@@ -14,7 +15,6 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/format/describe.h"
 #include "tools/cli/terminal.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/train/recipe_list.h"
 #include "tools/trial/sweep/run_sweep.h"
@@ -215,14 +215,14 @@ int TrainCommand::train_hd() {
   const std::string point =
       options.point
           ? fmt::format(
-                "operating point: slip is reported after {} consecutive frames of slip, for at least {}, until {} consecutive frames do not slip (not included above)\n",
-                summary.alarm.on, summary.alarm.least, summary.alarm.off)
+                "operating point: slip is reported after {} of slip in succession, for at least {}, until {} in succession without slip (not included above)\n",
+                counted(static_cast<std::size_t>(summary.alarm.on), "frame"), summary.alarm.least,
+                counted(static_cast<std::size_t>(summary.alarm.off), "frame"))
           : "";
   const std::string learnt =
-      summary.own_split
-          ? fmt::format("trained on {} of {} trials, the part train of the dataset's split; --all trains on all trials\n",
-                        summary.sequences, summary.trials)
-          : "";
+      summary.own_split ? fmt::format("trained on {} of {}, the part train of the dataset's split; --all trains on all trials\n",
+                                      summary.sequences, counted(summary.trials, "trial"))
+                        : "";
   fmt::print(
       "{}\n{}\n{}\n{}{}\n{}{}{} {}\n{}\n",
       style.heading(fmt::format("{}, labels {}: {}, {}", model_name(options.model), slip_rule_name(options.sequences.labels),

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands/simulation/simulation_commands.h"
@@ -70,7 +71,7 @@ bool good(const SceneCheck& check) { return check.verdict == Verdict::passed || 
 
 void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
   const auto count = [&](Verdict verdict) { return std::ranges::count(checks, verdict, &SceneCheck::verdict); };
-  std::string text = fmt::format("{} of {} scenes passed", count(Verdict::passed), checks.size());
+  std::string text = fmt::format("{} of {} passed", count(Verdict::passed), counted(checks.size(), "scene"));
   for (const Verdict verdict : {Verdict::failed, Verdict::tests_nothing, Verdict::not_checked}) {
     if (count(verdict) > 0) text += fmt::format(", {} {}", count(verdict), verdict_text(verdict));
   }
@@ -163,7 +164,7 @@ int CheckCommand::run() {
       }
     }
   } catch (const Interrupted&) {
-    say(stderr, fmt::format("slipbench: interrupted: {} of {} scenes checked\n", checks.size(), planned.size()));
+    say(stderr, fmt::format("slipbench: interrupted: {} of {} checked\n", checks.size(), counted(planned.size(), "scene")));
     return exit_interrupted;
   }
   if (!junit.empty()) write_text_file(junit, junit_xml(checks));

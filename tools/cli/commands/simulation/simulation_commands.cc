@@ -15,12 +15,12 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/format/sweep_text.h"
 #include "tools/cli/terminal.h"
 #include "tools/dataset/record/json.h"
 #include "tools/dataset/shard_set.h"
-#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/sweep/warnings.h"
@@ -159,7 +159,8 @@ void print_summary(const SweepOptions& options, const Finished& finished, bool s
     fmt::print("{}", sweep_text(summary, style));
   }
   if (summary.shard)
-    fmt::print("shard {}: {} of the sweep's {} trials\n", shard_text(*summary.shard), summary.planned, summary.shard->trials);
+    fmt::print("shard {}: {} of {} of the sweep\n", shard_text(*summary.shard), summary.planned,
+               counted(summary.shard->trials, "trial"));
   fmt::print("\n{}\n{}", speed_text(summary, finished.elapsed), steps_text(summary));
   print_next_step(options, summary, streams, style);
 }
@@ -178,8 +179,8 @@ int report_interrupted(const SweepSummary& summary, bool streams) {
   const std::string kept = summary.files.empty() || streams
                                ? "nothing is kept"
                                : fmt::format("kept in {}; continue by the same command with --resume", files_text(summary.files));
-  say(stderr, fmt::format("slipbench: interrupted: {} of {} trials finished; {}\n", std::max(summary.trials.size(), summary.kept),
-                          summary.planned, kept));
+  say(stderr, fmt::format("slipbench: interrupted: {} of {} finished; {}\n", std::max(summary.trials.size(), summary.kept),
+                          counted(summary.planned, "trial"), kept));
   return exit_interrupted;
 }
 
