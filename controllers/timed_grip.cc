@@ -48,8 +48,9 @@ ControllerKind timed_grip() {
        "the first row, the last row's after it. Two rows at one time are a step. Positions end at 0 and at 255.\n"
        "F: sum of the pillars' normal forces.",
        "a task that changes the grip without slip",
-       with_registers({table_spec(2, "changes", {{"t", Quantity::time}, {"counts"}},
-                                  "Times at which the grip changes, and counts added to those of the preset.", "free")})},
+       with_registers(
+           {table_spec(2, "changes", {{"t", Quantity::time}, {"counts"}},
+                       "Times at which the grip changes, and counts added to those of the preset.", "set for each scene")})},
       created<TimedGrip>,
       Answers::nothing};
 }

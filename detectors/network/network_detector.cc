@@ -97,12 +97,13 @@ DetectorKind network_detector() {
            "feature class: number of the most probable class, of networks of more than two\n"
            "no contact: until the first frames are complete; later if the network has such a class",
        .source = "the file; how to make one: detectors/network/README.md",
-       .parameters = {path_spec("model", no_network, "The ONNX file.", "free"),
+       .parameters = {path_spec("model", no_network, "The ONNX file.", "set for each scene"),
                       number_spec("latency", Quantity::time, "0 s", non_negative,
                                   "Time of a step of the network on the robot, by which the estimate is delayed in the loop.",
-                                  "free"),
+                                  "set for each scene"),
                       number_spec("threshold", Quantity::none, "0", fraction,
-                                  "Probability p above which the pad slips; 0: the threshold in the file.", "free")}},
+                                  "Probability p above which the pad slips; 0: the threshold in the file.",
+                                  "set for each scene")}},
       make_network};
 }
 

@@ -84,7 +84,8 @@ Entry about() {
               "fixed: all trials of a dataset use one device; redrawn: each draws its own sensitivities (electronics: gain).",
               "fixed: one finger made all the recordings"),
           integer_spec("device_number", "0", {0.0, 1e6},
-                       "Number of the device; each number has different sensitivities. Only with device: fixed.", "free"),
+                       "Number of the device; each number has different sensitivities. Only with device: fixed.",
+                       "set for each scene"),
           number_spec("label_step", Quantity::length, "10 um", positive,
                       "Change of the bench's position between two rows above which the paper's rule says slip.",
                       "assumed: 1 mm/s at 100 Hz; the paper labels by the commanded motion of the robot"),
@@ -116,7 +117,7 @@ Entry about_19() {
   set("k_normal", "27.8 N/mm", "assumed: the SP's 0.047 N/mm3 of 591 mm2 of skin");
   set("fluid_stiffness", "0.47",
       "assumed as of the SP: at core_gap the pressure is the force over the area of contact, 2 pi 16 mm 1 mm");
-  set("device", "fixed", "free");
+  set("device", "fixed", "set for each scene");
   for (const char* name : {"near", "far", "far_share", "swell", "gap", "common"}) {
     const auto spec = std::ranges::find(entry.parameters, name, &ParameterSpec::name);
     if (spec == entry.parameters.end()) throw std::logic_error(std::string("biotac_sp: no parameter ") + name);

@@ -82,11 +82,11 @@ static const slipbench_note notes[] = {
     {"Height of the picture in pixels.", sdk, 1.0, 1e5, ""},
     {"Width of the gel at rest that the camera sees.", data_sheet, 1e-4, 1.0, ""},
     {"Distance from the pinhole to the surface.", "TacEx: 24 mm; gel: 4.25 mm", 1e-3, 1.0, ""},
-    {"Exposure time of a frame, up to the time between two frames.", "free", 0.0, 1.0, ""},
-    {"Standard deviation of a marker's position in the picture [px].", "free", 0.0, 100.0, ""},
-    {"Standard deviation of a marker's height.", "free", 0.0, 1e-2, ""},
-    {"Share of the markers that are missing in a frame.", "free", 0.0, 1.0, ""},
-    {"Columns of the picture of heights, a whole number; 0: none.", "free", 0.0, 1024.0, ""},
+    {"Exposure time of a frame, up to the time between two frames.", "set for each scene", 0.0, 1.0, ""},
+    {"Standard deviation of a marker's position in the picture [px].", "set for each scene", 0.0, 100.0, ""},
+    {"Standard deviation of a marker's height.", "set for each scene", 0.0, 1e-2, ""},
+    {"Share of the markers that are missing in a frame.", "set for each scene", 0.0, 1.0, ""},
+    {"Columns of the picture of heights, a whole number; 0: none.", "set for each scene", 0.0, 1024.0, ""},
 };
 const slipbench_about slipbench_sensor_about = {
     "A gel with markers on its skin and a camera behind it, after GelSight Mini.",

@@ -77,7 +77,7 @@ namespace {
 
 const char* const chip = "Melexis MLX90393, data sheet";
 const slipbench_note notes[] = {
-    {"Sampling rate.", "free", 0.1, 1e4, ""},
+    {"Sampling rate.", "set for each scene", 0.1, 1e4, ""},
     {"Cells along Y, each with a dipole.", "uSkin (Tomo and others 2018): 4 x 4", 1.0, 64.0, ""},
     {"Cells along X.", "alike", 1.0, 64.0, ""},
     {"Edge of a cell.", "assumed, after the XR1944, a uSkin", 1e-4, 0.1, ""},
@@ -89,7 +89,7 @@ const slipbench_note notes[] = {
     {"Diameter of a magnet, a disc; 0: the whole cell is magnetised.", "assumed: the smallest NdFeB discs", 0.0, 0.1, ""},
     {"Thickness of a magnet, or of the magnetised layer.", "assumed", 1e-6, 0.1, ""},
     {"Remanence of the magnet's material [T], along +Z.", "NdFeB of grade N50: 1.40 to 1.45 T", 0.0, 2.0, ""},
-    {"Edge of squares that are magnetised up and down alternately; 0: all cells alike.", "free", 0.0, 1.0, ""},
+    {"Edge of squares that are magnetised up and down alternately; 0: all cells alike.", "set for each scene", 0.0, 1.0, ""},
     {"Magnetometers: one behind each cell, or five.", "uSkin: grid. ReSkin (Bhirangi and others 2021): cross", 0.0, 0.0,
      "grid|cross"},
     {"Distance from the middle of the cross to its ends.", "ReSkin's board", 1e-4, 1.0, ""},
@@ -99,13 +99,13 @@ const slipbench_note notes[] = {
     {"Standard deviation of a reading along X and Y, in counts.", "measured: public recordings, sensors/magnetic_skin/README.md",
      0.0, 1e4, ""},
     {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from anywhere", 0.0, 3e4, ""},
-    {"Final rise of the skin's temperature [K].", "free", -100.0, 100.0, ""},
+    {"Final rise of the skin's temperature [K].", "set for each scene", -100.0, 100.0, ""},
     {"Time constant of the temperature rise.", "assumed", 1e-3, 1e9, ""},
     {"Share of the magnets' field that is lost per K.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
     {"Noise of a reading along Z over that along X and Y.", "1: eFlesh's recordings, sensors/magnetic_skin/README.md", 0.0, 100.0,
      ""},
     {"Standard deviation of a magnet's position along X and Y from the middle of its cell; normal load then appears as shear.",
-     "free; 0.2 mm fits public recordings of a uSkin on a gripper, sensors/magnetic_skin/README.md", 0.0, 0.1, ""},
+     "set for each scene; 0.2 mm fits public recordings of a uSkin on a gripper, sensors/magnetic_skin/README.md", 0.0, 0.1, ""},
     {"fixed: all trials use one device; redrawn: each trial draws new positions of the magnets.",
      "fixed: a dataset comes from one device", 0.0, 0.0, "fixed|redrawn"},
 };

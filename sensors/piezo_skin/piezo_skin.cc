@@ -163,7 +163,7 @@ Entry piezo_skin_entry() {
           number_spec("radius", Quantity::length, "5 mm", positive_up_to(piezo::patch_half_width),
                       "Radius of the disc that a tip can touch.", "half the patch's width of 10 mm, " + paper),
           number_spec("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the touching tip; inf: flat.",
-                      "free"),
+                      "set for each scene"),
           number_spec("k_normal", Quantity::stiffness, "20 N/mm", positive, "Normal stiffness of the whole disc.",
                       "assumed: a layer of 2 mm and 0.5 MPa under a disc of 5 mm radius has E pi r^2/h = 19.6 N/mm"),
           number_spec("k_tangential", Quantity::stiffness, "6 N/mm", positive, "Tangential stiffness of the whole disc.",

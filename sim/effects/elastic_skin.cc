@@ -71,7 +71,7 @@ EffectKind elastic_skin() {
                     "assumed: silicone gel of Shore A 15"),
         number_spec("thickness", Quantity::length, "inf", positive_or_infinite,
                     "Thickness of the layer on its rigid back; inf: a half-space. A layer needs elements on a regular grid.",
-                    "free"),
+                    "set for each scene"),
         number_spec(
             "patch", Quantity::length, "0 mm", non_negative,
             "Edge of the square that each element represents if the elements are not on a regular grid; 0: their mean distance.",

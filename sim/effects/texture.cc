@@ -101,7 +101,7 @@ EffectKind texture() {
                     "assumed; printed boards have some tenths of a millimetre"),
         number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the ridges, from the surface's X axis.",
                     "assumed"),
-        choice_spec("profile", "sine", {"sine", "bars"}, "Shape of the ridges.", "free"),
+        choice_spec("profile", "sine", {"sine", "bars"}, "Shape of the ridges.", "set for each scene"),
         number_spec("duty", Quantity::none, "0.5", {0.05, 0.95},
                     "Share of the wavelength that a bar takes, half of each edge included.",
                     board + ": one has bars and gaps of 2 mm"),

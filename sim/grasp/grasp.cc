@@ -72,10 +72,12 @@ Entry grip_entry() {
       .summary =
           "A gripper modelled on the Robotiq 2F-85: two fingers on springs, one with a sensor's pad, the other with a second pad.",
       .law =
-          "opening = (closed_at - position) count + drift g(t); speed and force linear in their registers; trapezoids of `acceleration`\n"
-          "g = 1/2 sum of 8 sin(2 pi f t + p), f uniform up to drift_bandwidth, p uniform, drawn for each trial: variance 1\n"
-          "finger: m x'' = k (drive - x) + 2 zeta sqrt(k m) (drive' - x') + pad; y, z and the turns likewise, with the hand in the drive's place\n"
-          "The drive is self-locking: no force moves it. A closing drive stops where k (drive - x) reaches the force register's force.",
+          "opening = (closed_at - position) count + drift g(t)\n"
+          "g = 1/2 sum of 8 sin(2 pi f t + p) has variance 1; f (uniform up to drift_bandwidth) and p (uniform) are drawn per trial.\n"
+          "Speed and force limit are linear in their registers. The opening changes by trapezoids of speed with `acceleration`.\n"
+          "finger along the closing direction: m x'' = k (drive - x) + 2 zeta sqrt(k m) (drive' - x') + force of its pad\n"
+          "Sideways, upwards and in rotation the equation is the same, with the position of the hand instead of the drive.\n"
+          "The drive is self-locking: no force moves it. A closing drive stops when k (drive - x) reaches the force limit.",
       .source = "SENSORS: Robotiq 2F-85; stiffness and latency of a real one are not published",
       .parameters = {
           choice_spec(
@@ -111,7 +113,7 @@ Entry grip_entry() {
           number_spec(
               "drift", Quantity::length, "0 mm", {0.0, 0.02},
               "Standard deviation of a slow drift of the opening that the position register does not show; with soft fingers the grip force drifts too.",
-              "0: none. On 1 N/mm a drift of 0.9 mm moves 4 N by 11 %, as public recordings of a uSkin on a gripper have it"),
+              "0: no drift. With 1 N/mm a drift of 0.9 mm changes 4 N by 11 %, as in public recordings of a uSkin on a gripper"),
           number_spec("drift_bandwidth", Quantity::frequency, "0.3 Hz", positive_up_to(10.0), "Highest frequency of the drift.",
                       "assumed: recorded grips change within seconds"),
 
@@ -143,9 +145,9 @@ Entry grip_entry() {
                       "assumed; 0 to 60 ms are conceivable"),
           number_spec("phase", Quantity::time, "0 ms", non_negative, "Time of the first read.", "assumed"),
           integer_spec("dead_band", "0", byte, "Largest change of position, in counts, for which a command is ignored.",
-                       "assumed: 0; a driver of another make ignores small changes"),
+                       "assumed: 0; drivers of other makers ignore small changes"),
           flag_spec("wrap", "false", "True: a command beyond a byte wraps to its low byte; false: it is an error.",
-                    "free; the published loop's 8-bit adder wraps"),
+                    "set for each scene; the published loop's 8-bit adder wraps"),
       }};
 }
 
@@ -166,18 +168,19 @@ Entry box_entry() {
                       "Position of the box's middle from the middle between the fingers: along the closing direction, sideways.",
                       "assumed"),
           number_spec("weight", Quantity::mass, "0 g", non_negative,
-                      "Mass of a weight in the box, in addition to the box's own mass.", "free"),
+                      "Mass of a weight in the box, in addition to the box's own mass.", "set for each scene"),
           vector_spec(3, "weight_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
-                      "Position of the weight, a point mass, from the box's middle.", "free"),
+                      "Position of the weight, a point mass, from the box's middle.", "set for each scene"),
           number_spec("table_friction", Quantity::none, "0.5", {0.0, 100.0}, "Friction coefficient between box and table.",
                       "assumed"),
           number_spec("table_stiffness", Quantity::stiffness, "100 N/mm", positive,
                       "Stiffness of the table under the four corners of the box together.",
                       "assumed: a box of 0.2 kg sinks in by 0.02 mm"),
           table_spec(4, "push", {{"t", Quantity::time}, {"x", Quantity::force}, {"y", Quantity::force}, {"z", Quantity::force}},
-                     "External force on the box over time, along the world's axes, linear between the rows.", "free"),
+                     "External force on the box over time, along the world's axes, linear between the rows.",
+                     "set for each scene"),
           vector_spec(3, "push_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
-                      "Point where the push acts, from the box's middle.", "free"),
+                      "Point where the push acts, from the box's middle.", "set for each scene"),
       }};
 }
 

@@ -14,29 +14,31 @@ constexpr const char* recorded =
     "motion capture of the published trials (repository JT2106): 43 mm/s on the plateau, reached in 0.1 s";
 
 Entry lift_entry() {
-  return {"lift",
-          "The arm of a grasp waits and lifts; then it may move sideways, tilt and shake, one after the other.",
-          "height, sideways motion and tilt: trapezoids from rest to rest\n"
-          "shake: s(t) = shake/2 (1 - cos(2 pi shake_frequency t)) for shake_cycles whole cycles: it begins and ends at rest",
-          "trapezoidal profiles; integrated exactly",
-          {number_spec("settle", Quantity::time, "1.5 s", non_negative, "How long the arm waits while the gripper takes the box.",
-                       "assumed"),
-           number_spec("distance", Quantity::length, "100 mm", positive_up_to(2.0), "How far the arm lifts.", recorded),
-           number_spec("speed", Quantity::speed, "43 mm/s", positive_up_to(10.0),
-                       "Speed of the lift and of the sideways motion; with protocol as_printed: 5 mm/s.", recorded),
-           number_spec("acceleration", Quantity::acceleration, "400 mm/s2", positive,
-                       "Acceleration of the lift and of the sideways motion; with protocol as_printed: 50 mm/s2.", recorded),
-           vector_spec(2, "sideways", Quantity::length, "[0 mm, 0 mm]", {-2.0, 2.0},
-                       "Sideways motion after the lift: along the fingers' closing direction, across it.", "free"),
-           vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", any_value,
-                       "Rotation vector of the tilt after the sideways motion: about the closing direction, across it.", "free"),
-           number_spec("tilt_speed", Quantity::angular_speed, "30 deg/s", positive, "Angular speed of the tilt.", "assumed"),
-           number_spec("tilt_acceleration", Quantity::angular_acceleration, "100 deg/s2", positive,
-                       "Angular acceleration of the tilt.", "assumed"),
-           vector_spec(3, "shake", Quantity::length, "[0 mm, 0 mm, 0 mm]", {-2.0, 2.0},
-                       "Shaking after the tilt, from end to end: along the closing direction, across it, up.", "free"),
-           number_spec("shake_frequency", Quantity::frequency, "5 Hz", positive, "Shaking frequency.", "assumed"),
-           integer_spec("shake_cycles", "10", non_negative, "Number of shaking cycles.", "assumed")}};
+  return {
+      "lift",
+      "The arm of a grasp waits and lifts; then it may move sideways, tilt and shake, one after the other.",
+      "height, sideways motion and tilt: trapezoids from rest to rest\n"
+      "shake: s(t) = shake/2 (1 - cos(2 pi shake_frequency t)) for shake_cycles whole cycles: it begins and ends at rest",
+      "trapezoidal profiles; integrated exactly",
+      {number_spec("settle", Quantity::time, "1.5 s", non_negative, "How long the arm waits while the gripper takes the box.",
+                   "assumed"),
+       number_spec("distance", Quantity::length, "100 mm", positive_up_to(2.0), "How far the arm lifts.", recorded),
+       number_spec("speed", Quantity::speed, "43 mm/s", positive_up_to(10.0),
+                   "Speed of the lift and of the sideways motion; with protocol as_printed: 5 mm/s.", recorded),
+       number_spec("acceleration", Quantity::acceleration, "400 mm/s2", positive,
+                   "Acceleration of the lift and of the sideways motion; with protocol as_printed: 50 mm/s2.", recorded),
+       vector_spec(2, "sideways", Quantity::length, "[0 mm, 0 mm]", {-2.0, 2.0},
+                   "Sideways motion after the lift: along the fingers' closing direction, across it.", "set for each scene"),
+       vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", any_value,
+                   "Rotation vector of the tilt after the sideways motion: about the closing direction, across it.",
+                   "set for each scene"),
+       number_spec("tilt_speed", Quantity::angular_speed, "30 deg/s", positive, "Angular speed of the tilt.", "assumed"),
+       number_spec("tilt_acceleration", Quantity::angular_acceleration, "100 deg/s2", positive,
+                   "Angular acceleration of the tilt.", "assumed"),
+       vector_spec(3, "shake", Quantity::length, "[0 mm, 0 mm, 0 mm]", {-2.0, 2.0},
+                   "Shaking after the tilt, from end to end: along the closing direction, across it, up.", "set for each scene"),
+       number_spec("shake_frequency", Quantity::frequency, "5 Hz", positive, "Shaking frequency.", "assumed"),
+       integer_spec("shake_cycles", "10", non_negative, "Number of shaking cycles.", "assumed")}};
 }
 
 Eigen::Vector3d flat(const std::vector<double>& v) { return {v[0], v[1], 0.0}; }

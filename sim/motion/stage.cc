@@ -25,12 +25,13 @@ Entry stage_entry() {
       "sideways: p(t) = pivot + s(t) [cos direction, sin direction] - R(theta(t)) pivot, s and theta trapezoids\n"
       "The pad moves along `direction`; the friction on the pad points the other way. The pivot moves along with the pad.\n"
       "`travel` and `stop` both end the sideways motion: `travel` by distance, `stop` by time.\n"
-      "vibration: a force on every unit of the pad, along its normal. An axis that moves at v drives the frame with the mean\n"
-      "square (1.6 mN level)^2 v/(10 mm/s). Half of it are lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half is noise of\n"
-      "one pole at 200 v/lead. The frame has modes at 75, 130, 215, 330, 520 Hz (damping ratio 0.03 to 0.05); it passes on the\n"
-      "sum of s^2/(s^2 + 2 zeta w s + w^2) over the modes. ln(level) varies by vibration_sd from recording to recording.\n"
-      "An idle axis adds its own such drive at v = idle_speed from idle_start on. Motors that hold their position add the noise of\n"
-      "such a drive at v = rest_speed throughout, without lines.",
+      "vibration: the motors shake the frame, which exerts a force on every unit of the pad, along the pad's normal.\n"
+      "The motor of an axis that moves at v exerts a force with the mean square (1.6 mN level)^2 v/(10 mm/s) on the frame: half\n"
+      "of it in lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half in noise with one pole at 200 v/lead.\n"
+      "The frame multiplies this force by the sum of s^2/(s^2 + 2 zeta w s + w^2) over its modes, which are at 75, 130, 215, 330\n"
+      "and 520 Hz with damping ratios of 0.03 to 0.05. ln(level) has the standard deviation vibration_sd between recordings.\n"
+      "From idle_start on, an idle axis adds the force of an axis that moves at idle_speed. Motors that hold their position\n"
+      "always add the noise, without the lines, of an axis that moves at rest_speed.",
       "Wang et al., IEEE RA-L 9 (2024) 1827 (protocol); constant accelerations, integrated exactly",
       {
           number_spec("compression", Quantity::length, "1 mm", positive_up_to(0.1), "How far the tallest element is pressed in.",
@@ -61,14 +62,15 @@ Entry stage_entry() {
                       "Time after the start at which the pad brakes; inf: never.",
                       "published stop trials halt 50 to 100 ms after the start"),
           number_spec("travel", Quantity::length, "inf", positive_or_infinite,
-                      "Length of the sideways motion, after which the pad rests; inf: `stop` decides.", "free"),
-          integer_spec("strokes", "1", {1.0, 100.0}, "Number of strokes of length `travel`, alternately there and back.", "free"),
+                      "Length of the sideways motion, after which the pad rests; inf: `stop` decides.", "set for each scene"),
+          integer_spec("strokes", "1", {1.0, 100.0}, "Number of strokes of length `travel`, alternately there and back.",
+                       "set for each scene"),
           number_spec("reverse", Quantity::time, "inf", positive_or_infinite,
                       "Time after the start at which the pad turns back; inf: never.", "assumed"),
           number_spec("retract", Quantity::time, "inf", positive_or_infinite,
                       "Time at which the pad lifts off by compression + gap; inf: never.", "assumed"),
           number_spec("clearance", Quantity::length, "0 mm", {0.0, 0.1},
-                      "Height added to the whole motion; above `compression` the pad touches nothing.", "free"),
+                      "Height added to the whole motion; above `compression` the pad touches nothing.", "set for each scene"),
           number_spec("vibration", Quantity::none, "0", non_negative, "Level of the motors' vibration; 0: none.",
                       "0: no vibration; levels of 1 to 4 resemble the published piezoelectric recordings, assumed"),
           number_spec("vibration_sd", Quantity::none, "0.1", fraction,
@@ -84,7 +86,7 @@ Entry stage_entry() {
                       "Speed of another axis that does not carry the pad; only its motor's vibration reaches the pad.",
                       "free: motors run without a slide"),
           number_spec("idle_start", Quantity::time, "0 s", non_negative,
-                      "Time at which that axis starts; it then runs until the end.", "free"),
+                      "Time at which that axis starts; it then runs until the end.", "set for each scene"),
           number_spec(
               "rest_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
               "Speed at which an axis would be as noisy as all motors holding their position, times `vibration`; 0: silent at rest.",

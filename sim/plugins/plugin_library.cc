@@ -260,9 +260,9 @@ void PluginSamples::forget() {
 }
 
 std::vector<ParameterSpec> plugin_specs() {
-  return {path_spec("library", no_library, "The shared library.", "free"),
+  return {path_spec("library", no_library, "The shared library.", "set for each scene"),
           map_spec("parameters", "Parameters that the library declares; a parameter that is left out has the library's default.",
-                   "free")};
+                   "set for each scene")};
 }
 
 }  // namespace slipbench

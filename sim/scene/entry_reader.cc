@@ -68,7 +68,7 @@ Parameters::Value undeclared_value(const std::string& text) {
 }
 
 ParameterSpec share(const char* name, const char* doc) {
-  return number_spec(name, Quantity::none, "1 %", positive_up_to(1.0), doc, "free");
+  return number_spec(name, Quantity::none, "1 %", positive_up_to(1.0), doc, "set for each scene");
 }
 
 // Keys of a scene that say how it is computed. With `accuracy` they are determined by the program.
@@ -271,7 +271,7 @@ const std::vector<ParameterSpec>& accuracy_specs() {
       share("label", "Share of the units' states that may differ."),
       share("label_micro", "Share of the pad's states that may differ."),
       number_spec("creep", Quantity::speed, "1 um/s", positive, "Largest error of the drift of a held body over its pad.",
-                  "free")};
+                  "set for each scene")};
   return specs;
 }
 

@@ -21,18 +21,19 @@ inline const ParameterSpec scale_spec =
 
 inline const ParameterSpec gravity_spec = number_spec("gravity", Quantity::acceleration, "9.81 m/s2", {0.0, 1000.0},
                                                       "Acceleration of gravity, downwards.", "the Earth's");
-inline const ParameterSpec field_solver_spec =
-    choice_spec("field_solver", "auto", {"auto", "explicit", "implicit"},
-                "How the time step treats the pads' springs; auto: explicit, or in a grasp the cheaper of the two.", "free");
+inline const ParameterSpec field_solver_spec = choice_spec(
+    "field_solver", "auto", {"auto", "explicit", "implicit"},
+    "How the time step treats the pads' springs; auto: explicit, or in a grasp the cheaper of the two.", "set for each scene");
 inline const ParameterSpec integrator_spec =
     choice_spec("integrator", "auto", {"auto", "Euler", "implicit", "implicitfast", "discrete", "RK4"},
-                "Integrator of the bodies; auto: the one of the model or of the simulation.", "free");
+                "Integrator of the bodies; auto: the one of the model or of the simulation.", "set for each scene");
 inline const ParameterSpec damping_spec = number_spec("damping", Quantity::time, "1 ms", non_negative,
                                                       "Time constant of a dashpot in parallel with each spring.", "assumed");
-inline const ParameterSpec ahead_spec = number_spec("ahead", Quantity::length, "0 mm", {0.0, 0.01},
-                                                    "Offset of a sensor in front of the pad that it follows.", "free");
+inline const ParameterSpec ahead_spec =
+    number_spec("ahead", Quantity::length, "0 mm", {0.0, 0.01}, "Offset of a sensor in front of the pad that it follows.",
+                "set for each scene");
 inline const ParameterSpec control_time_spec =
-    number_spec("time", Quantity::time, "0 s", non_negative, "Time of a value of a control.", "free");
+    number_spec("time", Quantity::time, "0 s", non_negative, "Time of a value of a control.", "set for each scene");
 
 inline constexpr double mujoco_min_value = 1e-15;  // mjMINVAL
 
@@ -72,22 +73,23 @@ inline const Entry contact_entry{
 inline const Entry split_entry{"split",
                                "How a dataset's trials are divided into /mask/train, valid and test.",
                                "",
-                               "free",
+                               "set for each scene",
                                {choice_spec("by", "material", {"material", "object", "speed", "trial"},
-                                            "Property whose values are not shared between the parts.", "free"),
+                                            "Property whose values are not shared between the parts.", "set for each scene"),
                                 vector_spec(3, "shares", Quantity::none, "[0.7, 0.15, 0.15]", fraction,
-                                            "Shares of train, valid and test; they sum to 1.", "free")}};
+                                            "Shares of train, valid and test; they sum to 1.", "set for each scene")}};
 
-inline const ParameterSpec hold_from_spec = number_spec(
-    "from", Quantity::time, "0 s", non_negative, "Time from which on the body must not move relative to what holds it.", "free");
+inline const ParameterSpec hold_from_spec =
+    number_spec("from", Quantity::time, "0 s", non_negative,
+                "Time from which on the body must not move relative to what holds it.", "set for each scene");
 inline const ParameterSpec hold_within_spec =
     number_spec("within", Quantity::length, "10 mm", positive, "Distance that the body may move and still counts as held.",
                 "10 mm: more than a finger's rolling and a skin's give, less than a fall");
 
 inline const ParameterSpec confidence_spec =
     number_spec("confidence", Quantity::none, "0.95", {0.5, 0.999999},
-                "Confidence level of the interval for the rate of trials that meet an expectation.", "free");
-inline const ParameterSpec control_spec =
-    choice_spec("control", "hold_preset", {"hold_preset", "none"}, "Controller that must not meet all expectations.", "free");
+                "Confidence level of the interval for the rate of trials that meet an expectation.", "set for each scene");
+inline const ParameterSpec control_spec = choice_spec("control", "hold_preset", {"hold_preset", "none"},
+                                                      "Controller that must not meet all expectations.", "set for each scene");
 
 }  // namespace slipbench

@@ -28,7 +28,7 @@ const auto& kind_named(const Catalogue& catalogue, const std::string& name) {
 
 ParameterSpec position() {
   return vector_spec(2, "position", Quantity::length, "[0 mm, 0 mm]", any_value,
-                     "Position of the surface's middle along the world's X and Y.", "free");
+                     "Position of the surface's middle along the world's X and Y.", "set for each scene");
 }
 
 Pose placed(const Parameters& p, double z) {
@@ -57,7 +57,8 @@ SurfaceKind box() {
 }
 
 ParameterSpec angle() {
-  return number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction of the axis, from the world's X axis.", "free");
+  return number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction of the axis, from the world's X axis.",
+                     "set for each scene");
 }
 
 // Places the shape with its z axis along the angle, and its highest line at z = 0.
@@ -119,9 +120,9 @@ SurfaceKind sphere() {
 std::vector<ParameterSpec> place() {
   return {
       vector_spec(3, "position", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
-                  "Position of the body's middle at the start, in the world.", "free"),
+                  "Position of the body's middle at the start, in the world.", "set for each scene"),
       vector_spec(3, "rotation", Quantity::angle, "[0 deg, 0 deg, 0 deg]", any_value,
-                  "Rotation at the start: about the world's X axis, then Y, then Z.", "free"),
+                  "Rotation at the start: about the world's X axis, then Y, then Z.", "set for each scene"),
       number_spec(
           "friction", Quantity::none, "0.5", {0.0, 100.0},
           "Friction coefficient of MuJoCo's own contact with other bodies; the larger of the two bodies' values applies. Pads do not use it.",
@@ -132,9 +133,9 @@ std::vector<ParameterSpec> place() {
 Entry shape(std::string name, std::string summary, std::vector<ParameterSpec> sizes) {
   const std::vector<ParameterSpec> motion{
       number_spec("mass", Quantity::mass, "100 g", positive, "Mass, spread evenly.", "assumed"),
-      flag_spec("free", "true", "True: forces move the body; false: it stands still.", "free"),
+      flag_spec("free", "true", "True: forces move the body; false: it stands still.", "set for each scene"),
       vector_spec(3, "velocity", Quantity::speed, "[0 m/s, 0 m/s, 0 m/s]", any_value,
-                  "Velocity of the body's middle at the start; 0 for a body that is not free.", "free")};
+                  "Velocity of the body's middle at the start; 0 for a body that is not free.", "set for each scene")};
   return {std::move(name), std::move(summary), "", "", joined(joined(std::move(sizes), place()), motion)};
 }
 
@@ -204,9 +205,9 @@ const std::vector<Entry>& body_catalogue() {
                          "Centre of mass, from the body's middle. The inertia about it is that of an even box about its middle.",
                          "assumed"),
              number_spec("weight", Quantity::mass, "0 g", non_negative,
-                         "Mass of a weight in the box, in addition to the box's own mass.", "free"),
+                         "Mass of a weight in the box, in addition to the box's own mass.", "set for each scene"),
              vector_spec(3, "weight_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
-                         "Position of the weight, a point mass, from the box's middle.", "free")}),
+                         "Position of the weight, a point mass, from the box's middle.", "set for each scene")}),
       shape("capsule", "A cylinder along Z with hemispherical ends.",
             {number_spec("radius", Quantity::length, "20 mm", positive, "Radius.", "assumed"),
              number_spec("length", Quantity::length, "60 mm", positive, "Length of the straight part.", "assumed")}),
@@ -215,7 +216,7 @@ const std::vector<Entry>& body_catalogue() {
              number_spec("length", Quantity::length, "60 mm", positive, "Length.", "assumed"),
              number_spec("bore", Quantity::length, "0 mm", non_negative,
                          "Radius of a hole along the axis, below `radius`. It changes only the inertia, as of a drinking glass.",
-                         "free"),
+                         "set for each scene"),
              vector_spec(
                  3, "centre_of_mass", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
                  "Centre of mass, from the body's middle. The inertia about it is that of an even cylinder about its middle.",

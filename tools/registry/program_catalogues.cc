@@ -46,7 +46,7 @@ Entry oracle_entry() {
           "A slip that begins and ends between two samples is missed.",
       .source = "the simulation's own contact, which detectors do not see",
       .parameters = {number_spec("latency", Quantity::time, "0 s", non_negative,
-                                 "Time from the sample until the class is available.", "free")}};
+                                 "Time from the sample until the class is available.", "set for each scene")}};
 }
 
 const std::vector<DetectorKind>& detector_catalogue() {
@@ -121,11 +121,11 @@ std::vector<ParameterSpec> parameters_of(ParameterSpec limit) {
   return {
       std::move(limit),
       number_spec("pass", Quantity::none, "1", positive_up_to(1.0),
-                  "Share of the trials that must meet the expectation: k of n, with k rounded up.", "free"),
+                  "Share of the trials that must meet the expectation: k of n, with k rounded up.", "set for each scene"),
       number_spec(
           "reliability", Quantity::none, "0", {0.0, 0.999999},
           "Rate of meeting the expectation that the run must demonstrate: the interval with expect.confidence must not begin below it. A run with too few trials is an error.",
-          "free")};
+          "set for each scene")};
 }
 
 // `field`: name of the outcome in a dataset.
@@ -137,7 +137,7 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
                     : "observed >= limit; a trial without an observed value meets the expectation",
             "the trial's outcome: " + field,
             parameters_of(number_spec("limit", quantity, std::move(example), non_negative,
-                                      at_most ? "Largest allowed value." : "Smallest allowed value.", "free"))},
+                                      at_most ? "Largest allowed value." : "Smallest allowed value.", "set for each scene"))},
            false,
            false},
           comparison,
@@ -146,7 +146,7 @@ ExpectationKind number(std::string name, Comparison comparison, Quantity quantit
 
 ExpectationKind flag(std::string name, std::string summary, const std::string& field, double (*observed)(const TrialOutcome&)) {
   return {{{std::move(name), std::move(summary), "observed = limit", "the trial's outcome: " + field,
-            parameters_of(flag_spec("limit", "false", "Expected value.", "free"))},
+            parameters_of(flag_spec("limit", "false", "Expected value.", "set for each scene"))},
            false,
            false},
           Comparison::equal,

@@ -164,16 +164,18 @@ std::unique_ptr<Sensor> make_table_sensor(const PadLayout& layout, double rate, 
 // Sensor type under which the scene reader knows the pad of an element table.
 constexpr const char* table_type = "elements";
 
-const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "free");
-const ParameterSpec truth_spec = flag_spec("truth", "false", "True: the truth follows the sensor's values.", "free");
-const ParameterSpec element_truth_spec =
-    choice_spec("element_truth", "false", {"false", "true", "read"}, "True: the truth lists each element too.", "free");
-const ParameterSpec solver_spec = choice_spec("solver", "explicit", {"explicit", "implicit"},
-                                              "How the time step treats the springs: explicitly or implicitly.", "free");
-const ParameterSpec check_spec =
-    choice_spec("check", "error", {"error", "warn", "off"}, "Whether a mistake in the model is an error or a warning.", "free");
+const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "set for each scene");
+const ParameterSpec truth_spec =
+    flag_spec("truth", "false", "True: the truth follows the sensor's values.", "set for each scene");
+const ParameterSpec element_truth_spec = choice_spec("element_truth", "false", {"false", "true", "read"},
+                                                     "True: the truth lists each element too.", "set for each scene");
+const ParameterSpec solver_spec =
+    choice_spec("solver", "explicit", {"explicit", "implicit"}, "How the time step treats the springs: explicitly or implicitly.",
+                "set for each scene");
+const ParameterSpec check_spec = choice_spec("check", "error", {"error", "warn", "off"},
+                                             "Whether a mistake in the model is an error or a warning.", "set for each scene");
 const ParameterSpec unloaded_spec =
-    choice_spec("unloaded", "1", {"1", "nan"}, "Margin reported for units without contact.", "free");
+    choice_spec("unloaded", "1", {"1", "nan"}, "Margin reported for units without contact.", "set for each scene");
 
 // The attributes of one instance.
 class Attributes {

@@ -182,7 +182,7 @@ Examples:
   slipbench export hexapod.h5 --format vendor-csv --slip paper -o logs)");
   arguments.input("FILE", dataset, "Dataset (HDF5)", ".h5").required();
   arguments
-      .read("--format NAME", fmt::format("{}, see below", fmt::join(export_format_names(), " or ")),
+      .read("--format NAME", "Format to write; the list below has the names",
             [this](const std::string& name) { options.format = parse_export_format(name); })
       .offers(export_format_names)
       .required();
@@ -259,7 +259,7 @@ Examples:
                               "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
   arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments
-      .read("--format NAME", fmt::format("{}, see below (default: as --map describes)", fmt::join(import_format_names(), " or ")),
+      .read("--format NAME", "Format of SOURCE; the list below has the names (default: as --map describes)",
             [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); })
       .offers(import_format_names);
   arguments.input("--map MAP", options.map, "Description of the recordings: a YAML file, or the name of an included map");

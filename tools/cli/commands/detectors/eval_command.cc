@@ -155,9 +155,9 @@ int EvalCommand::run() {
 
 void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Compare slip detectors by one protocol", R"(
-Ranks detectors on a board: the included detectors, those that the protocol trains, the negative
-controls (always slip, never slip, a clock, known motion with and without time), and the DETECTORs
-given. A protocol consists of fixed recordings and grasps (scenes/benchmark/PROTOCOL), which share no
+Ranks detectors on a board: the included detectors, those that the protocol trains, the given
+DETECTORs, and negative controls. The controls do not read the sensor: they always or never report
+slip, report it from a fixed time on, or know the commanded motion. A protocol consists of fixed recordings and grasps (scenes/benchmark/PROTOCOL), which share no
 seed with the training data, and of a score that false alarms lower
 (tools/benchmark/README.md).
 
