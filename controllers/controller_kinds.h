@@ -17,22 +17,22 @@ struct GripSource {
   bool detected = true;                 // the scene has a detector; otherwise every estimate is no contact
   std::vector<Feature> features{};      // features of the estimates passed to update(): Detector::features()
   bool guided = false;                  // the scene's motion accepts GripCommand::arm; otherwise no arm command is allowed
-  std::vector<SensorSource> sensors{};  // all of the scene, in order; update() receives frames of the first
+  std::vector<SensorSource> sensors{};  // all sensors of the scene, in order; update() receives frames of the first
 };
 
-// Which tightenings of a controller answer a slip (GraspOutcome::reaction_time).
+// Tightenings of a controller that count as answers to a slip (GraspOutcome::reaction_time).
 enum class Answers {
-  by_own_rule,  // all: it reacts to slip by what it reads, or its rule is unknown
+  by_own_rule,  // all: the controller reacts to slip by its own readings, or its rule is unknown
   seen_slip,    // those after an update in which the detector reported slip; the others keep the preset force
-  nothing,      // none: slip is ignored
+  nothing,      // none: the controller ignores slip
 };
 
 // A controller that a scene may name.
 struct ControllerKind {
   Entry about;
-  // `parameters`: all those of `about`. Throws SceneValueError at controller.<key> for values that
-  // conflict with others, and at controller.type if the frames lack a channel that the controller
-  // reads or the scene has no detector that it needs.
+  // `parameters`: all parameters that `about` declares. Throws SceneValueError at controller.<key>
+  // for values that conflict with others, and at controller.type if the frames lack a channel that
+  // the controller reads or the scene lacks a detector that it needs.
   std::unique_ptr<Controller> (*create)(const Parameters& parameters, const GripSource& source);
   Answers answers = Answers::by_own_rule;
 };

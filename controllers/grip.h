@@ -62,9 +62,9 @@ int moved(int position, double counts);
 
 // Turns a target grip force into positions in whole counts: n = ceil((target -
 // grip)/force_per_count) beyond the measured position, at most as many as keep grip + n
-// force_per_count <= ceiling. n is relative to the position at which `grip` was measured, so asking
-// again while the fingers still move repeats the same position: the delay of the loop adds no
-// counts. Without `loosen` the position never falls; with it, the gripper opens by floor((grip -
+// force_per_count <= ceiling. n is relative to the position at which `grip` was measured, so a call
+// while the fingers still move returns the same position: the delay of the loop adds no counts.
+// Without `loosen` the position never falls. With `loosen` the gripper opens by floor((grip -
 // target)/force_per_count) counts and settles inside [target, target + force_per_count).
 class ForceFollower {
  public:

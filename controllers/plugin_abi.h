@@ -48,7 +48,7 @@ struct slipbench_controller {
   void* self;  // passed to both functions
   void (*update)(void* self, const struct slipbench_control_input* input, struct slipbench_grip_command* command);
   void (*destroy)(void* self);           // called once at the end; null: not needed
-  char refusal[SLIPBENCH_REFUSAL_SIZE];  // one line that says why this scene is refused; `update` is then null
+  char refusal[SLIPBENCH_REFUSAL_SIZE];  // the reason why this scene is refused, one line; `update` is then null
 };
 
 // The two symbols that a library exports. slipbench_make_controller is called once per trial.

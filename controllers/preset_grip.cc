@@ -7,7 +7,7 @@
 namespace slipbench::controllers {
 namespace {
 
-// `Once`: a force reached once counts as reached for ever.
+// `Once`: a force that was reached once counts as reached from then on.
 template <bool Once>
 class PresetGrip final : public GripController {
  public:

@@ -11,9 +11,9 @@ namespace slipbench {
 
 struct DetectorKind {
   Entry about;
-  // `parameters`: all those of `about`. Throws SceneValueError at detector.sensor if the sensor
-  // lacks the channels read (z into the sensor), and at detector.window if it is not a whole number
-  // of frames.
+  // `parameters`: all parameters that `about` declares. Throws SceneValueError at detector.sensor
+  // if the sensor lacks the channels that the detector reads (z into the sensor), and at
+  // detector.window if it is not a whole number of frames.
   std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);
   void (*check_run)(const Parameters& parameters, std::uint64_t trials) = nullptr;  // null: no requirements
   bool counts_frames = true;  // assumes evenly spaced frames; false: each estimate depends on one frame alone

@@ -41,7 +41,7 @@ struct slipbench_detector {
   double rate;  // Hz, of the updates: the sensor's rate over a whole number k; preset to the sensor's rate
   void (*update)(void* self, const struct slipbench_detector_input* input, struct slipbench_estimate* estimate);
   void (*destroy)(void* self);           // called once at the end; null: not needed
-  char refusal[SLIPBENCH_REFUSAL_SIZE];  // one line that says why this scene is refused; `update` is then null
+  char refusal[SLIPBENCH_REFUSAL_SIZE];  // the reason why this scene is refused, one line; `update` is then null
 };
 
 // The two symbols that a library exports. slipbench_make_detector is called once per trial.

@@ -48,7 +48,8 @@ class ShearRate final : public Detector {
     bool slips = false;
   };
 
-  // `nearer`: f_t/f_n has grown over the window. It has not if the shear comes with a closing grip.
+  // `nearer`: f_t/f_n has grown over the window. It does not grow if the shear comes from a closing
+  // grip.
   void follow(Unit& unit, const UnitForce& force, double rate, bool nearer) const {
     if (nearer) unit.peak = std::max(unit.peak, rate);
     if (unit.peak >= loading_ && rate >= following_ * unit.peak) {

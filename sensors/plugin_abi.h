@@ -61,7 +61,7 @@ struct slipbench_readout {
   // be finite on return.
   void (*measure)(void* self, const struct slipbench_contact* contact, float* values);
   void (*destroy)(void* self);           // called once at the end; null: not needed
-  char refusal[SLIPBENCH_REFUSAL_SIZE];  // one line that says why this scene is refused; `measure` is then null
+  char refusal[SLIPBENCH_REFUSAL_SIZE];  // the reason why this scene is refused, one line; `measure` is then null
 };
 
 // The two symbols that a library exports. slipbench_make_sensor is called once per trial, and also

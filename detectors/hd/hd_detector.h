@@ -36,11 +36,11 @@ std::size_t stride_of(double rate, const FrameSource& source);
 // Classifies every k-th frame, starting with the first, with k = stride_of(rate, source); frames
 // between them do not change the estimate. (The paper downsamples 1000 Hz recordings to 100 Hz
 // without saying how; its hardware reads the sensor at 100 Hz, as here.) The state is no_contact
-// until the engine has seen its window, then the nearest of three classes. That holds without
-// contact, too: the classifier has no class for it and sees nine displacements of zero. `alarm`
-// sets how many consecutive frames must be slip before the detector reports it: non_slip until
-// then, and the last class of slip while an alarm outlasts the frames of slip. Throws
-// SceneValueError where stride_of() does, and if the source is not a PapillArray.
+// until the engine has seen a whole window, then the nearest of three classes. This also holds
+// without contact, because the classifier has no class for it and sees nine displacements of zero.
+// `alarm` sets how many consecutive frames must be slip before the detector reports slip: non_slip
+// until then, and the last class of slip while an alarm outlasts the frames of slip. Throws
+// SceneValueError as stride_of() does, and if the source is not a PapillArray.
 std::unique_ptr<Detector> make_detector(Classify classify, double rate, const network::Alarm& alarm, const FrameSource& source);
 
 }  // namespace slipbench::hd

@@ -55,9 +55,9 @@ struct Input {
   double low = 0.0, high = 0.0;  // Hz, first and last bin; spectra only
   bool hann = false;             // spectra only: Hann's taper; false: rectangular
   double floor =
-      0.0;  // of log_psd: unit^2/Hz, added to a density before its logarithm; of those with `spans`: the sensor's unit; more than 0
+      0.0;  // for log_psd in unit^2/Hz, added to a density before its logarithm; for transforms with `spans` in the unit of the sensor; above 0
   std::vector<std::size_t>
-      spans;  // samples, 2 or more each; of spreads, levels and units alone, whose first frame is complete after `window` samples, 2 at least
+      spans;  // samples, 2 or more each; only for spreads, levels and units, whose first frame is complete after `window` samples, at least 2
   // Pixels of an image: pixel p is the mean of the values listed in pixels[p], 0 if the list is
   // empty. One image for each bin of a spectrum or sample of a window. Empty: the values unchanged.
   std::vector<std::vector<std::size_t>> pixels;

@@ -244,7 +244,7 @@ bool SlidingSpectrum::push(double sample) {
 }
 
 double SlidingSpectrum::band_mean(double low, double high) const {
-  // A bound equal to a bin's frequency must include that bin despite rounding.
+  // Includes a bin whose frequency equals a bound despite rounding.
   constexpr double rounding = 1e-9;
   const auto first = static_cast<std::size_t>(std::ceil(low / spectrum_.bin_width() - rounding));
   const auto last = static_cast<std::size_t>(std::floor(high / spectrum_.bin_width() + rounding));

@@ -59,7 +59,7 @@ std::span<const std::complex<double>> RealFft::transform() {
 }
 
 BinRange bins_within(double rate, std::size_t window, double low, double high) {
-  constexpr double rounding = 1e-9;  // relative, of a decimal length times a decimal rate
+  constexpr double rounding = 1e-9;  // relative rounding error of a decimal length times a decimal rate
   const double width = rate / static_cast<double>(window);
   const double last = std::floor(std::min(0.5 * static_cast<double>(window), high / width * (1.0 + rounding)));
   const double first = std::ceil(std::max(0.0, low / width * (1.0 - rounding)));

@@ -53,7 +53,7 @@ void set_waveform(const Parameters& parameters, const FrameSource& source, RtlOp
     throw SceneValueError("detector.waveform_to", format_quantity(parameters.number("waveform_to"), Quantity::time) +
                                                       ": no frame is classified between waveform_from and this time");
   }
-  // Checked for this trial only: others may be shorter, or run while the file is being written.
+  // Only this trial is checked: others may be shorter, or run while the file is being written.
   if (source.trial != static_cast<std::uint64_t>(parameters.integer("waveform_trial"))) return;
   if (first >= source.duration * rate - rounding) {
     throw SceneValueError("detector.waveform_from", format_quantity(parameters.number("waveform_from"), Quantity::time) +

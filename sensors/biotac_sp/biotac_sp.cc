@@ -19,7 +19,7 @@ namespace biotac_sp {
 Entry about() {
   const std::string recordings = "111 public recordings (yayaneath/BioTacSP-DoS)";
   constexpr Range some_length = positive_up_to(0.1);
-  constexpr Range some_rate{1.0, 10e3};  // the device's own converter makes 4,400 readings a second
+  constexpr Range some_rate{1.0, 10e3};  // Hz; the converter of the device makes 4,400 readings per second
   return {
       .name = "biotac_sp",
       .summary = "BioTac SP fingertip: 24 electrodes under fluid and a curved skin, static pressure, vibration.",
@@ -275,7 +275,7 @@ SignalModel vibration_model(double rate) {
   return model;
 }
 
-// The parts in `all` that are (`are` true) or are not in `named`.
+// Returns the parts in `all` that are in `named` (`are` true), or that are not in `named`.
 std::vector<Named> parts(const std::vector<Named>& all, std::initializer_list<std::string_view> named, bool are) {
   std::vector<Named> kept;
   for (const Named& part : all) {
@@ -343,8 +343,8 @@ class BioTac final : public Sensor {
     hear(pressure, truth.time, pac + slots_a_cycle * cycle);
     const auto slot = static_cast<std::size_t>(memory_[next_slot]);
     if (device_scan_ ? slot == 0 : last) draw_disturbances(truth.time);
-    // The device ran before the trial: readings from earlier rounds are taken from the trial's
-    // first contact.
+    // The device already ran before the trial: readings from earlier rounds are taken from the
+    // trial's first contact.
     if (first_of_all || (!device_scan_ && last)) {
       read(0, slots, truth, pressure);
     } else if (device_scan_) {

@@ -64,8 +64,9 @@ class ElectronicsStage {
   [[nodiscard]] virtual std::span<double> memory() { return {}; }
   // Number of samples with a value beyond the part's range (Sensor::saturated).
   [[nodiscard]] virtual std::uint64_t saturated() const { return 0; }
-  // Per flag of SignalModel::range_flag: 1 if a value of the last sample was beyond its range, else 0. The span stays where it is as long as the
-  // part lives. Empty: the part raises no flags.
+  // One value per flag of SignalModel::range_flag: 1 if a value of the last sample was beyond its
+  // range, else 0. The span keeps its address as long as the part exists. Empty: the part raises no
+  // flags.
   [[nodiscard]] virtual std::span<const float> range_flags() const { return {}; }
   // True if apply() must also be called between samples, at every tick of the simulation.
   [[nodiscard]] virtual bool works_between_samples() const { return false; }
@@ -97,7 +98,7 @@ class Electronics {
   // clips such a value; valid_range only counts it.
   [[nodiscard]] std::uint64_t saturated() const;
 
-  // The flags of the part that raises some (ElectronicsStage::range_flags); empty: no part does.
+  // The flags of the part that raises flags (ElectronicsStage::range_flags); empty: no part does.
   [[nodiscard]] std::span<const float> range_flags() const;
 
  private:
@@ -120,10 +121,10 @@ struct PartFigures {
   std::vector<ParameterSpec> parameters = {};  // further ones, with which the sensor fills its SignalModel
 };
 
-// Returns the parts that a sensor has, in the order of `figures`, which is also their order as
-// `typical`. Each has the sensor's source before the part's own, the sensor's defaults and its
-// further parameters. `device`: its name in the source, "PapillArray". Throws std::logic_error for
-// an unknown part or parameter.
+// Returns the parts of a sensor in the order of `figures`, which is also their order in `typical`.
+// The source of a part is the sensor's source followed by the part's own; the defaults and further
+// parameters are those of the sensor. `device`: its name in the source, "PapillArray". Throws
+// std::logic_error for an unknown part or parameter.
 std::vector<Entry> electronics_of(const std::string& device, const std::vector<PartFigures>& figures);
 
 }  // namespace slipbench

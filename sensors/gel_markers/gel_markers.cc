@@ -1,6 +1,6 @@
-// A gel pad with markers on its skin and a camera behind it. It uses sensors/plugin_abi.h alone,
-// like a custom library: slipbench_bundled_sensor builds it into the program, and `c++ -std=c++17
-// -shared -fPIC` makes a library of it.
+// A gel pad with markers on its skin and a camera behind it. Like a custom library it needs no
+// other header than sensors/plugin_abi.h: slipbench_bundled_sensor builds it into the program, and
+// `c++ -std=c++17 -shared -fPIC` makes a library of it.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,7 @@
 // A magnetic skin: magnets in an elastomer move with its surface, and three-axis magnetometers
-// behind it read their field. It is written as a custom sensor against one header: g++ -shared
-// -fPIC makes a library of it, and the program is built with it as `type: magnetic_skin`.
+// behind it read their field. Like a custom library it needs no other header than
+// sensors/plugin_abi.h: slipbench_bundled_sensor builds it into the program as `type:
+// magnetic_skin`, and g++ -shared -fPIC makes a library of it.
 #include <algorithm>
 #include <array>
 #include <cmath>

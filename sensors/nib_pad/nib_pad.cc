@@ -16,7 +16,7 @@ namespace {
 
 constexpr Range some_length = positive_up_to(0.1);
 
-// Counts at 13 bit. Nothing is published for this device.
+// Counts at 13 bit; assumed, as no figure is published for this device.
 constexpr double si_noise = 1.5, cluster_noise = 1.2;
 constexpr double offset = 20.0;
 constexpr double drift = 0.02;  // counts/s

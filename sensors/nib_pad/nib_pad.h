@@ -104,13 +104,13 @@ SensorView view();
 
 // Disturbances of a nib pad's electronics.
 
-// Returns those of the values si {9,4}, fl {2}, fr {2}, in counts at 13 bit times `count`, relative
-// to the reading without load. `rate`: samples a second [Hz]. Every value is a separate reading and
-// so has a source of its own.
+// Returns the disturbances of the values si {9,4}, fl {2}, fr {2}, in counts at 13 bit times
+// `count`, relative to the reading without load. `rate`: samples per second [Hz]. Each value is a
+// separate reading and so has its own source.
 SignalModel signal_model(double rate, double count);
 
-// The parts of its electronics, with these figures. Rounding to counts is not among them: the
-// device always rounds (parameter `bits`).
+// Parts of the electronics, with these figures. Rounding to counts is not a part: the device always
+// rounds (parameter `bits`).
 std::vector<Entry> electronics_parts();
 
 }  // namespace slipbench::nib_pad

@@ -31,13 +31,14 @@ constexpr Figures offset_figures{{5.3e-3, 9.4e-3, 20e-3}, {0.86e-6, 1.5e-6, 3.0e
 constexpr Figures drift_figures{{0.24e-3, 0.43e-3, 0.91e-3}, {0.07e-6, 0.12e-6, 0.24e-6}};
 constexpr std::array<double, axes> gain_figures{0.18, 0.18, 0.093};  // force only
 
-// Where the maker states an accuracy; nothing is stated for a pillar that is pulled.
+// Range in which the maker states an accuracy; for a pulled pillar none is stated.
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 constexpr std::array<ConverterRange, axes> valid_force{{{-4.0, 4.0}, {-4.0, 4.0}, {-unlimited, 15.0}}};               // N
 constexpr std::array<ConverterRange, axes> valid_displacement{{{-1e-3, 1e-3}, {-1e-3, 1e-3}, {-unlimited, 2.5e-3}}};  // m
 
-// One channel's couplings. `share`: what this channel carries of a coefficient. In displacement a coefficient of force is multiplied by
-// k_from/k_to: F_i = k_i d_i, so that c N/N of force read like c k_from/k_to m/m of displacement.
+// One channel's couplings. `share`: what this channel carries of a coefficient. In displacement a
+// coefficient of force is multiplied by k_from/k_to: F_i = k_i d_i, so that c N/N of force read
+// like c k_from/k_to m/m of displacement.
 void append_couplings(SignalModel& model, std::size_t first, const std::array<double, axes>& stiffness, double share,
                       const CouplingFigures& figures) {
   const auto append = [&](std::size_t pillar, std::size_t to, std::size_t from, double limit) {
@@ -56,7 +57,8 @@ void append_couplings(SignalModel& model, std::size_t first, const std::array<do
   }
 }
 
-// Force before displacement. Coefficients of both are independent, so that each carries half of the variance.
+// Force before displacement. The coefficients of the two are independent, so each carries half of
+// the variance.
 void append_couplings(SignalModel& model, const PillarStiffness& stiffness, const CouplingFigures& figures) {
   const bool both = figures.carrier == CouplingCarrier::both;
   const double share = both ? std::numbers::sqrt2 / 2.0 : 1.0;
@@ -184,7 +186,7 @@ double checked_rate(const Parameters& parameters, const std::string& sensor_name
   return rate;
 }
 
-// A flag a pillar: raised by any axis of its force or its displacement.
+// One flag per pillar, raised by any axis of its force or its displacement.
 SignalModel model_of(const Parameters& parameters, const std::vector<Named>& electronics, double rate) {
   SignalModel model = signal_model(stiffness_of(parameters), rate, coupling_figures(electronics));
   if (parameters.flag("range_flag")) {
@@ -193,7 +195,8 @@ SignalModel model_of(const Parameters& parameters, const std::vector<Named>& ele
   return model;
 }
 
-// Undeformed tip of a pillar in the pad frame: three columns from +Y to -Y, each from +X to -X; the pillars get shorter outwards.
+// Undeformed tip of a pillar in the pad frame: three columns from +Y to -Y, each from +X to -X; the
+// pillars get shorter outwards.
 Eigen::Vector3d tip_of(std::size_t pillar, double edge_drop, double corner_drop) {
   const int column = static_cast<int>(pillar) / 3;
   const int row = static_cast<int>(pillar) % 3;
@@ -273,7 +276,7 @@ class PapillArray : public PadSensor {
  protected:
   static void read(const ContactFrame& truth, std::array<float, 2 * channel_size>& values) {
     assert(truth.force.cols() == Eigen::Index{pillars} && truth.displacement.cols() == Eigen::Index{pillars});
-    // One column a pillar, so the memory order is that of the channel's {9,3}.
+    // One column per pillar, so the memory order is that of the channel {9,3}.
     using Values = Eigen::Map<Eigen::Array<float, axes, pillars>>;
     using Truth = Eigen::Map<const Eigen::Array<double, axes, pillars>>;
     Values(values.data()) = Truth(truth.force.data()).cast<float>();
@@ -287,7 +290,7 @@ class PapillArray : public PadSensor {
   double label_speed_;
 };
 
-// With a filter before the converter, which works on what is between the samples, too.
+// A sensor with a low-pass before the converter, which also processes the contact between samples.
 class FilteredPapillArray : public PapillArray {
  public:
   using PapillArray::PapillArray;
@@ -301,7 +304,7 @@ class FilteredPapillArray : public PapillArray {
   }
 };
 
-// With the channel out_of_range behind the readings.
+// A sensor with the additional channel out_of_range.
 template <class Base>
 class FlaggedPapillArray final : public Base {
  public:

@@ -1,4 +1,5 @@
-// Contactile's PapillArray: nine silicone pillars of three heights, whose tips report a force and a displacement in three axes.
+// Contactile's PapillArray: nine silicone pillars of three heights, whose tips report a force and a
+// displacement in three axes.
 #pragma once
 
 #include <cstddef>
@@ -9,18 +10,19 @@
 
 namespace slipbench {
 
-// A PapillArray with channels "force" {9,3} [N] and "displacement" {9,3} [m], pillars P0 to P8, axes x, y, z of the pad frame P
-// (+X up, +Y right, +Z into the sensor, connector at the bottom; origin at the undeformed tip of the centre pillar). With the parameter
-// range_flag also "out_of_range" {9}: 1 for a pillar with a reading beyond the part valid_range, else 0.
-// create() throws InputError for a rate that the device does not have, for unknown or repeated electronics, and for range_flag
-// without the part valid_range.
+// A PapillArray with channels "force" {9,3} [N] and "displacement" {9,3} [m], pillars P0 to P8,
+// axes x, y, z of the pad frame P (+X up, +Y right, +Z into the sensor, connector at the bottom,
+// origin at the undeformed tip of the centre pillar). With the parameter range_flag also
+// "out_of_range" {9}: 1 for a pillar with a reading beyond the part valid_range, else 0. create()
+// throws InputError for a rate that the device does not have, for unknown or repeated electronics,
+// and for range_flag without the part valid_range.
 SensorKind papillarray_sensor();
 
 }  // namespace slipbench
 
 namespace slipbench::papillarray {
 
-// How large the disturbances of a PapillArray's electronics are.
+// Magnitudes of the disturbances by the electronics of a PapillArray.
 
 inline constexpr std::size_t pillars = 9;
 inline constexpr std::size_t axes = 3;
@@ -37,7 +39,8 @@ inline constexpr PillarStiffness hexapod_stiffness{1.2e3, 0.65e3};
 // The channel whose readings the coupling changes.
 enum class CouplingCarrier { force, displacement, both };
 
-// Largest coefficients of the coupling between the axes of a pillar [N of force over N], and what carries it.
+// Largest coefficients of the coupling between the axes of a pillar [N of force over N], and what
+// carries it.
 struct CouplingFigures {
   double shear_to_normal = 0.0;  // FX, FY to FZ
   double normal_to_shear = 0.0;  // FZ to FX, FY
@@ -47,15 +50,15 @@ struct CouplingFigures {
   [[nodiscard]] bool any() const { return shear_to_normal > 0.0 || normal_to_shear > 0.0 || shear_to_shear > 0.0; }
 };
 
-// Those of the part `coupling` in `electronics`; zeros where it is not named.
+// Returns the coefficients of the part `coupling` in `electronics`; zeros without this part.
 CouplingFigures coupling_figures(const std::vector<Named>& electronics);
 
-// The measured figures for the values force {9,3} [N], displacement {9,3} [m] at `rate` [Hz]. The force of an axis and the
-// displacement of that axis share a source. The force figures were measured at the gripper's stiffness and go in proportion to
-// it.
+// Returns the measured figures for the values force {9,3} [N], displacement {9,3} [m] at `rate`
+// [Hz]. The force and the displacement of an axis share a source. The force figures were measured
+// at the stiffness of the profile `gripper` and are proportional to the stiffness.
 SignalModel signal_model(const PillarStiffness& stiffness, double rate, const CouplingFigures& coupling);
 
-// The parts of its electronics, with the figures that were measured on a PapillArray.
+// Parts of the electronics, with the figures that were measured on a PapillArray.
 std::vector<Entry> electronics_parts();
 
 }  // namespace slipbench::papillarray

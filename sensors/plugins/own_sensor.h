@@ -31,7 +31,7 @@ class OwnSensor : public Sensor {
   [[nodiscard]] const std::vector<Channel>& channels() const final { return channels_; }
   // Throws SceneValueError if read() does, and for a value that is not finite.
   const SensorFrame& measure(const ContactFrame& truth) final;
-  // A custom sensor has no paper: returns the truth by the rule `strict`.
+  // Returns the truth by the rule `strict`, as a custom sensor has no paper.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const final { return truth.state; }
 
  protected:

@@ -157,8 +157,8 @@ struct Description {
     return made;
   }
 
-  // Disturbances are shares of a value's range: force +-max_force, displacement what max_force does
-  // to the taxel's springs.
+  // Disturbances are shares of the range of a value: +-max_force for a force, and for a
+  // displacement the deflection of the taxel's springs under max_force.
   [[nodiscard]] SignalModel signal_model() const {
     SignalModel model;
     model.rate = p.number("rate");
@@ -202,7 +202,7 @@ struct Description {
 
   const Parameters& p;
   std::string path;
-  std::size_t points;  // friction points a taxel
+  std::size_t points;  // friction points per taxel
   const Rows &matrix, &curve;
   ParameterMap channels;
   Rows places = {};
@@ -228,7 +228,7 @@ class Taxels final : public PadSensor {
   [[nodiscard]] std::vector<std::span<double>> memory() override { return electronics_.memory(); }
   [[nodiscard]] std::uint64_t saturated() const override { return electronics_.saturated(); }
 
-  // There is no published rule for it: returns the truth by the rule `strict`.
+  // Returns the truth by the rule `strict`, as no rule is published for this sensor.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override { return truth.state; }
 
  private:

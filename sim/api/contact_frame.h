@@ -26,8 +26,8 @@ enum class UnitState : std::uint8_t {
 // a whole reports micro and slip at the same time.
 enum class EventKind : std::uint8_t {
   touch = 0,
-  slip = 1,   // no part of it slips any more, but it still touches
-  stick = 2,  // no part of it slips any more, still touching
+  slip = 1,   // it slips as a whole
+  stick = 2,  // no part of it slips any more, and it still touches
   detach = 3,
   micro = 4,        // a first part of it begins to slip
   part_sticks = 5,  // it slipped as a whole, and a part of it sticks again
@@ -62,7 +62,7 @@ struct ContactFrame {
   Eigen::ArrayXd margin;
   std::vector<UnitState> unit_state;      // [N]
   PadState state = PadState::no_contact;  // rule strict: a unit slips when all of it slips
-  // rule micro: a unit slips as soon as a part of it does
+  // rule micro: a unit slips as soon as a part of it slips
   PadState state_micro = PadState::no_contact;
   double stuck_fraction = 0.0;  // share of the touching elements that stick, NaN without touch
   // rad, direction of the slip's translation in the pad plane. NaN while no unit slips or the mean
@@ -77,9 +77,9 @@ struct ContactFrame {
   // (PadLayout::element_truth); else empty.
   Eigen::ArrayXd element_depth;   // [E] m, depth of the undeformed tip along the surface normal
   Eigen::ArrayX3d element_shear;  // [E,3] m, deformed minus undeformed tip, tangential part, in P
-  // m, in the world: position of the stage that carries the pad, as the bench's own position sensor
-  // would report it. NaN where bodies move by forces, and for articulated pads: nothing is measured
-  // there.
+  // m, in the world: position of the stage that carries the pad, as the position sensor of the
+  // bench would report it. NaN if bodies move by forces, and for articulated pads: these benches
+  // have no position sensor.
   Eigen::Array3d stage_position = Eigen::Array3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 

@@ -27,8 +27,8 @@ struct GripperStatus {
   bool stopped = false;  // gOBJ = 1 or 2: stopped at the force limit before the commanded position
 };
 
-// The values of one write. A value outside of a byte is an error of the controller: the gripper
-// refuses it.
+// The values of one write. A value that does not fit in a byte is an error of the controller: the
+// gripper refuses it.
 struct GripCommand {
   int position = 0;  // rPR, counts
   int speed = 0;     // rSP, 0 slowest

@@ -13,11 +13,11 @@
 
 namespace slipbench {
 
-// Strength of the vibration of a bench's motors, and the drives that cause it.
+// Strength of the vibration of a bench's motors, and the motions that cause it.
 struct MotorSettings {
   double level = 1.0;       // 1: 1.6 mN rms before the resonances when an axis moves at 10 mm/s
   double sd = 0.1;          // of the logarithm of the level, between recordings
-  double in_contact = 1.6;  // factor while the pad touches something
+  double in_contact = 1.6;  // factor applied while the pad touches something
   // m, travel of each axis, X, Y, Z, per turn of its spindle
   Eigen::Vector3d lead{8e-3, 8e-3, 4e-3};
   // m/s, of a further axis, which does not carry the pad; its lead is that of X.

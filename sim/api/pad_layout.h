@@ -42,7 +42,7 @@ struct PadLayout {
   // reads between its units.
   bool element_truth = false;
   UnitTruth unit_truth = UnitTruth::all;
-  // Height of a unit above its base [m]. Pressed in farther, the device is not a field of springs.
+  // Height of a unit above its base [m]. A unit pressed in further does not behave as springs.
   // Infinite: unknown.
   double unit_height = std::numeric_limits<double>::infinity();
 };

@@ -24,9 +24,9 @@
 extern "C" {
 #endif
 
-// The interface that a library was built with: its version, and the sizes of all structures, which
-// differ if a binding to another language or a compiler's option (packing) lays them out otherwise.
-// The program refuses a library whose values differ from its own.
+// The interface that a library was built with: its version, and the sizes of all structures. The
+// sizes differ if a binding to another language or a compiler option (packing) lays the structures
+// out differently. The program refuses a library whose values differ from its own.
 struct slipbench_abi {
   // SLIPBENCH_SENSOR_ABI, SLIPBENCH_DETECTOR_ABI or SLIPBENCH_CONTROLLER_ABI
   unsigned version;
@@ -120,7 +120,7 @@ struct slipbench_samples {
   double latest_time;  // s; NaN before the first sample
 };
 
-// Bytes of a refusal's text, its terminating zero included.
+// Size of the text of a refusal in bytes, its terminating zero included.
 #define SLIPBENCH_REFUSAL_SIZE 256
 
 #ifdef __cplusplus

@@ -16,9 +16,9 @@ struct Channel {
   std::vector<std::size_t> shape;          // {9, 3}
   std::vector<std::string> channel_names;  // one per value, in C order: "P0_FX", ...
 
-  // For a channel slower than its sensor's samples. In the dataset such a channel has its own time,
-  // `name`_t.
-  // Its values change in the last of every `every` samples and are constant in between.
+  // For a channel slower than the samples of its sensor. In the dataset such a channel has its own
+  // time, `name`_t. Its values change in the last of every `every` samples and are constant in
+  // between.
   std::size_t every = 1;
   double age = 0.0;  // s, mean time from reading the values to the frame's time
 

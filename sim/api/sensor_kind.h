@@ -13,8 +13,8 @@
 
 namespace slipbench {
 
-// How pages and tables show a sensor's output. Declared by the sensor, so that no page has code for
-// a particular sensor.
+// Presentation of a sensor's output in pages and tables. The sensor declares it, so that no page
+// has code for a particular sensor.
 
 // A spectrogram of a channel with one value, or of the difference between a channel's two values.
 struct SpectrumView {
@@ -57,7 +57,7 @@ struct SensorView {
   // the surface that it touches, Y to the right and X up.
   bool from_behind = false;
   std::string orientation = {};  // for a pad from behind: "so that east is right and north is up"
-  // those that have more texts than their key
+  // channels that have more texts than their key
   std::vector<ChannelView> channels = {};
   std::optional<PadPicture> picture = {};
 
@@ -73,9 +73,9 @@ class Sensor;
 struct SensorKind {
   Entry about;
   std::vector<Entry> electronics;  // available parts
-  // Makes the sensor. `parameters`: those of `about`, all present. `electronics`: applied in this
-  // order; empty: ideal. The random streams are keyed by the dataset's `seed`, `trial` and
-  // `sensor_name`, the scene's name for the sensor. Throws InputError for parameters that the
+  // Makes the sensor. `parameters`: all parameters that `about` declares. `electronics`: applied in
+  // this order; empty: ideal. The random streams are keyed by the `seed` of the dataset, `trial`
+  // and `sensor_name`, the scene's name for the sensor. Throws InputError for parameters that the
   // sensor refuses.
   std::unique_ptr<Sensor> (*create)(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
                                     std::uint64_t trial, const std::string& sensor_name);

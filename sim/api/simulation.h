@@ -19,8 +19,8 @@ struct NamedBody {
   std::vector<double> size = {};  // [3] m, extent along its own axes; empty: not given
 };
 
-// Every pad has its own ticks, the k-th (from 0) at t = k * time_step (step_plan.h). They are those
-// of the pad alone, so that its results do not depend on the other pads. The simulation goes from
+// Every pad has its own ticks, the k-th (from 0) at t = k * time_step (step_plan.h). The ticks do
+// not depend on other pads, and so neither do the results of a pad. The simulation advances from
 // one instant at which a pad has a tick to the next.
 class Simulation {
  public:
@@ -40,12 +40,11 @@ class Simulation {
   [[nodiscard]] virtual std::span<const std::size_t> stepped() const = 0;
   // Truth at the pad's latest tick.
   [[nodiscard]] virtual const ContactFrame& contact(std::size_t pad) const = 0;
-  // The same frame, of which at least `part` is valid: parts that are not read need not be
-  // computed.
+  // The same frame, of which at least `part` is valid: parts that are not read are not computed.
   [[nodiscard]] virtual const ContactFrame& contact_part(std::size_t pad, FramePart /*part*/) const { return contact(pad); }
-  // Labels are no longer read at every tick: stops accumulating the slip's angle.
+  // Stops accumulating the angle of the slip, because labels are no longer read at every tick.
   virtual void disable_slip_angle() {}
-  // All recorded bodies at the current instant.
+  // The recorded bodies at the current instant.
   [[nodiscard]] virtual const std::vector<NamedBody>& bodies() const = 0;
   // True if the scene's motion rotates the pads that ride on it.
   [[nodiscard]] virtual bool rotating() const = 0;

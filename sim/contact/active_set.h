@@ -30,7 +30,7 @@ namespace slipbench {
 // A step calls begin_step(), sort() and end_step(), in this order.
 class ActiveSet {
  public:
-  // A field of at least this many elements keeps an active set.
+  // Fields with at least this many elements keep an active set.
   static constexpr std::size_t least_elements = 64;
 
   explicit ActiveSet(const PadLayout& layout);

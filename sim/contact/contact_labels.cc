@@ -101,7 +101,7 @@ void ContactLabels::count_units(std::span<Field> fields) {
 
 const ContactFrame& ContactLabels::fill(std::span<Field> fields, FramePart part) {
   if (filled_ >= part) return frame_;
-  // readers of the angle read everything at each sample
+  // whoever reads the angle reads all values at each sample
   filled_ = keeps_angle_ ? FramePart::all : part;
   label_units(fields, filled_);
   if (frame_.element_depth.size() > 0) label_elements(fields);

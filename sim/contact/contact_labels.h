@@ -28,10 +28,10 @@ class ContactLabels {
   // Reads the fields after a step of `dt` that ended at `time` [s]. Must be called once after every
   // step.
   const ContactFrame& update(std::span<Field> fields, double time, double dt);
-  // update() in three parts, for labels that are not always read and for steps that may be undone.
-  // judge() determines the states and leaves events and slip_angle unchanged. fill() computes
-  // `part` of the rest; the result is valid until the next step. settle(), once the step is final,
-  // adds the last judged step to events and angle.
+  // The three parts of update(), for labels that are not always read and for steps that may be
+  // undone. judge() determines the states and leaves events and slip_angle unchanged. fill()
+  // computes `part` of the other values, which are valid until the next step. settle(), called once
+  // when the step is final, adds the last judged step to the events and the angle.
   void judge(std::span<Field> fields, double time, double dt);
   const ContactFrame& fill(std::span<Field> fields, FramePart part);
   void settle(std::span<const Field> fields, double dt);
@@ -43,8 +43,8 @@ class ContactLabels {
     frame_.stage_position = stage_position;
     shaking_ = shaking;
   }
-  // Stops the accumulation of slip_angle, so that labels are computed only when they are read. With
-  // it, those of a slipping pad are computed at every step.
+  // Stops the accumulation of slip_angle, so that labels are computed only when they are read. If
+  // slip_angle is accumulated, the labels of a slipping pad are computed at every step.
   void disable_slip_angle() { keeps_angle_ = false; }
   // frame().slip_angle [rad] is the only label state besides the fields' that is carried from one
   // step to the next.

@@ -68,9 +68,9 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
   const auto meets = [i](const Field& field) { return field.is_inside(i); };
   const auto met = std::ranges::count_if(fields, meets);
   if (holder != none && met == 1 && fields[holder].keeps_face(i)) return holder;
-  // The grid of a mesh may miss an element that is inside it near an edge. A first touch there is
-  // accepted only within the length of the column: a pad that points the wrong way has its elements
-  // inside as well, but deeper.
+  // The grid of a mesh may miss an element that is inside the mesh near an edge. A first touch
+  // there is accepted only within the length of the column, because the elements of a pad that
+  // points the wrong way are inside as well, but deeper.
   const double column = fields.front().column_length();
   if (met == 0 && holder == none) {
     const auto in_grid = [i](const Field& field) { return field.on_grid() && field.has_tip_inside(i); };
@@ -91,7 +91,7 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
         [&](std::size_t k) { return fields[k].way_inside(i); });
   }
   if (holder != none && holder != owner && back.entry(holder)) {
-    // It moves on to a face that has just come to lie before its own.
+    // The element changes to a face that now lies before its own.
     fields[holder].meet_face(i, *back.entry(holder));
     const double ahead = back.entry(owner)->way - back.entry(holder)->way;
     if (!(ahead > same_place && ahead <= fields[holder].travel(i) + 2.0 * same_place)) return holder;
@@ -140,10 +140,10 @@ void share_elements(std::span<Field> fields, std::span<const Pose> pads) {
   for (std::size_t k = 0; k < fields.size(); ++k) fields[k].exclude(excluded[k]);
 }
 
-// A load counted twice would be a silently wrong result.
+// A load that is counted twice would be a wrong result without a message.
 void refuse_two_contacts(std::span<const Field> fields) {
   if (fields.front().has_skin()) {
-    // Each field would solve for a skin pressed by its surface alone.
+    // Each field would solve for a skin that only its own surface presses.
     if (std::ranges::count_if(fields, [](const Field& field) { return field.touching() > 0; }) > 1) {
       throw InputError(
           "effects: elastic_skin: the pad touches two surfaces at once, but its skin is solved for one surface only");

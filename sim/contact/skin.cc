@@ -43,7 +43,7 @@ enum SkinColumn : std::size_t {
   skin_columns
 };
 
-// A face at an angle beyond this, nearly 87 deg, cannot be pressed on by the element.
+// An element cannot press on a face at a larger angle than this, nearly 87 deg.
 constexpr double steepest_cosine = 0.05;
 
 struct Vectors {
@@ -202,7 +202,8 @@ SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const Frames& fra
     const Vectors a = vectors_at(c, kernel::anchor_x, i), b = vectors_at(c, kernel::contact_before_x, i);
     const Vectors anchor = frames.place_in(i, {touched ? a.x : b.x, touched ? a.y : b.y, touched ? a.z : b.z});
     const Ways way = way_to_root(t, i, anchor.x, anchor.y);
-    // A new contact has followed its neighbours, and moves with the pad for the rest of the step.
+    // A new contact has moved with its neighbours so far, and moves with the pad for the rest of
+    // the step.
     const Lanes gap = at(c, kernel::gap_before, i), depth = at(c, kernel::gap, i);
     const Lanes rest = depth < 0.0 ? placed * (gap > 0.0 ? depth / (depth - gap) : one) : none;
     t.put(target_x, i, touched ? way.x : t.at(shift_x, i) + rest * way.x);

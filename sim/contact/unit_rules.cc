@@ -29,7 +29,7 @@ void ContactPlane::face(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   normal_ = normal;
   level_ = normal == z;
-  if (normal == -z) {  // all half turns are equally short: take the one about X
+  if (normal == -z) {  // all half turns are equally short; uses the one about X
     turn_ = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
     return;
   }

@@ -23,8 +23,8 @@ class FailedRun : public InputError {
   using InputError::InputError;
 };
 
-// A value of a scene that is allowed by itself, but not together with the rest. The caller that
-// read the scene adds file and line.
+// A value of a scene that is allowed by itself, but conflicts with the rest of the scene. The
+// caller that read the scene adds file and line.
 class SceneValueError : public InputError {
  public:
   // `path` as in the scene: "motion.start". The message is "motion.start: " and `what`.

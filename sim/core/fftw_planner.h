@@ -11,9 +11,10 @@ inline std::mutex& fftw_planner() {
   return mutex;
 }
 
-// FFTW_ESTIMATE and, from FFTW's own api/fftw3.h, FFTW_NO_SIMD, for every plan. A measured plan
-// would differ from run to run, and vector kernels, which FFTW chooses by the processor, round
-// differently. FFTW's sines still come from the C library, whose rounding depends on the processor.
+// Flags of every plan: FFTW_ESTIMATE and, from api/fftw3.h of FFTW, FFTW_NO_SIMD. A measured plan
+// would differ from run to run, and FFTW chooses vector kernels by the processor, which round
+// differently. The sines of FFTW still come from the C library, whose rounding depends on the
+// processor.
 constexpr unsigned fftw_plan_flags = 1U << 6U | 1U << 17U;
 
 }  // namespace slipbench

@@ -22,8 +22,8 @@ enum class ParameterType {
   flag,
   choice,
   vector,
-  // of a file or folder, relative to the folder of the scene, by --set to the current folder; a word
-  // such as the default is kept as it is
+  // of a file or folder, relative to the folder of the scene, by --set to the current folder; a
+  // word such as the default is kept as it is
   path,
   map,    // names and values that another part, such as a plugin's library, declares; default: none
   table,  // rows of numbers, written in the scene or in a CSV file; default: none
@@ -66,7 +66,7 @@ struct ParameterSpec {
   // Columns of a table, in the order of a row; empty: numbers without header or unit.
   std::vector<TableColumn> columns;
   std::string doc;     // one sentence: what the parameter does
-  std::string source;  // where the default comes from, or "assumed"
+  std::string source;  // source of the default: a paper, a data sheet, "assumed", or "set for each scene"
 };
 
 // One function per type, with the members of ParameterSpec as arguments, so that a list of

@@ -164,7 +164,7 @@ double RandomStream::normal() {
 
 std::uint64_t RandomStream::integer(std::uint64_t bound) {
   if (bound == 0) throw std::logic_error("RandomStream::integer: bound must be at least 1");
-  // 2^64 mod bound: the draws below it would favour the small results.
+  // 2^64 mod bound: draws below it would make small results more likely.
   const std::uint64_t rejected = (0 - bound) % bound;
   std::uint64_t value = next();
   while (value < rejected) value = next();

@@ -13,7 +13,7 @@
 
 namespace slipbench {
 
-// Facts about the field that an effect joins.
+// Properties of the field to which an effect is added.
 struct EffectContext {
   const PadLayout* layout = nullptr;  // of the field
   std::size_t elements = 0;           // of the field
@@ -30,7 +30,7 @@ struct EffectContext {
   [[nodiscard]] RandomStream stream(std::string_view name) const { return {seed, trial, "effect." + std::string(name)}; }
 };
 
-// An effect: its entry in the catalogue and how it joins a field.
+// An effect: its entry in the catalogue, and the function that adds it to a field.
 struct EffectKind {
   Entry about;
   // Adds the effect to `effects`. Throws SceneValueError if it does not fit the field.

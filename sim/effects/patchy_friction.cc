@@ -117,7 +117,7 @@ class PatchyFriction final : public FrictionEffect {
   [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
 
  private:
-  // A trial makes its fields a dozen times, to get their size and their step and to run, so a
+  // A trial makes its fields a dozen times: to get their size, to get their step, and to run. So a
   // thread keeps the map that it drew last.
   static std::shared_ptr<const RandomMap> map_of(double shortest, double longest, const EffectContext& context) {
     std::tuple key(context.seed, context.trial, shortest, longest);

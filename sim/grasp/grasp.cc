@@ -347,8 +347,8 @@ void Gripper::obey(const Pending& pending) {
   const double force_limit = linear(pending.command.force, weakest_, strongest_);
   const bool stronger = force_limit > force_limit_;
   force_limit_ = force_limit;
-  // The same target again changes nothing: the motion goes on, rests, or stays stopped unless it
-  // may now press harder.
+  // A repeated target changes nothing: the motion continues, rests, or stays stopped unless a
+  // larger force is now allowed.
   if (target == target_ && speed == speed_ && !(stopped_ && stronger)) return;
   if (dead_band_ > 0.0 && std::abs(target - position_.at(pending.time).position) <= dead_band_ + same_count) return;
   target_ = target;

@@ -55,8 +55,8 @@ class Gripper {
   // not come before the next read, and if the drift would start beyond the open stop.
   Gripper(const Parameters& grip, double opening, double phase, std::vector<DriftTone> drift = {});
 
-  // ---- The loop. Every read and write must be done once, in order of time. A tick after the
-  // instant is early enough, since the instants themselves count, not the times of the calls.
+  // ---- The loop. Every read and write must be called once, in order of time. They may be called
+  // at a tick after their instant, because the instants count, not the times of the calls.
   [[nodiscard]] bool read_due(double time) const { return next_read() <= time + rounding; }
   [[nodiscard]] double next_read() const { return instant(reads_); }  // s
   // Returns the status at the read that is due. All update() calls up to its instant must have been

@@ -27,7 +27,7 @@ void Guided::write(double time, const ArmCommand& command) {
                     readable_quantity(speed, Quantity::speed), time, readable_quantity(speed_, Quantity::speed)));
   }
   const double acts = time + latency_;
-  // The same velocity again is not a change: a profile would otherwise grow with every write.
+  // A repeated velocity is not a change: otherwise a profile would grow with every write.
   if (command.sideways != written_.sideways) sideways_.change_velocity(acts, command.sideways, acceleration_);
   if (command.up != written_.up) up_.change_velocity(acts, command.up, acceleration_);
   if (command.up > 0.0 && std::isinf(lift_start_)) lift_start_ = acts;

@@ -13,16 +13,16 @@
 
 namespace slipbench {
 
-// Each axis that moves at v drives the frame with a mean square proportional to v: half by lines at
-// orders 1, 2, 8, 24, 50, 100, 200 of its spindle's frequency v/lead, equally strong and of random
-// phase, half by red noise with its corner at the last order. The spindle's angle is 2 pi
-// position/lead, so a line follows any change of speed without a jump. The drive goes through the
-// sum of the frame's five modes r, which passes accelerations:
+// The motor of an axis that moves at v exerts a force on the frame with a mean square proportional
+// to v: half of it in lines at orders 1, 2, 8, 24, 50, 100, 200 of the spindle frequency v/lead,
+// equally strong and of random phase, half in red noise with its corner at the last order. The
+// angle of the spindle is 2 pi position/lead, so a line follows any change of speed without a jump.
+// The force passes through the five modes r of the frame, which transmit accelerations:
 //   H(s) = sum_r s^2/(s^2 + 2 zeta_r w_r s + w_r^2),
 //   w_r/2 pi = 75, 130, 215, 330, 520 Hz, zeta_r = 0.03 to 0.05,
-// integrated exactly between samples for a drive that is linear in between. An idle axis is a
-// further one that moves at a constant speed. Motors that hold their position always drive with the
-// noise of an axis at rest_speed, without lines, since nothing turns. Source: the form follows
+// integrated exactly between samples for a force that is linear in between. An idle axis is an
+// additional axis that moves at a constant speed. Motors that hold their position always add the
+// noise of an axis at rest_speed, without lines, because nothing turns. Source: the form follows
 // NIB_PIEZO's dry run; all figures are assumed.
 class MotorVibration {
  public:

@@ -88,8 +88,8 @@ Entry rub_entry() {
       }};
 }
 
-// Bounds, which make top_speed() finite. A rate beyond is drawn again (one in 16,000); a value,
-// which cannot jump back, saturates from 3 on.
+// Bounds, which make top_speed() finite. A rate beyond its bound is drawn again (one in 16,000). A
+// value cannot jump back, so it saturates from 3 on.
 constexpr double limit = 4.0;
 constexpr double knot = 0.01;  // s
 

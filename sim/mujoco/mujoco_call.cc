@@ -28,7 +28,7 @@ struct Call {
 };
 
 void on_error(const char* message) {
-  if (under_way == nullptr) {  // not inside call_mujoco(): do what MuJoCo itself would do
+  if (under_way == nullptr) {  // outside of call_mujoco(): does what MuJoCo itself would do
     std::fprintf(stderr, "ERROR: %s\n", message);
     std::exit(EXIT_FAILURE);
   }

@@ -121,7 +121,7 @@ void PluginLibrary::check_build(const slipbench_abi& own) {
   const std::string name = "slipbench_" + part_ + "_abi";
   const auto* const at = static_cast<const char*>(symbol(name));
   slipbench_abi found{};
-  // A library of another version may hold only the version.
+  // A library of another version may contain nothing but its version.
   std::memcpy(&found.version, at, sizeof found.version);
   if (found.version != own.version) {
     refuse("was built for version " + std::to_string(found.version) + " of the " + part_ +

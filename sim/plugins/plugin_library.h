@@ -124,7 +124,8 @@ class PluginObject {
     try {
       finish();
     } catch (const SceneValueError&) {
-      // Another error is already being handled: a trial that ends well calls finish() itself.
+      // Does not throw, because another error is already being handled: a trial that ends normally
+      // calls finish() itself.
     }
   }
 

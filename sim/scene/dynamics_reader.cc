@@ -261,7 +261,7 @@ class DynamicsReader : EntryReader {
     return {time, control_value(node.children[1], path + ".1")};
   }
 
-  // The model defines an actuator's unit: accepts every unit and converts it to SI.
+  // The model defines the unit of an actuator, so every unit is accepted and converted to SI.
   double control_value(const YamlNode& node, const std::string& path) {
     if (node.kind != YamlNode::Kind::scalar) {
       fail(node.origin,

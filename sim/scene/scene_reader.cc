@@ -329,14 +329,14 @@ class SceneReader : EntryReader {
                      : "motion " + quote(scene.motion.name) + " needs a grasp, that is a scene with 'grip' or 'box'");
   }
 
-  // A box that the arm is still raising when the trial ends has neither been held nor dropped.
+  // A box that the arm is still raising at the end of the trial has been neither held nor dropped.
   void refuse_unfinished_lift(const YamlNode& root, const Scene& scene) const {
     if (!scene.grasp || scene.guided() || catalogues_.lift_end == nullptr) return;
     const double end = catalogues_.lift_end(scene.motion.parameters);
     if (scene.duration >= end - 1e-9) return;  // as exact as a sum of decimal fractions
     const YamlNode* node = root.find("motion");
-    // A drawn lift may outlast its trial, as in some trials of the published benchmark: a box that
-    // has not left the table by then counts as not lifted.
+    // A drawn lift may outlast its trial, as some trials of the published benchmark do: a box that
+    // has not left the table by the end counts as not lifted.
     const auto is_drawn = [](const YamlNode* value) { return value != nullptr && value->origin.drawn; };
     const auto of_motion = [&](const char* key) { return node == nullptr ? nullptr : node->find(key); };
     if (is_drawn(root.find("duration")) || is_drawn(of_motion("settle")) || is_drawn(of_motion("distance")) ||

@@ -187,7 +187,7 @@ std::string named(const SweptPath& swept) { return "sweep." + (swept.parts.empty
                          (swept.parts.empty() ? "for the whole value" : swept.path + "=... for the whole value"));
 }
 
-// Both come from the command line, and neither takes precedence.
+// Both values are from the command line, so neither takes precedence.
 [[noreturn]] void refuse_both(const SweptPath& swept) {
   fail(swept.origin, named(swept) + " sweeps a key that --set fixes; remove one of the two");
 }

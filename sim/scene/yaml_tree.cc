@@ -203,8 +203,8 @@ const YamlNode* item_of(const YamlNode& sequence, const std::string& part) {
   return result.ec == std::errc{} && index < sequence.children.size() ? &sequence.children[index] : nullptr;
 }
 
-// Returns the item of `sequence`, named `here` in messages, that `part` selects. Throws InputError if
-// there is none.
+// Returns the item of `sequence`, named `here` in messages, that `part` selects. Throws InputError
+// if there is none.
 const YamlNode& needed_item(const YamlNode& sequence, const std::string& part, const std::string& here, const Origin& origin) {
   if (const YamlNode* item = item_of(sequence, part)) return *item;
   const std::size_t size = sequence.children.size();

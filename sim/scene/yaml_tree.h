@@ -71,8 +71,8 @@ const YamlNode* node_at(const YamlNode& root, std::span<const std::string> path)
 // the path goes through another scalar or past the end of a sequence.
 YamlNode& place_at(YamlNode& root, std::span<const std::string> path, const Origin& origin);
 
-// Removes the key at `path`, which a map contains. Throws InputError at `origin` if the path does not
-// exist, with the nearest key of the map, and for an item of a sequence, whose removal would
+// Removes the key at `path`, which a map contains. Throws InputError at `origin` if the path does
+// not exist, with the nearest key of the map, and for an item of a sequence, whose removal would
 // renumber the items after it.
 void remove_at(YamlNode& root, std::span<const std::string> path, const Origin& origin);
 

@@ -32,7 +32,7 @@ bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return differ == 0;
 }
 
-// The force of an element that has passed through a round shape would vanish silently.
+// The force of an element that has passed through a round shape would vanish without a message.
 void refuse_lost(const Field& field, double thickness, double time) {
   const std::optional<Field::Lost>& lost = field.lost();
   if (!lost) return;

@@ -43,9 +43,9 @@ namespace {
 
 constexpr std::size_t most_groups = 6;
 
-// Open recordings: slip counts from the first part of a unit on; samples that stick again after a slip are
-// not judged, since the label rules that detectors are trained with disagree there. Loops: a firmer grip is
-// expected to end the report of slip.
+// Open recordings: slip counts from the first part of a unit on; samples that stick again after a
+// slip are not judged, since the label rules that detectors are trained with disagree there. Loops:
+// a firmer grip is expected to end the report of slip.
 eval::TruthRule rule_of(Track track) {
   constexpr std::array rules{eval::TruthRule::masked, eval::TruthRule::micro, eval::TruthRule::recorded};
   return rules.at(static_cast<std::size_t>(track));
@@ -327,7 +327,8 @@ std::string value_text(const std::string& path, const Json& drawn) {
   return format_quantity(value, unit.empty() ? Quantity::none : quantity_of("1 " + unit));
 }
 
-// Returns the scores by each parameter that the grid varies: values that repeat and are not lists or maps.
+// Returns the scores by each parameter that the grid varies: values that repeat and are not lists
+// or maps.
 Json groups_json(const Board& board) {
   using Groups = std::vector<std::pair<std::string, std::vector<std::size_t>>>;  // in the order of the grid
   std::map<std::string, Groups> by;
@@ -423,8 +424,8 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
 
 // The simulated trials of the sets that share a scene.
 struct TestSetTrials {
-  // `protocol`: all sensors that some set of it reads are recorded, so that a recording's digest does not
-  // depend on which sensors are judged.
+  // `protocol`: all sensors that some set of it reads are recorded, so that a recording's digest
+  // does not depend on which sensors are judged.
   TestSetTrials(const TestSet& first, std::size_t asked, const Protocol& protocol, const Catalogues& catalogues)
       : read(read_sweep(sweep_of(first), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {
     for (const TestSet& test_set : protocol.held_out) {

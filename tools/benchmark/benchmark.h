@@ -20,8 +20,8 @@ struct Asked {
   std::vector<Override> parameters;    // for each of `detectors`
   std::vector<std::string> real;       // datasets of real recordings, for the track transfer
   std::string sensor;                  // judge this type only; empty: all
-  // For a quick look, which is not a board of the protocol: so many trials of each scene, spread over it
-  // (0: all), and no training.
+  // For a quick look instead of a board of the protocol: this number of trials of each scene,
+  // spread evenly over it (0: all), and no training.
   std::size_t trials = 0;
   bool untaught = false;
 };
@@ -53,9 +53,9 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //               dropped, not_lifted, low, high (interval of both together), force_ratio, slip_m}
 //     by        [{by, groups: [{name, trials, scores: [of each row]}]}] for each parameter that the scene's grid varies
 //   transfer    the reason if the track transfer is empty
-// Times are in s. The result does not depend on clock time or on the number of threads. Throws InputError
-// for an unknown protocol or sensor, a detector or file that cannot be read, a scene that cannot be
-// simulated; Interrupted.
+// Times are in s. The result does not depend on clock time or on the number of threads. Throws
+// InputError for an unknown protocol or sensor, a detector or file that cannot be read, a scene
+// that cannot be simulated; Interrupted.
 Json benchmark(const Options& options);
 
 // How files of this kind are recognised.

@@ -102,8 +102,8 @@ const Json* best(const Json& set, const std::string& kind) {
   return nullptr;
 }
 
-// Draws for each sensor the best detector on open recordings with its interval, the best control, and the
-// row `signal known`.
+// Draws for each sensor the best detector on open recordings with its interval, the best control,
+// and the row `signal known`.
 std::string sensors_drawing(const Json& sets) {
   constexpr double width = 720.0, left = 300.0, right = 700.0, line = 22.0, top = 12.0;
   std::vector<const Json*> open;

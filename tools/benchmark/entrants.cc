@@ -110,7 +110,8 @@ std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::st
   return output;
 }
 
-// Returns true if the Python package and PyTorch are installed. Recipes cannot be described without them.
+// Returns true if the Python package and PyTorch are installed. Recipes cannot be described without
+// them.
 bool can_train(const Lesson& lesson, const Teaching& teaching) {
   try {
     const PythonModule module("slipbench._recipe", "benchmark", "");

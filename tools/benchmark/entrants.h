@@ -48,9 +48,9 @@ struct Entrant {
   std::set<std::string> sha256_seen{};  // trials that it was trained on, as its file says
 };
 
-// Returns the entrant for a DETECTOR of the command line: a name of the catalogue, FILE.onnx or a folder
-// of memories, with its parameters. Throws InputError as eval::chosen_detector(), and for a network's
-// file as network::load_engine().
+// Returns the entrant for a DETECTOR of the command line: a name of the catalogue, FILE.onnx or a
+// folder of memories, with its parameters. Throws InputError as eval::chosen_detector(), and for a
+// network's file as network::load_engine().
 Entrant given_entrant(const std::string& word, const std::vector<Override>& parameters);
 
 // The control that never reports slip.
@@ -64,8 +64,8 @@ struct Missing {
   std::string name, sensor, why;
 };
 
-// Return all detectors that ship, except those that need a file of the user's. The networks that ship are
-// in missing_entrants() if OpenVINO is not installed. Call register_control() first.
+// Return all detectors that ship, except those that need a file of the user's. The networks that
+// ship are in missing_entrants() if OpenVINO is not installed. Call register_control() first.
 std::vector<Entrant> shipped_entrants();
 std::vector<Missing> missing_entrants();
 std::vector<Entrant> control_entrants();
@@ -86,14 +86,14 @@ struct Taught {
   std::vector<Missing> untaught;
   Json data = Json::array();  // [{scene, trials, sha256}] of the training data
 };
-// Simulates the scenes of the lessons and trains each network, in `folder`. Throws InputError if a scene
-// cannot be simulated or the folder cannot be written; Interrupted.
+// Simulates the scenes of the lessons and trains each network, in `folder`. Throws InputError if a
+// scene cannot be simulated or the folder cannot be written; Interrupted.
 Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder);
 
 // The negative controls: detectors that do not read a sensor.
 
-// The detector of this name reports slip from its parameter `from` [s] to `until` [s], whatever its sensor
-// reads.
+// The detector of this name reports slip from its parameter `from` [s] to `until` [s], whatever its
+// sensor reads.
 inline constexpr const char* control_type = "benchmark_control";
 
 inline constexpr double never = std::numeric_limits<double>::infinity();  // s
@@ -101,19 +101,21 @@ inline constexpr double never = std::numeric_limits<double>::infinity();  // s
 // Registers that detector in the catalogue of this process.
 void register_control();
 
-// Returns that detector with its times [s]; `never` is allowed. `once`: it reports slip in the first sample from then on alone.
+// Returns that detector with its times [s]; `never` is allowed. `once`: it reports slip in the
+// first sample from then on alone.
 DetectorScene control_of(double from, double until, bool once = false);
 
-// Returns a control that knows the scene's commands but not its truth: slip from the instant at which the
-// motion, or the actuator `mover`, begins until it stops. In a grasp: from the lift on.
+// Returns a control that knows the scene's commands but not its truth: slip from the instant at
+// which the motion, or the actuator `mover`, begins until it stops. In a grasp: from the lift on.
 DetectorScene motion_known(const Scene& scene, const std::string& mover);
 
-// Returns the same control with `time` [s]: in an open recording it reports slip so much later, in a grasp
-// for so long.
+// Returns the same control with `time` [s]: in an open recording it reports slip so much later, in
+// a grasp for so long.
 DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover);
 
-// How the hand moves in an open recording, as the scene commands it: the pad's distance from where its motion begins, a turn
-// counted at 10 mm from the axis [m], or the change of the actuator `mover` [m or N].
+// How the hand moves in an open recording, as the scene commands it: the pad's distance from where
+// its motion begins, a turn counted at 10 mm from the axis [m], or the change of the actuator
+// `mover` [m or N].
 struct HandMotion {
   static constexpr double step = 1e-3;  // s
   std::vector<double> travel;           // at every step from 0 s to the end of the recording
@@ -125,12 +127,13 @@ struct HandMotion {
 };
 HandMotion hand_motion(const Scene& scene, const std::string& mover);
 
-// Returns the controls `clock`, `motion known, timed`, `motion and speed known` and `travel known` of an open recording that
-// know the best values of `test_set`.
+// Returns the controls `clock`, `motion known, timed`, `motion and speed known` and `travel known`
+// of an open recording that know the best values of `test_set`.
 DetectorScene timed_control(SideInformation side_information, const TestSet& test_set, const Scene& scene);
 
-// Returns the time [s] from which on the slip of a recording is judged. slip-3 judges open recordings from
-// the beginning of the motion, since a sensor may slip as it is touched. Otherwise -inf: from the start.
+// Returns the time [s] from which on the slip of a recording is judged. slip-3 judges open
+// recordings from the beginning of the motion, since a sensor may slip as it is touched. Otherwise
+// -inf: from the start.
 double judged_from(const TestSet& test_set, const Scene& scene);
 
 }  // namespace slipbench::benchmark

@@ -28,8 +28,8 @@ Noise noise_of(const std::vector<double>& values, std::size_t touching) {
     if (t > 0) product += (values[t] - mean) * (values[t - 1] - mean);
   }
   if (square > 0.0) noise.correlation = std::clamp(product / square, 0.0, 1.0);
-  // Second differences, because the load changes the level and, slowly, its slope. Their variance in
-  // noise of one pole is 2 (3 - phi)/(1 + phi) times that of what a sample adds.
+  // Second differences, because the load changes the level and, slowly, its slope. Their variance
+  // in noise of one pole is 2 (3 - phi)/(1 + phi) times that of what a sample adds.
   std::vector<double> second;
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t t = std::max<std::size_t>(touching, 2); t < values.size(); ++t) {

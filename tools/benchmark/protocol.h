@@ -1,5 +1,5 @@
-// The protocols slip-1, slip-2 and slip-3: held-out trials, networks that are trained, the constants
-// of the score and the score. Their scenes are scenes/benchmark/NAME/*.yaml.
+// The protocols slip-1, slip-2 and slip-3: held-out trials, networks that are trained, the
+// constants of the score and the score. Their scenes are scenes/benchmark/NAME/*.yaml.
 #pragma once
 
 #include <cstddef>
@@ -21,9 +21,9 @@ namespace slipbench::benchmark {
 using train::alarm_limit;
 using train::half_delay;
 inline constexpr double half_slip_distance = 0.25e-3;  // m, path slipped at the alarm for which slip-3 gives half of the credit
-// m: slip-3 gives no credit for a recording in which the object slips less than this in all. Without
-// this limit an alarm at any time would earn nearly all of the credit of an object that creeps by
-// micrometres.
+// m: slip-3 gives no credit for a recording in which the object slips less than this in all.
+// Without this limit an alarm at any time would earn nearly all of the credit of an object that
+// creeps by micrometres.
 inline constexpr double least_slip_distance = 0.05e-3;
 inline constexpr double worst_force_ratio = 2.5;  // greatest grip force over the least that holds from which on the credit is 0
 
@@ -43,19 +43,21 @@ struct TestSet {
   bool by_distance = false;            // credit by slipped distance, not by delay
   std::string disturbance{};           // "knock": scored by specificity; empty: not a disturbed recording
   bool needless = false;               // subtract Score::needless
-  // Times for the controls, which do not read a sensor: those that score best on these trials, so that
-  // no time scores better. NaN: no time scores above 0.
+  // Times for the controls, which do not read a sensor: those that score best on these trials, so
+  // that no time scores better. NaN: no time scores above 0.
   double clock = std::numeric_limits<double>::quiet_NaN();  // s after the start: `clock` reports slip from then on
-  // s: `motion known, timed` reports slip so long after the motion begins; in a loop, for so long from
-  // the lift on.
+  // s: `motion known, timed` reports slip so long after the motion begins; in a loop, for so long
+  // from the lift on.
   double time = std::numeric_limits<double>::quiet_NaN();
-  // m/s, or N/s of a pull: `motion and speed known` reports slip so long (s) after the beginning of a motion whose top speed is
-  // this or more.
+  // m/s, or N/s of a pull: `motion and speed known` reports slip so long (s) after the beginning of
+  // a motion whose top speed is this or more.
   double speed = std::numeric_limits<double>::quiet_NaN(), speed_time = std::numeric_limits<double>::quiet_NaN();
-  // m, or N of a pull: `travel known` reports slip when the hand is so far from where its motion began.
+  // m, or N of a pull: `travel known` reports slip when the hand is so far from where its motion
+  // began.
   double travel = std::numeric_limits<double>::quiet_NaN();
 
-  // True if the controls report slip in a single sample, which costs least: in the open recordings of slip-3.
+  // True if the controls report slip in a single sample, which costs least: in the open recordings
+  // of slip-3.
   [[nodiscard]] bool pulses() const { return by_distance && track == Track::open; }
 };
 
@@ -79,8 +81,8 @@ const std::vector<Protocol>& protocols();
 // Returns the protocol of this name. Throws InputError, beginning with `subject`, if there is none.
 const Protocol& find_protocol(const std::string& name, const std::string& subject);
 
-// Returns the SHA-256 (64 hexadecimal digits) of name, constants, both tables, and the bytes of every
-// scene and model in them. Throws InputError if a file cannot be read.
+// Returns the SHA-256 (64 hexadecimal digits) of name, constants, both tables, and the bytes of
+// every scene and model in them. Throws InputError if a file cannot be read.
 std::string protocol_sha256(const Protocol& protocol);
 
 // The rank score; README.md defines it.
@@ -101,14 +103,13 @@ struct Part {
 // Returns the part of a recording. The credit of a detected slip is half_delay / (half_delay +
 // delay), or with TestSet::by_distance half_slip_distance / (half_slip_distance +
 // Judgement::slip_distance). It is 0 after an early alarm or without an alarm. With
-// TestSet::by_distance a recording that slips by less than least_slip_distance in all is not
-// credited.
+// TestSet::by_distance a recording that slips by less than least_slip_distance in all is not credited.
 Part recording_part(const eval::Judgement& judgement, const TestSet& test_set);
-// Returns the part of a grasp. `untightened`: the same grasp without tightening.
-// If `untightened` loses the box: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) within
-// 0 and 1, with r = greatest grip force over the least that holds; 0 if the box is dropped or not lifted.
-// If `untightened` holds the box: the grasp is not credited, and `needless` is
-// (r - 1) / (worst_force_ratio - 1) within 0 and 1, with r = greatest grip force over that of `untightened`.
+// Returns the part of a grasp. `untightened`: the same grasp without tightening. If `untightened`
+// loses the box: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) within 0 and 1,
+// with r = greatest grip force over the least that holds; 0 if the box is dropped or not lifted. If
+// `untightened` holds the box: the grasp is not credited, and `needless` is (r - 1) /
+// (worst_force_ratio - 1) within 0 and 1, with r = greatest grip force over that of `untightened`.
 Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, const GraspOutcome& untightened);
 
 struct Score {
@@ -119,14 +120,14 @@ struct Score {
   double specificity = 0.0;        // share of the recordings without an alarm
   std::size_t judged = 0;          // number of trials
   // Disturbed recordings: specificity, 0 to 1. Other recordings: credit * min(1, alarm_limit /
-  // alarms_per_minute) - said, -1 to 1. Loops: credit - said (a false alarm already costs force), with
-  // TestSet::needless minus `needless`, -2 to 1.
+  // alarms_per_minute) - said, -1 to 1. Loops: credit - said (a false alarm already costs force),
+  // with TestSet::needless minus `needless`, -2 to 1.
   double value = 0.0;
 };
 Score score_of(std::span<const Part> parts, const TestSet& test_set);
 
-// Real recordings are often labelled by stretches of time rather than by instants, so they are judged by
-// windows as well.
+// Real recordings are often labelled by stretches of time rather than by instants, so they are
+// judged by windows as well.
 inline constexpr double window_length = 0.5;  // s, assumed: about the shortest slip that a person labels
 
 // Windows of a recording, or of several: those that truly slip somewhere, and the others.
@@ -140,8 +141,8 @@ struct WindowCounts {
 // Counts the windows of one recording; samples that Truth::masked leaves out belong to no window.
 WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& replayed);
 
-// Returns the 95 % interval of Score::value: exact for specificity, else by bootstrap over trials as
-// eval::summarised(), NaN for fewer than eval::fewest_experiments trials.
+// Returns the 95 % interval of Score::value: exact for specificity, else by bootstrap over trials
+// as eval::summarised(), NaN for fewer than eval::fewest_experiments trials.
 Interval score_interval(std::span<const Part> parts, const TestSet& test_set);
 
 }  // namespace slipbench::benchmark

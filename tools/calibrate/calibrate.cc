@@ -21,12 +21,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Pairs from which the electronics are learned, a device each.
+// Number of pairs of recordings from which the electronics are estimated, one device per pair.
 constexpr std::size_t learning_pairs = 4;
 // Least remainder of a column, as a share of its range; below it, stretches and steps of the
 // simulation dominate.
 constexpr double least_remainder = 1e-4;
-// Correlations worth a line.
+// Smallest correlation that is reported.
 constexpr double strong_correlation = 0.9;
 
 // The recordings on their grids, as compared.

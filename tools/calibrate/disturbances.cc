@@ -217,7 +217,7 @@ Disturbances::Disturbances(const Columns& columns, const std::vector<Waves>& rea
     for (std::size_t k = 0; k < place.components; ++k) {
       const double range = range_of(place, k, ideal);
       ranges.push_back(range > 0.0 ? range : 1.0);
-      // So vague that what is learned is what was there.
+      // A prior so wide that the estimate equals the disturbance that the recording has.
       disturbances_.push_back({.gain_sd = 1.0,
                                .coupling_sd = place.components > 1 ? 1.0 : 0.0,
                                .offset_sd = 10.0 * ranges.back(),

@@ -22,7 +22,7 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t sets = 8;          // simulated, each by a device of its own, for the scatter
+constexpr std::size_t sets = 8;          // simulated sets, each with another device, for the scatter
 constexpr double least_band = 0.1;       // share of the steps between samples; smaller bands are rounding
 constexpr double refused = 1e12;         // the distance where nothing can be simulated
 constexpr Index least_blocks = 4;        // of a band

@@ -29,7 +29,8 @@ struct RawRecording {
 // evenly_spaced().
 std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format);
 
-// One array of a sensor among the columns that are compared: units times components, a column each, components fastest.
+// One array of a sensor among the columns that are compared: units times components, a column each,
+// components fastest.
 struct ChannelPlace {
   std::string sensor;               // the scene's name
   std::string channel, unit;        // "force", "N"

@@ -117,7 +117,8 @@ inline constexpr double widest_known = 0.25;
 [[nodiscard]] bool at_lower_bound(double place);
 [[nodiscard]] bool at_upper_bound(double place);
 
-// Keys of a sensor's electronics (the scale of its noise, of its gains, ...), by how much they disturb.
+// Keys of a sensor's electronics (the scale of its noise, of its gains, ...), by how much they
+// disturb.
 
 // True for a key of the electronics, which curves without noise do not show.
 bool of_electronics(const FitKey& key);

@@ -49,7 +49,8 @@ struct UnitFit {
 
   [[nodiscard]] double normal() const { return matrix(2, 2); }
   [[nodiscard]] double tangential() const { return 0.5 * (matrix(0, 0) + matrix(1, 1)); }
-  // N of the force of axis `to` over N of the force of axis `from`, since F_from = K_from,from d_from.
+  // N of the force of axis `to` over N of the force of axis `from`, since F_from = K_from,from
+  // d_from.
   [[nodiscard]] double coupling(Index to, Index from) const { return matrix(to, from) / matrix(from, from); }
 };
 
@@ -130,7 +131,8 @@ Eigen::Vector3d deviation(const MatrixX3d& values) {
       .transpose();
 }
 
-// K by least squares with the errors of White (HC1), which do not assume that residuals are alike at all loads.
+// K by least squares with the errors of White (HC1), which do not assume that residuals are alike
+// at all loads.
 void fit_matrix(UnitFit& fit, const MatrixX3d& displacement, const MatrixX3d& force) {
   const Index rows = displacement.rows();
   const MatrixX3d centred = displacement.rowwise() - displacement.colwise().mean();
@@ -186,7 +188,8 @@ double sd_of(const VectorXd& values) {
   return std::sqrt((values.array() - values.mean()).square().sum() / static_cast<double>(values.size() - 1));
 }
 
-// The mean over the units. Its error follows from their scatter; that of a single unit from its own fit.
+// The mean over the units. Its error follows from their scatter; that of a single unit from its own
+// fit.
 Estimate mean_of(const VectorXd& values, double own_error) {
   if (values.size() == 1) return {values(0), own_error};
   return {values.mean(), sd_of(values) / std::sqrt(static_cast<double>(values.size()))};
@@ -243,7 +246,8 @@ void add_parts(Json& keys, const Snapshots& snapshots, const Summary& summary, c
   const auto add = [&](const std::string& parameter, const Estimate& estimate) {
     keys.push_back(key_json(fmt::format("sensors.{}.electronics.{}", snapshots.sensor, parameter), "1", estimate));
   };
-  // c is uniform within its limit, so E[c^2] = limit^2/3. The error of the mean square is passed on to its root.
+  // c is uniform within its limit, so E[c^2] = limit^2/3. The error of the mean square is passed on
+  // to its root.
   for (std::size_t key = 0; key < std::size(coupling_keys); ++key) {
     const VectorXd square = 3.0 * summary.coupling[key].cwiseAbs2();
     const double limit = std::sqrt(square.mean());
@@ -288,7 +292,8 @@ Json unit_json(const UnitFit& unit) {
   return json;
 }
 
-// Standard deviations while idle, the median over the units; null where no unit has been idle often enough.
+// Standard deviations while idle, the median over the units; null where no unit has been idle often
+// enough.
 Json noise_json(const std::vector<UnitFit>& units) {
   Json json{{"units", 0}, {"force", nullptr}, {"displacement", nullptr}};
   std::vector<std::vector<double>> values(6);

@@ -23,7 +23,7 @@ constexpr std::string_view program_footer = R"(
 Exit status: 0 success, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
 `slipbench help COMMAND` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
 
-// Footers begin with a line end, which serves only the layout of the source.
+// A footer begins with a line end, which only serves the layout of the source.
 std::string without_first_line_end(std::string_view footer) { return std::string(footer.substr(1)); }
 
 // Ending of the file in a usage: ".h5" for "-o,--output FILE.h5".
@@ -363,7 +363,7 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
   } catch (const CLI::ExtrasError&) {
     throw program.chosen().unexpected(app.remaining(true).front());
   } catch (const CLI::ArgumentMismatch& error) {
-    const std::string message = error.what();  // "--output: 1 required TEXT missing"
+    const std::string message = error.what();  // CLI11 reports "--output: 1 required TEXT missing"
     reject("{}{} needs a value", prefix(), message.substr(0, message.find(':')));
   } catch (const CLI::ParseError& error) {
     throw InputError(prefix() + error.what());

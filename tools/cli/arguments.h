@@ -34,8 +34,9 @@ class Command;
 // throws InputError: "run: --jobs is '0'; allowed: a whole number from 1 to 1024".
 class Arguments {
  public:
-  // `app`: CLI11's view of the command, or of the program if `command` is null. `parent`: the parent
-  // command, which must outlive this object; null: the program. `json`: set by --json of any command.
+  // `app`: CLI11's view of the command, or of the program if `command` is null. `parent`: the
+  // parent command, which must outlive this object; null: the program. `json`: set by --json of any
+  // command.
   Arguments(CLI::App& app, Command* command, const Arguments* parent, bool& json);
 
   // Sets the command's name ("run"), its line in the list of commands, and the text below the
@@ -50,8 +51,8 @@ class Arguments {
   Arguments& texts(const std::string& usage, std::vector<std::string>& values, const std::string& help);
   // An option that may be repeated, one text each.
   Arguments& lines(const std::string& usage, std::vector<std::string>& values, const std::string& help);
-  // Name of a file to read, or several names. `ending`: ending of the names that completion offers; empty:
-  // any.
+  // Name of a file to read, or several names. `ending`: the ending of the names that completion
+  // offers. Empty: any ending.
   Arguments& input(const std::string& usage, std::string& value, const std::string& help, const std::string& ending = "");
   Arguments& inputs(const std::string& usage, std::vector<std::string>& values, const std::string& help,
                     const std::string& ending = "");
@@ -106,8 +107,8 @@ class Arguments {
 
   // Makes the last declaration mandatory.
   Arguments& required();
-  // Declares the values that completion offers for the last declaration. `words` is called only when a
-  // completion script is made.
+  // Declares the values that completion offers for the last declaration. `words` is called only
+  // when a completion script is made.
   Arguments& offers(std::function<std::vector<std::string>()> words);
   // Calls `rule` after all earlier declarations are read: for rules about several options.
   void then(std::function<void()> rule) { readers_.push_back(std::move(rule)); }
@@ -117,9 +118,9 @@ class Arguments {
 
   // "run", "hd replay"; empty for the program itself.
   [[nodiscard]] const std::string& name() const { return name_; }
-  // Returns the help of the command that `path` names ("hd", "replay"), or the program's help if it is
-  // empty, as `slipbench COMMAND --help` prints it.
-  // Throws InputError for an unknown command, with the nearest name.
+  // Returns the help of the command that `path` names ("hd", "replay"), or the program's help if it
+  // is empty, as `slipbench COMMAND --help` prints it. Throws InputError for an unknown command,
+  // with the nearest name.
   [[nodiscard]] std::string help_of(const std::vector<std::string>& path) const;
   // The whole command table, from the program down, for texts that are made from it.
   [[nodiscard]] CommandHelp table() const;

@@ -34,8 +34,8 @@ class Command {
   // Prints a status line on stderr ("slipbench: ..."), unless the command is silent.
   void tell(const std::string& what) const;
 
-  // Makes standard output the target of an option, as `-o -` says. Returns the path of a temporary
-  // file with this ending, such as ".html", which the command writes in its place.
+  // Makes standard output the target of an option, as for `-o -`. Returns the path of a temporary
+  // file with this ending, such as ".html", which the command writes instead.
   std::string stream(const std::string& ending);
   // True if an option writes to standard output. The command then prints its messages on stderr.
   [[nodiscard]] bool streams() const { return streamed_ != nullptr; }

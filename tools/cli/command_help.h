@@ -6,7 +6,7 @@
 
 namespace slipbench {
 
-// The values of an option or of an argument, as far as they are known before it is read.
+// Kinds of values that completion can offer for an option or an argument.
 struct AllowedValues {
   enum class Kind {
     none,     // it takes no value
@@ -20,10 +20,10 @@ struct AllowedValues {
   std::string ending = {};
 };
 
-// An option, or an argument that is known by its place.
+// An option or a positional argument.
 struct OptionHelp {
   std::vector<std::string> names = {};  // "-o", "--output"; empty: an argument
-  std::string value = {};               // what the help calls its value: "FILE.h5"; empty: it takes none
+  std::string value = {};               // name of its value in the help: "FILE.h5"; empty: it takes none
   std::string help = {};
   AllowedValues allowed = {};
   bool repeated = false;  // takes several values
@@ -33,7 +33,7 @@ struct OptionHelp {
 struct CommandHelp {
   std::string name = {};     // words after the program's name: "hd replay"; empty: the program
   std::string summary = {};  // its line in the list of commands
-  std::string footer = {};   // what stands below the options in its help
+  std::string footer = {};   // text below the options in its help
   std::vector<OptionHelp> options = {};
   std::vector<OptionHelp> arguments = {};
   std::vector<CommandHelp> commands = {};

@@ -11,8 +11,9 @@ namespace slipbench {
 
 inline constexpr std::array<std::string_view, 3> completion_shells{"bash", "fish", "zsh"};
 
-// Returns the script for a shell of `completion_shells`: commands, options, their values and file arguments.
-// The script contains the whole table, so a shell completes without starting the program.
+// Returns the script for a shell of `completion_shells`: commands, options, their values and file
+// arguments. The script contains the whole table, so a shell completes without starting the
+// program.
 std::string completion_script(const CommandHelp& program, std::string_view shell);
 
 }  // namespace slipbench

@@ -68,8 +68,8 @@ class Table {
 // End of the message "unknown x 'word'": "; did you mean 'name'?" if a candidate is near, else ";".
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates);
 
-// With --json and `-o -` stdout holds the result alone: other output, also of third-party libraries,
-// goes to stderr until take_stdout_back().
+// With --json and `-o -` stdout holds the result alone: other output, also of third-party
+// libraries, goes to stderr until take_stdout_back().
 void set_stdout_aside();
 void take_stdout_back();
 
@@ -77,11 +77,12 @@ void take_stdout_back();
 // that are not UTF-8 are replaced. Returns exit_good.
 int print_json(const Json& result);
 
-// Sets the environment variable SLIPBENCH_CALLED_AS to `argument`, the first word of the command line,
-// for as_called() and for Python code that does a command's work. Does nothing if the variable is set, as
-// by the launcher, or if `argument` is empty.
+// Sets the environment variable SLIPBENCH_CALLED_AS to `argument`, the first word of the command
+// line, for as_called() and for Python code that does a command's work. Does nothing if the
+// variable is set, as by the launcher, or if `argument` is empty.
 void keep_program_name(const std::string& argument);
-// Returns a command that begins with "slipbench", with this name replaced by the one in SLIPBENCH_CALLED_AS.
+// Returns a command that begins with "slipbench", with this name replaced by the one in
+// SLIPBENCH_CALLED_AS.
 std::string as_called(const std::string& command);
 
 // Prints "next: COMMAND", a command to run next. `command` begins with "slipbench".

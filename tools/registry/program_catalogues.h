@@ -58,9 +58,9 @@ const std::vector<ExpectationKind>& expectation_catalogue();
 // `parameters`: all those of the detector's entry.
 using DetectorMaker = std::function<std::unique_ptr<Detector>(const Parameters& parameters, const FrameSource& source)>;
 
-// Registers a detector of the embedding application, which scenes of this process may then
-// name; replaces one registered under that name before. Thread-safe. Throws InputError if the name is not
-// an identifier or belongs to the program.
+// Registers a detector of the embedding application. Scenes of this process may then name it; it
+// replaces a detector registered under that name before. Thread-safe. Throws InputError if the name
+// is not an identifier or belongs to the program.
 void register_detector(const Entry& about, DetectorMaker make);
 
 // Allowed values of detector.type besides none, the oracle included. Every one has the parameter

@@ -15,9 +15,9 @@ namespace slipbench {
 
 using SensorMaker = std::function<std::unique_ptr<Sensor>(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial)>;
 
-// Registers a sensor of the embedding application, which scenes of this process may then
-// name; replaces one registered under that name before. Thread-safe. Throws InputError if the name is not
-// an identifier or belongs to the program.
+// Registers a sensor of the embedding application. Scenes of this process may then name it; it
+// replaces a sensor registered under that name before. Thread-safe. Throws InputError if the name
+// is not an identifier or belongs to the program.
 void register_sensor(const Entry& about, SensorMaker make);
 // Registered sensors, sorted by name.
 std::vector<Entry> registered_sensor_entries();

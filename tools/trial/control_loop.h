@@ -1,5 +1,5 @@
-// Closes the loop around a simulation: a detector reads a sensor; a controller reads the gripper and
-// commands gripper and arm.
+// Closes the loop around a simulation: a detector reads a sensor; a controller reads the gripper
+// and commands gripper and arm.
 #pragma once
 
 #include <cstddef>
@@ -50,9 +50,9 @@ class DelayedDetector {
 class ControlLoop {
  public:
   // `detector` reads the sensor of `pad`; empty: the estimate is no contact. `box`: the grasp's,
-  // which must outlive the loop; null: the scene is not a grasp. `controller`, for grasps
-  // only; null: the gripper is neither read nor written, and the fingers keep their initial position.
-  // `answers`: the closing commands of the controller that count as answers.
+  // which must outlive the loop. A null box: the scene is not a grasp. `controller` is for grasps
+  // only; null: the gripper is neither read nor written, and the fingers keep their initial
+  // position. `answers`: the closing commands of the controller that count as answers.
   explicit ControlLoop(std::optional<DelayedDetector> detector = {}, std::size_t pad = 0,
                        std::unique_ptr<Controller> controller = nullptr, HeldBox* box = nullptr,
                        Answers answers = Answers::by_own_rule);

@@ -102,8 +102,8 @@ std::string check_readable(FileKind kind, const std::string& path) {
   Reader reader(kind, path);
   std::string message = reader.message();
   const int status = reader.status();
-  // The verdict counts, not the status: a program that waits for all children, or ignores SIGCHLD,
-  // leaves no status.
+  // Uses the verdict, not the exit status: in a program that waits for all children, or ignores
+  // SIGCHLD, there is no status.
   const char verdict = message.empty() ? '\0' : message.back();
   if (!message.empty()) message.pop_back();
   if (verdict == static_cast<char>(ReaderVerdict::readable)) return message;

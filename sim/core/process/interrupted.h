@@ -10,7 +10,7 @@ namespace slipbench {
 // Thrown by work that an interrupt ended early.
 class Interrupted : public std::runtime_error {
  public:
-  // `left`: what remains of the work, for the user.
+  // `left`: the remaining work, for the user.
   explicit Interrupted(const std::string& left = "nothing is kept") : std::runtime_error("interrupted; " + left) {}
 };
 

@@ -357,9 +357,9 @@ double mean_distance(const PadLayout& layout) {
   return sum / static_cast<double>(layout.elements.size());
 }
 
-// Elements anywhere on a curved skin whose patches are small compared with its radii. In three
-// dimensions both laws are one tensor, (1/4 pi G)(1/r + r r'/r^3), of which each element uses its
-// own axis and tangents.
+// Elements at any positions on a curved skin, whose patches are small compared with its radii. In
+// three dimensions both laws are one tensor, (1/4 pi G)(1/r + r r'/r^3), of which each element uses
+// its own axis and tangents.
 class MeshInfluence final : public Influence {
  public:
   MeshInfluence(const PadLayout& layout, const ElasticBody& body, double patch) {

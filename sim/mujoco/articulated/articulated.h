@@ -1,5 +1,5 @@
-// fidelity: articulated and mujoco_contact. A pad's elements as MuJoCo bodies, joints and contact
-// pairs, and their contact converted to a ContactFrame.
+// Pads of `fidelity: articulated` and `mujoco_contact`: the elements as MuJoCo bodies, joints and
+// contact pairs, and the conversion of their contact to a ContactFrame.
 #pragma once
 
 #include <cstdint>

@@ -53,9 +53,9 @@ bool DynamicSimulation::State::indent_tips(const mjModel* held, mjData* settled)
 }
 
 // Steps in which only the tips move, without weights, so that they take up their loads before the
-// run begins. Everything else is treated like the stage: heavy, so that contacts do not move it,
-// and overwritten before every step. If it could yield within a step, the pads would push it to
-// where their forces balance.
+// run begins. All other bodies are treated like the stage: heavy, so that contacts do not move
+// them, and overwritten before every step. If they could yield within a step, the pads would push
+// them to where the pads' forces balance.
 void DynamicSimulation::State::settle_tips() {
   const ModelPointer held(mj_copyModel(nullptr, m()));
   std::vector<bool> of_tip(static_cast<std::size_t>(m()->nv), false);

@@ -53,7 +53,7 @@ std::vector<std::string> recorded_by_wish(const mjModel* m) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
-// True if other springs act than a step ago, or if they rotate with a slip.
+// True if other springs act than in the previous step, or if the springs rotate with a slip.
 bool springs_changed(const Field& field) {
   if (field.slipping() > 0) return true;
   const std::span now(field.column(kernel::mode), field.size()), before(field.column(kernel::mode_before), field.size());
@@ -178,9 +178,10 @@ void DynamicSimulation::State::refuse_implicit() const {
   if (!why.empty()) throw SceneValueError("field_solver", "implicit " + why);
 }
 
-// Returns the tangents of all pads with every element stuck, the greatest stiffness, at the point
-// where a separated pad would touch the object: at its present distance it would have a lever that
-// never occurs. Or with the touching elements only, where they are.
+// Returns the tangents of all pads with every element stuck, which is their greatest stiffness.
+// Each tangent is taken at the point where a separated pad would touch the object: at the present
+// distance of the pad its lever would be larger than any that occurs. Or returns the tangents of
+// the touching elements only, where they are.
 PadTangents DynamicSimulation::State::stuck_pads(bool touching_only) const {
   PadTangents stuck;
   for (const Contact& contact : contacts) {
@@ -369,11 +370,12 @@ void DynamicSimulation::State::begin(const Scene& scene) {
   if (motion) leave_out_of_scale(model.get(), d(), stage_dof);
 }
 
-// True if the springs of a grasp are implicit. With `automatic` they are if that is cheaper: a step
-// costs up to half as much again, so if a sensor or an effect needs steps nearly as short as
-// explicit ones, they are explicit. A step given by the scene is chosen for accuracy, hence
-// implicit: its error falls with the square of the step, that of an explicit one, whose dashpots
-// use the velocity of half a step ago, only linearly. `longest`: the longest step for the effects.
+// True if the springs of a grasp are implicit. With `automatic` they are implicit if that is
+// cheaper: an implicit step costs up to half as much again as an explicit one, so the springs are
+// explicit if a sensor or an effect needs steps nearly as short as explicit springs do. A step
+// given by the scene is chosen for accuracy and therefore implicit: its error falls with the square
+// of the step, while the error of an explicit step, whose dashpots use the velocity of half a step
+// ago, falls linearly. `longest`: the longest step for the effects.
 bool DynamicSimulation::State::choose_implicit(const Scene& scene, FieldSolver wished, std::span<const double> rates,
                                                double longest, const Vibration& fastest) const {
   const auto steps = [&](double bearable) {
@@ -505,7 +507,7 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
   s.to_keep = !s.articulated && !s.implicit && !s.leads;
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
   // RK4 commits only at the end of a step. Pads that touch at t = 0 must stick there, unstrained,
-  // as with any other integrator: otherwise no tip would hold in the first step, and tick 0 would
+  // as with any other integrator. Otherwise no tip would hold in the first step, and tick 0 would
   // have no truth.
   if (s.leads && !s.articulated) {
     for (const State::Pad& pad : s.pads) pad.instance->commit(s.m(), s.d());

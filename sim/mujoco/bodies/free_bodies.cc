@@ -60,8 +60,8 @@ FreeBodies::FreeBodies(const mjModel* m) {
   }
 }
 
-// Flattened: otherwise the rest of the unity build decides whether the compiler inlines the products
-// of poses, 1.8 % of a lift's instructions.
+// Flattened: otherwise the rest of the unity build decides whether the compiler inlines the
+// products of poses, 1.8 % of a lift's instructions.
 [[gnu::flatten]] void FreeBodies::place(const mjModel* m, mjData* d) const {
   const bool weightless = (m->opt.disableflags & mjDSBL_GRAVITY) != 0;
   const Vector3d gravity = weightless ? Vector3d::Zero() : Vector3d(m->opt.gravity[0], m->opt.gravity[1], m->opt.gravity[2]);

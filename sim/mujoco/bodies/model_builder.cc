@@ -91,8 +91,8 @@ class Builder {
       : scene_(scene), pads_(pads), trial_(trial), hand_(hand) {}
 
   ModelPointer build(HandedLayouts& handed) {
-    // The plugin's attributes depend on geoms that are known only after the model has been read,
-    // and must be there when it is read. So it is read twice.
+    // The attributes of the plugin depend on geoms that are known only after the model has been
+    // read, but must be in the model when it is read. So the model is read twice.
     SpecPointer bare = parse("");
     add_all(bare.get());
     SpecPointer spec = parse(extension(handed));
@@ -469,7 +469,8 @@ class Builder {
     }
   }
 
-  // A set of pointers has another order in every run: returns the bodies in the model's order.
+  // Returns the bodies in the order of the model, because the order of a set of pointers differs
+  // from run to run.
   static std::vector<mjsBody*> in_order(const mjSpec* spec, const std::set<mjsBody*>& bodies) {
     std::vector<mjsBody*> result;
     for (mjsElement* e = mjs_firstElement(spec, mjOBJ_BODY); e != nullptr; e = mjs_nextElement(spec, e)) {

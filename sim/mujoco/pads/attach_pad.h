@@ -22,7 +22,7 @@ struct PadOptions {
   std::string friction{};  // 0.5, or {static: 0.5, kinetic: 0.4}
   std::string material{};
   std::string effects{};  // a list, as in a scene
-  // Or implicit, for which integrator, iterations and cone are set and tendons added.
+  // Or implicit: then integrator, iterations and cone are set, and tendons are added.
   std::string solver = "explicit";
   std::optional<double> damping{};  // s
   bool truth = true;                // true: the sensor also reads the truth

@@ -102,7 +102,8 @@ class TableSensor final : public Sensor {
     return frame_;
   }
 
-  // No paper has labelled such a pad: the truth by the micro rule, as an ideal camera would see it.
+  // Returns the truth by the micro rule, as an ideal camera would see it; no paper labels such a
+  // pad.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override { return truth.state_micro; }
 
  private:
@@ -194,7 +195,7 @@ class Attributes {
   [[noreturn]] void refuse(const std::string& what) const { throw InputError("plugin '" + name_ + "': " + what); }
 
   [[nodiscard]] YamlNode yaml(const char* attribute) const {
-    // MuJoCo keeps about 1000 characters of a message: a table would use them up.
+    // MuJoCo keeps about 1000 characters of a message; a table would fill them.
     constexpr std::size_t longest_shown = 80;
     std::string shown = text(attribute);
     if (shown.size() > longest_shown) shown = shown.substr(0, longest_shown) + "...";

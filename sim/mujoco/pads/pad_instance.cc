@@ -23,9 +23,9 @@ namespace {
 // Header of the instance's share of plugin_state. All zero: never stepped.
 enum Header : std::size_t { committed_time, next_sample, slip_angle, header_size };
 
-// Work that an instance without contact may skip. It may do so only after two steps without contact
-// and a sample: a step that ends without contact may have slipped, and a sensor may have read the
-// one before.
+// Work that an instance without contact may skip, but only after two steps without contact and one
+// sample: a step that ends without contact may have slipped, and a sensor may have read the
+// previous step.
 namespace phase {
 // resting: since then only the poses are those of the last step
 constexpr double awake = 0.0, apart_once = 1.0, apart = 2.0, resting = 3.0;
@@ -426,8 +426,8 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
   }
 }
 
-// A pad that exerts no force because it points away, or a huge one because it starts deep inside,
-// is a mistake in the model.
+// Reports a mistake in the model: a pad that exerts no force because it points away, or a huge
+// force because it starts deep inside.
 void PadInstance::check_site(const mjModel* model, bool placed) {
   std::size_t touching = 0;  // on any geom: one may lie beside another
   for (const Field& field : fields_) touching += field.touching();
@@ -562,7 +562,8 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   exclude_all_but_first(fields_, pads_in_surfaces_);  // the solver steps one field at a time
 }
 
-// The force of an element that has passed through a thin or round body would vanish silently.
+// The force of an element that has passed through a thin or round body would vanish without a
+// message.
 void PadInstance::refuse_lost(const mjModel* model) const {
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const std::optional<Field::Lost>& lost = fields_[k].lost();

@@ -13,8 +13,8 @@
 // - A pad far from all that it may touch rests: its elements are not evaluated, and its readings do
 //   not change. It stores its last pose, so that the step in which it comes back is bit-identical
 //   to one without rest.
-// - The springs obey the friction law of sim/contact; the dashpots are added to their force, and the
-//   sum is kept inside the friction cone. Labels and sensors read the springs: the force that
+// - The springs obey the friction law of sim/contact; the dashpots are added to their force, and
+//   the sum is kept inside the friction cone. Labels and sensors read the springs: the force that
 //   deflects a unit's tip.
 //
 // sensordata of one instance: the values of the sensor, in the order of its channels. With

@@ -1,5 +1,5 @@
-// Checks of a pad's site: a contact of MuJoCo's own that would count twice, and a pad that points the
-// wrong way.
+// Checks of a pad's site: a contact of MuJoCo's own that would count twice, and a pad that points
+// the wrong way.
 #pragma once
 
 #include <mujoco/mujoco.h>

@@ -220,7 +220,8 @@ TEST(ValidRange, CountsSamplesBeyondTheRangeAndChangesNothing) {
   EXPECT_EQ(narrow.saturated(), 1U);
 }
 
-// Four values, two a flag: value 0 and 2 raise flag 1, value 1 and 3 flag 0. The range is -2 to 2 and -6 to 6 by turns (model.h).
+// Four values, two a flag: value 0 and 2 raise flag 1, value 1 and 3 flag 0. The range is -2 to 2
+// and -6 to 6 by turns (model.h).
 TEST(ValidRange, RaisesTheFlagOfEachValueBeyondTheRange) {
   SignalModel model = two_values_a_source(2);
   model.valid = {{-2.0, 2.0}, {-6.0, 6.0}, {-2.0, 2.0}, {-6.0, 6.0}};

@@ -47,7 +47,8 @@ std::vector<float> reading(Sensor& sensor, const ContactFrame& truth) {
 }
 
 TEST(PapillArray, PillarsStandInTheVendorsOrder) {
-  // Seen from the surface it touches, +X up and +Y right: P6 P3 P0 / P7 P4 P1 / P8 P5 P2, pitch 7 mm.
+  // Seen from the surface it touches, +X up and +Y right: P6 P3 P0 / P7 P4 P1 / P8 P5 P2, pitch 7
+  // mm.
   const auto sensor = make(defaults());
   const PadLayout& layout = sensor->layout();
   ASSERT_EQ(layout.elements.size(), 9U);
@@ -136,8 +137,9 @@ TEST(PapillArray, BristleWeightsAreLinear) {
 }
 
 TEST(PapillArray, StiffnessScattersAsAsked) {
-  // 200 devices of nine pillars with sd 0.09: lognormal of mean 1, so the mean has the standard error 0.09/sqrt(1800), and the sd
-  // a relative one of sqrt((3.13 - 1)/1800)/2 = 1.7 % (kurtosis 3.13 from s^2 = ln(1.0081)). Five of them are allowed.
+  // 200 devices of nine pillars with sd 0.09: lognormal of mean 1, so the mean has the standard
+  // error 0.09/sqrt(1800), and the sd a relative one of sqrt((3.13 - 1)/1800)/2 = 1.7 % (kurtosis
+  // 3.13 from s^2 = ln(1.0081)). Five of them are allowed.
   Parameters parameters = defaults();
   parameters.set("stiffness_sd", 0.09);
   parameters.set("device", std::string("redrawn"));
@@ -223,8 +225,8 @@ TEST(PapillArray, RatesOfTheDeviceOnly) {
 }
 
 TEST(PapillArray, NoiseOfForceAndDisplacementIsOneProcess) {
-  // Each force is its displacement times the ratio of their measured sd: 1.4 mN/0.4 um, 2.5/0.7, 5.3/1.4, and with the softer
-  // pillars of the hexapod less by 0.65/3.9 and 1.2/7.1.
+  // Each force is its displacement times the ratio of their measured sd: 1.4 mN/0.4 um, 2.5/0.7,
+  // 5.3/1.4, and with the softer pillars of the hexapod less by 0.65/3.9 and 1.2/7.1.
   const double gripper[3] = {1.4e-3 / 0.4e-6, 2.5e-3 / 0.7e-6, 5.3e-3 / 1.4e-6};
   const double softer[3] = {0.65 / 3.9, 0.65 / 3.9, 1.2 / 7.1};
   Parameters parameters = defaults();
@@ -239,7 +241,8 @@ TEST(PapillArray, NoiseOfForceAndDisplacementIsOneProcess) {
   }
 }
 
-// Root mean square of one value's reading of an unloaded sensor over `trials` trials and nine pillars; axis 0 to 2.
+// Root mean square of one value's reading of an unloaded sensor over `trials` trials and nine
+// pillars; axis 0 to 2.
 double unloaded_rms(const std::string& name, std::size_t first_value, std::size_t axis, double time) {
   double sum = 0.0;
   ContactFrame truth = empty_frame();
@@ -259,7 +262,8 @@ TEST(PapillArray, DisturbancesHaveTheMeasuredSize) {
   const double tolerance = 5.0 * std::sqrt(1.0 / 7200.0);
   EXPECT_NEAR(unloaded_rms("noise", 0, 2, 0.0) / 5.3e-3, 1.0, tolerance);
   EXPECT_NEAR(unloaded_rms("noise", 27, 2, 0.0) / 1.4e-6, 1.0, tolerance);
-  // Offsets: medians of |FZ| of 9 and 15 mN (12 mN/0.6745 = 18 mN) and a 95th percentile of 45 mN (/1.96 = 23 mN): 20 mN.
+  // Offsets: medians of |FZ| of 9 and 15 mN (12 mN/0.6745 = 18 mN) and a 95th percentile of 45 mN
+  // (/1.96 = 23 mN): 20 mN.
   EXPECT_NEAR(unloaded_rms("offset", 0, 2, 0.0) / 20e-3, 1.0, tolerance);
   EXPECT_NEAR(unloaded_rms("offset", 27, 2, 0.0) / 3e-6, 1.0, tolerance);
   // Drift: 90 % of slopes within 1.5 mN/s and 0.4 um/s: over 1.645.
@@ -267,7 +271,8 @@ TEST(PapillArray, DisturbancesHaveTheMeasuredSize) {
   EXPECT_NEAR(unloaded_rms("drift", 27, 2, 2.0) / (2.0 * 0.4e-6 / 1.645), 1.0, tolerance + 0.02);
 }
 
-// The apparent stiffness K_ij = dF_i/dD_j of every pillar, with force and displacement of the gripper's springs, 3.9 and 7.1 N/mm.
+// The apparent stiffness K_ij = dF_i/dD_j of every pillar, with force and displacement of the
+// gripper's springs, 3.9 and 7.1 N/mm.
 std::array<Eigen::Matrix3d, 9> stiffness_read(const Parameters& parameters, const Named& coupling, std::uint64_t trial) {
   std::array<Eigen::Matrix3d, 9> force, displacement;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -288,11 +293,14 @@ std::array<Eigen::Matrix3d, 9> stiffness_read(const Parameters& parameters, cons
   return force;
 }
 
-// Coefficients are uniform within 1, 0.15 and 0.22, so their rms are those over sqrt(3): of FZ over DX and DY 3.9/sqrt(3) = 2.252 N/mm, of FX
-// and FY over DZ 0.15*7.1/sqrt(3) = 0.615, of FX over DY and back 0.22*3.9/sqrt(3) = 0.495. Over 300 devices of nine pillars with two each the
-// mean square of a uniform has the relative standard error sqrt(4/5/5400) = 1.2 %, the rms half of it; five of them are allowed. Carried by
-// displacement, F = diag(k) (I + E)^-1 D has the same to first order in E. At a tenth of the coupling the second order is largest for FX of DY:
-// E_xz E_zy, rms 0.0158*0.0317, beside E_xy, rms 0.0127. These 4 % are not correlated with it, and add 0.08 % to the rms.
+// Coefficients are uniform within 1, 0.15 and 0.22, so their rms are those over sqrt(3): of FZ over
+// DX and DY 3.9/sqrt(3) = 2.252 N/mm, of FX and FY over DZ 0.15*7.1/sqrt(3) = 0.615, of FX over DY
+// and back 0.22*3.9/sqrt(3) = 0.495. Over 300 devices of nine pillars with two each the mean square
+// of a uniform has the relative standard error sqrt(4/5/5400) = 1.2 %, the rms half of it; five of
+// them are allowed. Carried by displacement, F = diag(k) (I + E)^-1 D has the same to first order
+// in E. At a tenth of the coupling the second order is largest for FX of DY: E_xz E_zy, rms
+// 0.0158*0.0317, beside E_xy, rms 0.0127. These 4 % are not correlated with it, and add 0.08 % to
+// the rms.
 TEST(PapillArray, CouplingHasTheMeasuredStiffnessBetweenAxes) {
   constexpr double scale = 0.1;
   Parameters parameters = defaults();
@@ -333,7 +341,8 @@ TEST(PapillArray, CouplingLeavesTheCarrierAlone) {
   }
 }
 
-// The coupling up to version 0.2: FX and FY of FZ alone, at most 0.3 N/mm over 7.1 N/mm, rounded to 0.042.
+// The coupling up to version 0.2: FX and FY of FZ alone, at most 0.3 N/mm over 7.1 N/mm, rounded to
+// 0.042.
 TEST(PapillArray, CouplingOfNormalForceAloneTurnsItIntoShear) {
   Named coupling = only("coupling");
   coupling.parameters.set("shear_to_normal", 0.0);
@@ -356,9 +365,10 @@ TEST(PapillArray, CouplingOfNormalForceAloneTurnsItIntoShear) {
   }
 }
 
-// At 100 Hz a vibration of 130 Hz reads as one of 30 Hz. The filter is at work at every millisecond: 1/(1 + (130/365.1)^2) = 0.8875, and
-// of a sine that goes straight between milliseconds sinc(0.13)^2 = 0.9456 is left: 0.8392. Its image at 870 Hz, sinc(0.87)^2 = 0.0211, passes by
-// 1/(1 + (870/365.1)^2) = 0.1498 and folds to 30 Hz, too: 0.0032 more or less.
+// At 100 Hz a vibration of 130 Hz reads as one of 30 Hz. The filter is at work at every
+// millisecond: 1/(1 + (130/365.1)^2) = 0.8875, and of a sine that goes straight between
+// milliseconds sinc(0.13)^2 = 0.9456 is left: 0.8392. Its image at 870 Hz, sinc(0.87)^2 = 0.0211,
+// passes by 1/(1 + (870/365.1)^2) = 0.1498 and folds to 30 Hz, too: 0.0032 more or less.
 TEST(PapillArray, LowPassWorksBetweenTheSamplesOfASlowSensor) {
   Parameters parameters = defaults();
   parameters.set("rate", 100.0);
@@ -411,7 +421,8 @@ TEST(PapillArray, AMemoryThatIsTakenOverBetweenTwoSamplesGoesOnToTheSameBits) {
   }
 }
 
-// Force within 4 N along the surface and up to 15 N into it, displacement within 1 mm and up to 2.5 mm; a pulled pillar is not judged.
+// Force within 4 N along the surface and up to 15 N into it, displacement within 1 mm and up to 2.5
+// mm; a pulled pillar is not judged.
 TEST(PapillArray, CountsSamplesBeyondTheMakersRange) {
   const auto sensor = make(defaults(), {only("valid_range")});
   ContactFrame truth = empty_frame();

@@ -209,8 +209,8 @@ TEST(Override, RemovesAKeyFromTheSweepByNull) {
               refused_at("--set sweep.motion.compresion=null", {"motion.compresion", "motion.compression"}));
 }
 
-// Typed values are never dropped: a typed sweep below a typed value applies to it, in either order.
-// One value can be typed only once.
+// Values given on the command line are never dropped: a sweep below a fixed value applies to the
+// value, in either order. A value can be given only once.
 TEST(Override, KeepsASweepThatWasTyped) {
   const Catalogues catalogues = test_catalogues();
   const Override whole{"motion", "{start: 1 s}"};

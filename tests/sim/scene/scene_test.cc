@@ -163,7 +163,7 @@ expect: {gross_slip_by: 1.0 s}
 TEST(Scene, ReadsItsWishForAccuracy) {
   const AccuracyScene accuracy = read(minimal + "accuracy: {creep: 2 um/s, onset: 0.5 %}\ntime_step: auto\n").accuracy.value();
   ASSERT_EQ(accuracy.wishes.size(), 2U);
-  EXPECT_EQ(accuracy.wishes[0].measure, "onset");  // in the order of the possible wishes
+  EXPECT_EQ(accuracy.wishes[0].measure, "onset");  // in the order of the possible requirements
   EXPECT_EQ(accuracy.wishes[0].limit, 0.005);
   EXPECT_EQ(accuracy.wishes[1].measure, "creep");
   EXPECT_EQ(accuracy.wishes[1].limit, 2e-6);

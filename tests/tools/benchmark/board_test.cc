@@ -1,4 +1,5 @@
-// A part of the protocol, a trial or some of each scene: the whole takes minutes.
+// Tests use a part of the protocol, one trial or some trials of each scene, because the whole takes
+// minutes.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -66,11 +67,11 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
     EXPECT_EQ(here.contains("clock"), !std::isnan(test_set.clock));
     EXPECT_EQ(here.contains("motion known, timed"), !std::isnan(test_set.time));
     EXPECT_EQ(score(set, "never slip"), 0.0);
-    // Whoever is behind all others is the one who always says slip.
+    // The last detector is the one that always reports slip.
     EXPECT_EQ(set.at("rows").back().at("detector"), "always slip");
     const std::size_t rows = set.at("rows").size() - (here.contains("oracle") ? 1 : 0);
     EXPECT_EQ(set.at("rows").back().at("rank"), rows);
-    // Who is not on it is named with the reason.
+    // Detectors that are not on the board are named with the reason.
     for (const Json& one : set.at("left_out")) EXPECT_NE(one.at("why"), "");
   }
   for (const Entry& entry : detector_entries()) {
@@ -82,7 +83,8 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
   EXPECT_NE(result.at("transfer"), "");
 }
 
-// The oracle sees each slip at its instant, who never says slip has no false alarm, and nobody is ranked above who knows more than a detector can.
+// The oracle detects each slip at its instant, the control that never reports slip has no false
+// alarm, and a detector that knows more than a sensor can tell has no rank.
 TEST(Board, OfSlip3HasItsMeasures) {
   const Json result = board("slip-3", "taxels", 3, 2);
   std::set<std::string> disturbances;
@@ -109,7 +111,7 @@ TEST(Board, OfSlip3HasItsMeasures) {
               mentions({"Specificity", "knock", "Score by sensor", "signal known", "detectors of other sensors: "}));
 }
 
-// The same bytes with one thread and with two.
+// The result is byte-identical with one thread and with two.
 TEST(Board, SameBytesWhateverTheThreads) {
   const Json one = board("slip-1", "papillarray", 2, 1);
   EXPECT_EQ(submission_text(one), submission_text(board("slip-1", "papillarray", 2, 2)));
@@ -122,7 +124,8 @@ TEST(Board, SameBytesWhateverTheThreads) {
   EXPECT_EQ(names, (std::vector<std::string>{"0 m/s", "6 mm/s"}));
 }
 
-// Detectors with 1, 5 and 20 % of their answers flipped, beside the unflipped that ship.
+// Detectors with 1, 5 and 20 % of their answers flipped, in addition to the included ones without
+// flips.
 TEST(Board, FlipsLowerTheScore) {
   for (const auto& [protocol, trials] : {std::pair{"slip-1", 2}, std::pair{"slip-2", 4}}) {
     std::map<std::string, double> before;  // by scene and detector
@@ -167,7 +170,8 @@ double score_on(const TestSet& test_set, const Trials& trials, const std::functi
   return score_of(parts, test_set).value;
 }
 
-// The truth of a recording without its samples, which would not fit into memory for all trials of a set.
+// The truth of a recording without its samples, which would not fit into memory for all trials of a
+// set.
 struct TruthOfTrial {
   Scene scene;
   eval::Truth truth;
@@ -210,8 +214,8 @@ double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>
   return score_of(parts, test_set).value;
 }
 
-// The first recording of each pair has no slip, the second one has. The controls know their best values,
-// and earn little: a value beside the best earns no more.
+// The first recording of each pair has no slip, the second one has. The controls know their best
+// values and earn little; other values earn no more.
 TEST(Protocol, PairsOfSlip3) {
   register_control();
   for (const auto& [sensor, domain] : {std::pair{"taxels", "inside"}, {"papillarray", "outside"}}) {
@@ -248,8 +252,8 @@ TEST(Protocol, PairsOfSlip3) {
   }
 }
 
-// The times that the controls know score better than times a step earlier or later; from slip-2 on
-// they score at most 5 of 100.
+// The times of the controls score better than times one step earlier or later; from slip-2 on they
+// score at most 5 of 100.
 TEST(Protocol, ControlsAreToldTheBest) {
   constexpr double clock_step = 0.1;  // s
   register_control();
@@ -282,14 +286,15 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
        {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/nib_pad", "learn/biotac_sp", "learn/biotac_stage",
         "learn/grasp", "learn/disturbed", "learn/taxels", "learn/magnetic_skin", "learn/gel_markers", "learn/short_papillarray",
         "learn/short_taxels", "learn/short_magnetic_skin", "learn/short_nib_pad"})
-    learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the networks that ship
+    learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the included networks
   for (const Protocol& protocol : protocols()) {
     for (const Lesson& lesson : protocol.lessons) learnt.insert(seed(lesson.scene));
     for (const TestSet& test_set : protocol.held_out) EXPECT_FALSE(learnt.contains(seed(test_set.scene))) << test_set.scene;
   }
 }
 
-// A recording is judged from its motion on, so that one without would be judged by nothing.
+// A recording is judged from the beginning of its motion, so a recording without motion would not
+// be judged at all.
 TEST(Protocol, EveryOpenRecordingOfSlip3Moves) {
   register_control();
   const Catalogues catalogues = program_catalogues();
@@ -306,7 +311,7 @@ TEST(Protocol, EveryOpenRecordingOfSlip3Moves) {
   }
 }
 
-// Every loop has the same boxes, whichever sensor it reads.
+// Every loop has the same boxes for all sensors.
 TEST(Protocol, LoopsDifferInTheirSensorAlone) {
   for (const Protocol& protocol : protocols()) {
     std::set<std::string> sweeps, seeds;

@@ -1,4 +1,4 @@
-// Who knows a slip's signal: against the closed form of a step in white noise.
+// A detector that knows the signal of a slip, against the closed form of a step in white noise.
 #include "tools/benchmark/known_signal.h"
 
 #include <algorithm>
@@ -37,12 +37,12 @@ eval::Truth truth_of(const TrialRecord& record) {
   return truth;
 }
 
-// A step of half a deviation adds 1/4 a sample, so the 9 of three deviations are reached by 36 samples.
-// Both estimates scatter. The deviation of n independent values scatters by 1.17/sqrt(n)
-// [rousseeuw1993]; 1,500 second differences, which correlate by -2/3 and 1/6, by some sqrt(1 + 2
-// (4/9 + 1/36)) times that, which is 4.2 %. The correlation of 500 samples, which is 0, scatters by
-// 0.045, so that up to (1 - 0.09)^2 of the energy is left: 36 (1 - 0.084) to 36 (1 + 0.084)/0.83,
-// which are 33 to 47 samples.
+// A step of half a deviation adds 1/4 a sample, so the 9 of three deviations are reached by 36
+// samples. Both estimates scatter. The deviation of n independent values scatters by 1.17/sqrt(n)
+// [rousseeuw1993]; 1,500 second differences, which correlate by
+// -2/3 and 1/6, by some sqrt(1 + 2 (4/9 + 1/36)) times that, which is 4.2 %. The correlation of 500
+// samples, which is 0, scatters by 0.045, so that up to (1 - 0.09)^2 of the energy is left: 36 (1 -
+// 0.084) to 36 (1 + 0.084)/0.83, which are 33 to 47 samples.
 TEST(SignalKnown, SeesAStepWhenItsEnergyIsThatOfThreeDeviations) {
   const TrialRecord record = recorded(0.5 * deviation), stuck = recorded(0.0);
   const eval::Truth truth = truth_of(record);
@@ -53,7 +53,8 @@ TEST(SignalKnown, SeesAStepWhenItsEnergyIsThatOfThreeDeviations) {
   EXPECT_LE(first, slips + 47 - 1);
 }
 
-// A ramp of 500 deviations and a level of 50 on both trials are the load, not noise: the slip is seen in the same sample.
+// A ramp of 500 deviations and a level of 50 on both trials are the load, not noise: the slip is
+// seen in the same sample.
 TEST(SignalKnown, DoesNotTakeTheLoadForNoise) {
   const auto first_of = [](double ramp, double level) {
     TrialRecord record = recorded(0.5 * deviation), stuck = recorded(0.0);
@@ -73,8 +74,8 @@ TEST(SignalKnown, SaysNothingWhereTheSlipChangesNothing) {
   for (const PadState state : signal_known(record, record, 0, truth_of(record)).seen) EXPECT_EQ(state, PadState::non_slip);
 }
 
-// The remaining signal of an earlier slip, here 5 deviations from the middle of the contact on, is
-// not taken for the signal of the judged slip.
+// The signal that an earlier slip has left, here 5 deviations from the middle of the contact on,
+// does not count as the signal of the judged slip.
 TEST(SignalKnown, LeavesOutWhatAnEarlierSlipHasLeft) {
   TrialRecord record = recorded(0.0);
   std::vector<float>& values = record.sensors[0].channels[0].values;

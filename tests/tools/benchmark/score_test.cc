@@ -9,7 +9,8 @@
 namespace slipbench::benchmark {
 namespace {
 
-// 100 samples of which the last 40 slip, from 0.6 s on; `said` of the first 60 are called slip in `alarms` alarms.
+// 100 samples, of which the last 40 slip, from 0.6 s on. Of the first 60 samples `said` are called
+// slip, in `alarms` alarms.
 eval::Judgement judgement(Detection detection, double delay, std::size_t said, std::size_t alarms) {
   eval::Judgement one;
   one.slip_time = 0.6;
@@ -26,7 +27,7 @@ eval::Judgement judgement(Detection detection, double delay, std::size_t said, s
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 const TestSet open{.track = Track::open}, loop{.track = Track::loop};
 
-// A box that 2 N hold, gripped with `ratio` times that.
+// A box that 2 N can hold, gripped with `ratio` times 2 N.
 GraspOutcome grasp(double ratio, bool dropped) {
   return {.dropped = dropped, .max_grip_force = 2.0 * ratio, .ideal_grip_force = 2.0};
 }
@@ -40,7 +41,8 @@ TEST(Score, CreditFallsWithTheDelay) {
   EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), open).credit, 0.0);
 }
 
-// By slip-3 a slip that is seen after 0, 1 or 3 times half_slip_distance earns 1, 1/2 or 1/4, whatever the delay.
+// By slip-3 a slip that is seen after 0, 1 or 3 times half_slip_distance earns 1, 1/2 or 1/4,
+// whatever the delay.
 TEST(Score, CreditFallsWithTheSlippedDistance) {
   const TestSet by_distance{.track = Track::open, .by_distance = true};
   for (const auto& [distance, credit] : {std::pair{0.0, 1.0}, {half_slip_distance, 0.5}, {3.0 * half_slip_distance, 0.25}}) {
@@ -51,8 +53,9 @@ TEST(Score, CreditFallsWithTheSlippedDistance) {
   EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), by_distance).credit, 0.0);
 }
 
-// A recording in which the object slips by less than the least distance has nothing to earn, though an alarm before the slip is a false one; one that
-// slips by the least distance has.
+// A recording in which the object slips by less than the least distance has no credit to earn,
+// although an alarm before the slip is a false alarm. A recording that slips by the least distance
+// has credit to earn.
 TEST(Score, SlipsOfMicrometresHaveNothingToEarn) {
   const TestSet by_distance{.track = Track::open, .by_distance = true};
   eval::Judgement one = judgement(Detection::seen, 0.0, 0, 1);
@@ -67,7 +70,7 @@ TEST(Score, SlipsOfMicrometresHaveNothingToEarn) {
   EXPECT_TRUE(recording_part(one, by_distance).credited);
 }
 
-// Twelve recordings: in two a part slips, which leaves ten; eight of these are silent.
+// Twelve recordings: two of them slip in part, which leaves ten; eight of these have no alarm.
 TEST(Score, DisturbedRecordingsAreScoredBySpecificity) {
   const TestSet disturbed{.track = Track::open, .by_distance = true, .disturbance = "knock"};
   std::vector<Part> parts;
@@ -92,8 +95,9 @@ TEST(Score, ConstantAnswersEarnNothing) {
   EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is said in all of the time without it";
 }
 
-// One trial seen at once, one early with an alarm a sample long: credit 1/2. Two trials have 1.2 s without slip: 1 alarm is 50 a minute, which the
-// limit of 1 a minute makes 1/50 of the credit; one sample of 120 was wrong.
+// One trial with immediate detection, and one with an early alarm that lasts one sample: credit
+// 1/2. The two trials have 1.2 s without slip, so 1 alarm is 50 per minute, for which the limit of
+// 1 per minute leaves 1/50 of the credit; one sample of 120 is wrong.
 TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
   const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0), open),
                                 recording_part(judgement(Detection::early, none, 1, 1), open)};
@@ -103,7 +107,8 @@ TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
   EXPECT_NEAR(score.value, 0.5 * alarm_limit / 50.0 - 1.0 / 120.0, 1e-12);
 }
 
-// A recording without slip has nothing to earn, but its false alarms count: two trials of 1.2 s without one, so the credit of the first stays.
+// A recording without slip has no credit to earn, but its false alarms count: two trials have 1.2 s
+// without an alarm, so the credit of the first stays.
 TEST(Score, RecordingsWithoutSlipOnlyCost) {
   eval::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
   quiet.slip_time = none;
@@ -114,8 +119,9 @@ TEST(Score, RecordingsWithoutSlipOnlyCost) {
   EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet, open)}, open).value, 0.5 - 30.0 / 120.0);
 }
 
-// The least force earns 1, worst_force_ratio times it 0, half-way 1/2. A dropped box and one that needs no tightening earn nothing, and the latter
-// does not count among those that could.
+// The least force earns 1, worst_force_ratio times it earns 0, half-way 1/2. A box that is dropped
+// or that needs no tightening earns nothing; the latter is not counted among the boxes that could
+// earn credit.
 TEST(Score, AGraspEarnsByItsForce) {
   const eval::Judgement silent = judgement(Detection::missed, none, 0, 0);
   const GraspOutcome lost = grasp(1.0, true), held = grasp(1.0, false);
@@ -131,8 +137,9 @@ TEST(Score, AGraspEarnsByItsForce) {
   EXPECT_EQ(score_of(parts, loop).value, 1.0);
 }
 
-// A box that is held anyway: the force of who never tightens costs nothing, worst_force_ratio times it 1, half-way 1/2; by slip-2 alone. Of two such
-// boxes the mean counts, whatever those earn that need tightening.
+// A box that is held without tightening: the force without tightening costs nothing,
+// worst_force_ratio times it costs 1, half-way 1/2; only in slip-2. The cost of two such boxes is
+// their mean, whatever the boxes earn that need tightening.
 TEST(Score, NeedlessForceCostsWhereTheProtocolSaysSo) {
   const eval::Judgement silent = judgement(Detection::quiet, none, 0, 0);
   const GraspOutcome lost = grasp(1.0, true), held = grasp(1.0, false);
@@ -149,15 +156,16 @@ TEST(Score, NeedlessForceCostsWhereTheProtocolSaysSo) {
   EXPECT_DOUBLE_EQ(score_of(parts, counts).value, 1.0 - 0.25);
 }
 
-// In a loop an alarm costs force: the same alarms leave the credit as it is.
+// In a loop an alarm already costs force, so the same alarms leave the credit unchanged.
 TEST(Score, ALoopHasNoLimitOfAlarms) {
   const Part part{.credit = 1.0, .alarms = 10.0, .quiet = 1.0};
   EXPECT_EQ(score_of(std::vector<Part>{part}, loop).value, 1.0);
   EXPECT_NEAR(score_of(std::vector<Part>{part}, open).value, alarm_limit / 600.0, 1e-12);
 }
 
-// Samples every 0.1 s for 2 s, four windows of five samples. The second and the third slip, in part; slip is reported in the third and the fourth.
-// The last sample slips and is masked, so the fourth window sticks.
+// Samples every 0.1 s for 2 s, in four windows of five samples. The second and the third window
+// slip in part; slip is reported in the third and the fourth. The last sample slips but is masked,
+// so the fourth window sticks.
 TEST(Windows, AreCountedByTruthAndReport) {
   eval::Truth truth;
   eval::Replayed replayed;

@@ -1,4 +1,5 @@
-// Boards and submissions as a user makes and checks them. The BioTac has no hand-made detector, so that its boards take a second.
+// Boards and submissions as a user makes and checks them. The tests use the BioTac, for which no
+// hand-made detector exists, so its boards take a second.
 #include <algorithm>
 #include <fstream>
 #include <string>
@@ -37,7 +38,7 @@ TEST_F(Submissions, AreRecomputed) {
   const ChildResult same = run_program_file({"benchmark", "--verify", file, "--quiet"});
   EXPECT_EQ(same.status, 0) << same.out << same.err;
 
-  // Another score, as a cheat would write it.
+  // A changed score, as in a forged submission.
   std::string text = bytes_of(file);
   const std::string rate = "\"alarms_per_minute\": 1.0";
   ASSERT_NE(text.find(rate), std::string::npos);
@@ -58,7 +59,7 @@ TEST_F(Submissions, AreRecomputed) {
 }
 
 #ifdef SLIPBENCH_WITH_NETWORKS
-// With biotac_lstm, which the protocol teaches.
+// With biotac_lstm, which the protocol trains.
 TEST_F(Submissions, WhatIsTaughtIsTheSameWithOneThreadAndWithTwo) {
   for (const char* jobs : {"1", "2"}) {
     const ChildResult made = run_program_file({"benchmark", "--protocol", "slip-1", "--sensor", "biotac_sp", "--trials", "1",
@@ -70,7 +71,7 @@ TEST_F(Submissions, WhatIsTaughtIsTheSameWithOneThreadAndWithTwo) {
 }
 #endif
 
-// Two recordings of a slide, written and read as a real sensor's would be.
+// Two recordings of a slide, written and read like those of a real sensor.
 TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
   const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
   ASSERT_EQ(run_program_file({"run", scene, "--trials", "2", "--quiet", "-o", folder_ / "sim.h5"}).status, 0);
@@ -96,8 +97,8 @@ TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
 }
 
 #ifdef SLIPBENCH_WITH_NETWORKS
-// A network that has learnt from what is judged has no place on the board. Trial 0 or 48 of the 96, which two trials of the protocol are, is among
-// the four fifths that teach or choose.
+// A network that was trained on judged trials is left out of the board. Two trials of the protocol
+// are trials 0 and 48 of the 96, which are among the four fifths used for training or validation.
 TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
   const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/benchmark/slip-1/open_papillarray.yaml";
   ASSERT_EQ(run_program_file({"sweep", scene, "--quiet", "-o", folder_ / "seen.h5"}).status, 0);
@@ -115,7 +116,7 @@ TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
 }
 #endif
 
-// plugins/exits.cc ends the program with a status of its own as soon as it is loaded.
+// plugins/exits.cc ends the program with its own status when it is loaded.
 TEST_F(Submissions, NoCodeRunsThatItsReaderHasNotNamed) {
   const std::string library = SLIPBENCH_TEST_PLUGINS "/exits.so", file = folder_ / "mine.json";
   ASSERT_EQ(run(quick, {"--submit", file}).status, 0);
@@ -147,7 +148,7 @@ TEST_F(Submissions, WhatIsRefused) {
     all.insert(all.end(), words.begin(), words.end());
     expect_refusal(all, {"benchmark_control", "shear_rate"});
   }
-  // Both would write one file, however it is spelled.
+  // Both options would write one file, in spite of the different spelling.
   for (const std::string& submission : {folder_ / "b.json", folder_ / "./b.json", folder_ / "b.html"}) {
     expect_refusal({"benchmark", "-o", folder_ / "b.html", "--submit", submission},
                    {"--submit " + submission, "--output " + folder_ / "b.html"});
@@ -157,7 +158,7 @@ TEST_F(Submissions, WhatIsRefused) {
   expect_refusal({"benchmark", "--verify", folder_ / "none.json"}, {"none.json", "read"});
   std::ofstream(folder_ / "no.json") << "{}";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "submission"});
-  // A protocol that this program does not have is named with the file, and costs no computing.
+  // An unknown protocol is reported with the file, before anything is computed.
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": "slip-9"}})";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-9", "slip-1"});
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": 3}})";

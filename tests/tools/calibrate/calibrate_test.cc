@@ -22,8 +22,9 @@
 namespace slipbench::calibrate::calibrate_test {
 namespace {
 
-// Four recordings: pressed from 0.13 s on, moved from 0.5 s on at 4 mm/s in directions of their own. With mu 0.5 and 7.1/3.9 N/mm a pillar that is
-// pressed in by 1 mm slips after 0.5 * 7.1/3.9 * 1 mm = 0.91 mm, which takes 0.23 s and the 0.08 s of the start: all slide at the end.
+// Four recordings: pressed from 0.13 s on, moved from 0.5 s on at 4 mm/s in directions of their
+// own. With mu 0.5 and 7.1/3.9 N/mm a pillar that is pressed in by 1 mm slips after 0.5 * 7.1/3.9 *
+// 1 mm = 0.91 mm, which takes 0.23 s and the 0.08 s of the start: all slide at the end.
 constexpr const char* scene_text = R"(slipbench: 1
 description: four slides
 duration: 1.1 s
@@ -82,7 +83,7 @@ struct Calibrated : slipbench::testing::FolderTest {
 constexpr const char* normal = "sensors.pad.k_normal: {min: 4 N/mm, max: 10 N/mm}";
 constexpr const char* friction = "friction.scale: {min: 0.6, max: 1.4}";
 
-// The bars of issue 24, with typical electronics: 3 %, 0.02 mm, 0.2 degrees.
+// Limits with typical electronics: 3 %, 0.02 mm, 0.2 degrees.
 TEST_F(Calibrated, DrawnParametersComeBack) {
   const Json result =
       fitted(options({normal, "sensors.pad.k_tangential: {min: 2 N/mm, max: 6 N/mm}", friction,
@@ -99,7 +100,8 @@ TEST_F(Calibrated, DrawnParametersComeBack) {
     EXPECT_LT(one.at("residual").get<double>(), 1.5 * one.at("repeatability").get<double>()) << one.dump();
 }
 
-// Nothing moves sideways: the recordings say nothing of friction, and the scene's own value stays.
+// Nothing moves sideways, so the recordings do not determine the friction, and the scene's own
+// value stays.
 TEST_F(Calibrated, FrictionWithoutASlideIsNotDetermined) {
   const Json result = fitted(options({normal, friction}, {{"motion.start", "2 s"}}));
   EXPECT_NEAR(relative(result, "sensors.pad.k_normal"), 0.0, 0.03);
@@ -216,7 +218,7 @@ TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
   EXPECT_THAT(recorded({"duration", "1.3 s"}), refused_at(name, {"1296 ms", "1096 ms", "10 %"}));
   EXPECT_THAT(recorded({"duration", "0.9 s"}), refused_at(name, {"896 ms", "1096 ms", "10 %"}));
   EXPECT_THAT(recorded({"sensors.pad.rate", "100 Hz"}), refused_at(name, {"10 ms", "4 ms", "1 %", "100 Hz", "250 Hz"}));
-  // The largest lag is allowed in addition.
+  // The allowed difference increases by the largest lag.
   wanted.keys.push_back(parse_fit_keys("lag: {min: -0.1 s, max: 0.05 s}").at(0));
   EXPECT_EQ(recorded({"duration", "1.3 s"}), "accepted");
 }
@@ -274,7 +276,8 @@ TEST_F(Calibrated, IsInterrupted) {
   EXPECT_THROW(fitted(wanted), Interrupted);
 }
 
-// A value that is missed by more than twice its interval is no recovery, unless it was not called determined.
+// A value that differs from the truth by more than twice its interval is not recovered, unless it
+// was reported as not determined.
 TEST(Recovers, HoldsDeterminedParametersToTheirInterval) {
   const auto result = [](double error, bool determined) {
     return Json{{"parameters",
@@ -285,8 +288,9 @@ TEST(Recovers, HoldsDeterminedParametersToTheirInterval) {
   EXPECT_TRUE(recovers(result(-2.1, false)));
 }
 
-// Tables of a skin of one's own that is stiffer, more sensitive and louder than the scene says. Noise of 8 counts is 1 % of a reading and 0.02 % of the mean of
-// 2,300, but the converter cuts off what lies below 0: so 1 %, and 10 % of the noise.
+// Tables of a custom skin that is stiffer, more sensitive and noisier than in the scene. Noise of 8
+// counts is 1 % of a reading and 0.02 % of the mean of 2,300, but the converter clips values below
+// 0. So 1 % is allowed, and 10 % of the noise.
 TEST_F(Calibrated, ASkinOfOnesOwnByAColumnMap) {
   const std::map<std::string, double> truth{
       {"k_normal", 1700}, {"k_tangential", 620}, {"curve.1.1", 1100}, {"electronics.0.white_noise.scale", 2}};
@@ -324,7 +328,7 @@ sweep: {motion: [{direction: 0 deg}, {direction: 100 deg, compression: 0.4 mm}, 
   for (const auto& [key, value] : truth)
     EXPECT_NEAR(parameter_of(result, "sensors.skin." + key).at("value").get<double>() / value, 1.0, key[0] == 'e' ? 0.1 : 0.01)
         << key;
-  EXPECT_THAT(calibration_page(result), Not(HasSubstr("when sensors.skin.electronics")));  // whose keys have no profile
+  EXPECT_THAT(calibration_page(result), Not(HasSubstr("when sensors.skin.electronics")));  // keys without a profile
 }
 
 }  // namespace

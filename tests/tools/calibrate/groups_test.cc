@@ -14,7 +14,7 @@
 namespace slipbench::calibrate::groups_test {
 namespace {
 
-// Two groups of four: pressed alone, and slid. How deep is drawn for each.
+// Two groups of four recordings: only pressed, and slid. The depth of each is drawn.
 constexpr const char* scene_text = R"(slipbench: 1
 duration: 1.2 s
 time_step: 1 ms
@@ -43,7 +43,7 @@ struct Grouped : slipbench::testing::FolderTest {
     result.command = "slipbench calibrate scene.yaml";
     return result;
   }
-  // The scene's own trials as recordings.
+  // The trials of the scene as recordings.
   Options with_recordings(const std::vector<std::string>& fits, const std::string& groups,
                           const std::vector<Override>& overrides = {}) {
     Options result = options(fits, groups);

@@ -27,7 +27,8 @@ SensorRecord sensor_of(const std::vector<double>& time, const std::vector<float>
 
 Columns columns_of(const SensorRecord& sensor) { return shared_columns({"r", {sensor}}, {sensor}); }
 
-// The mean of a straight line over a stretch is its value in the middle, whatever the steps of the samples.
+// The mean of a straight line over a stretch is its value in the middle, whatever the steps of the
+// samples.
 TEST(BinMeans, OfAStraightLineAreItsMiddles) {
   const SensorRecord line = sensor_of({0.0, 0.1, 0.25, 0.7, 1.0}, {0.0F, 0.2F, 0.5F, 1.4F, 2.0F});
   const Eigen::MatrixXd means = bin_means({line}, Side::real, columns_of(line), {0.0, 0.4, 0.8, 1.0}, 0.0);
@@ -65,7 +66,8 @@ TEST(SharedColumns, AreThoseOfTheSameNameOrTheOnlyOneOfTheType) {
   EXPECT_THAT(refusal(), refused_at("r", {"pad/value", "[2]", "[]"}));
 }
 
-// As many values in arrays of other names, or of another sensor, are no recording of the same.
+// Arrays with other names, or of another sensor, do not belong to the same recordings, even with as
+// many values.
 TEST(SameColumns, AreToldByTheirNames) {
   const SensorRecord pad = sensor_of({0.0, 1.0}, {0.0F, 0.0F});
   SensorRecord other = pad;
@@ -101,7 +103,7 @@ TEST(ReadRecordings, AreOneAtLeast) {
   EXPECT_THAT(slipbench::refusal_of([] { return read_recordings({}, nullptr); }), mentions({"no recording"}));
 }
 
-// Twice the same recording would halve the variance of what is fitted.
+// A recording that is given twice would halve the variance of the fit.
 TEST(ReadRecordings, AreGivenOnce) {
   EXPECT_THAT(slipbench::refusal_of([] {
                 return read_recordings({"a.h5", "b.h5", "a.h5"}, nullptr);
@@ -111,7 +113,8 @@ TEST(ReadRecordings, AreGivenOnce) {
 
 using Eigen::MatrixXd;
 
-// Two units of two components, 50 stretches, which begin at 0; the first unit carries sines, the second twice as much.
+// Two units of two components, 50 stretches, which begin at 0; the first unit carries sines, the
+// second twice as much.
 Columns two_units() {
   ChannelPlace place{.sensor = "pad", .channel = "force", .unit = "N", .names = {"x", "y"}};
   place.units = 2;
@@ -129,7 +132,7 @@ MatrixXd signal() {
   return wave;
 }
 
-// By device d the x of the units have gains 1 + a and 1 - a, a coupling b to y, offsets c.
+// Device d: the x of the units has gains 1 + a and 1 - a, a coupling b to y, and offsets c.
 MatrixXd read(double a, double b, double c) {
   const MatrixXd s = signal();
   MatrixXd y = s;
@@ -144,7 +147,7 @@ Disturbances learned() {
   return {two_units(), {{read(0.1, 0.02, 0.3)}, {read(-0.1, -0.02, -0.3)}}, {{signal()}, {signal()}}, 1e-4};
 }
 
-// Gains of 1.1 and 0.9 scatter by 0.1, and so on; y has none of all.
+// Gains of 1.1 and 0.9 scatter by 0.1, and so on; y has no gain, coupling or offset.
 TEST(Disturbances, AreLearned) {
   const Disturbances disturbances = learned();
   const Disturbance& x = disturbances.by_component()[0];
@@ -156,7 +159,8 @@ TEST(Disturbances, AreLearned) {
   EXPECT_LT(y.offset_sd, 1e-3);
 }
 
-// The unit that carries twice as much has four times the weight: gains of 1.1 and 1 - 0.1/4 have the mean 1.
+// The unit that carries twice as much has four times the weight: gains of 1.1 and 1 - 0.1/4 have
+// the mean 1.
 TEST(Disturbances, ExplainGainsCouplingsAndOffsets) {
   const MatrixXd s = signal();
   MatrixXd y = s;
@@ -228,7 +232,7 @@ TEST(FitKey, RefusesWhatIsNoBound) {
   EXPECT_THAT(refusal("friction.scale: {min: 0, max: 1, draw: normal}"), mentions({"normal", "uniform", "log_uniform"}));
 }
 
-// Each of the five sensors, by one parameter of its own.
+// Each of the five sensors, with one parameter of its own.
 
 struct Case {
   const char* type;
@@ -236,10 +240,11 @@ struct Case {
   const char* compressions;
 };
 
-// A foam has to be pressed far for more than noise.
+// A foam must be pressed deeply to show more than noise.
 class EachSensor : public slipbench::testing::FolderTest, public ::testing::WithParamInterface<Case> {};
 
-// With the sensor's typical electronics, and a seed for the truth that is another device than that of the fit.
+// With the sensor's typical electronics, and a seed for the truth that is another device than that
+// of the fit.
 TEST_P(EachSensor, IsFitted) {
   const std::string scene = path("scene.yaml");
   std::ofstream(scene) << fmt::format(R"(slipbench: 1
@@ -262,7 +267,7 @@ sweep:
   const Json result = calibrate(options, program_catalogues()).json;
   const Json& parameter = result.at("parameters").at(0);
   EXPECT_TRUE(parameter.at("determined").get<bool>());
-  // The bar of stiffness: 3 %.
+  // Limit for the stiffness: 3 %.
   EXPECT_NEAR(parameter.at("error").get<double>() / parameter.at("truth").get<double>(), 0.0, 0.03);
 }
 

@@ -17,7 +17,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// The law of the data: F_z = k_n d_z, F_x = k_t d_x + c k_n d_z, F_y = k_t d_y - c k_n d_z, with noise on d that F repeats.
+// The law of the data: F_z = k_n d_z, F_x = k_t d_x + c k_n d_z, F_y = k_t d_y - c k_n d_z, with
+// noise on d that F repeats.
 struct Law {
   double normal = 6e3, tangential = 2.5e3;  // N/m
   double coupling = 0.1;                    // N/N
@@ -88,8 +89,8 @@ TEST(Snapshots, AnExactLawComesBack) {
   EXPECT_NEAR(value_of(result, "electronics.coupling.shear_to_shear"), 0.0, 1e-5);
 }
 
-// Shear raises the normal force by 0.5 N/mm of d_x: rms of 500 and 0 N/m is 353.6 N/m. Over k_t = 2.5 N/mm that is 0.2 and 0 N/N, whose limit
-// is sqrt(3 * 0.2^2/2) = 0.2449.
+// Shear raises the normal force by 0.5 N/mm of d_x: rms of 500 and 0 N/m is 353.6 N/m. Over k_t =
+// 2.5 N/mm that is 0.2 and 0 N/N, whose limit is sqrt(3 * 0.2^2/2) = 0.2449.
 TEST(Snapshots, ShearInTheNormalForceIsFitted) {
   RawRecording recording = recording_of({});
   std::vector<float>& force = recording.sensors.front().channels[0].values;
@@ -101,8 +102,9 @@ TEST(Snapshots, ShearInTheNormalForceIsFitted) {
   EXPECT_NEAR(value_of(result, "k_normal"), 6e3, 0.01);
 }
 
-// Eight units of 1 +- 0.1: sd = 0.1 sqrt(8/7) = 0.1069. Gain: the ratios to the figures are 0.1069/0.18 twice and 0.1069/0.093,
-// so sqrt((0.594^2 + 0.594^2 + 1.149^2)/3) = 0.822. Error of the mean: 0.1069 * 6000/sqrt(8) = 226.8 N/m.
+// Eight units of 1 +- 0.1: sd = 0.1 sqrt(8/7) = 0.1069. Gain: the ratios to the figures are
+// 0.1069/0.18 twice and 0.1069/0.093, so sqrt((0.594^2 + 0.594^2 + 1.149^2)/3) = 0.822. Error of
+// the mean: 0.1069 * 6000/sqrt(8) = 226.8 N/m.
 TEST(Snapshots, ScatterOfTheUnitsIsTheErrorAndTheGain) {
   const Json result = fit_snapshots({recording_of({.scatter = 0.1})}, "", default_idle);
   EXPECT_NEAR(value_of(result, "k_normal"), 6e3, 0.01);
@@ -110,8 +112,8 @@ TEST(Snapshots, ScatterOfTheUnitsIsTheErrorAndTheGain) {
   EXPECT_NEAR(value_of(result, "electronics.gain.scale"), 0.822, 0.001);
 }
 
-// Noise of twice the device's figures. Each of 200 snapshots of a unit has six sds of three sources: a relative error of
-// 1/sqrt(2*199*3) = 2.9 % a unit, 1.3 % of the median of eight.
+// Noise of twice the device's figures. Each of 200 snapshots of a unit has six sds of three
+// sources: a relative error of 1/sqrt(2*199*3) = 2.9 % a unit, 1.3 % of the median of eight.
 TEST(Snapshots, NoiseComesBackWithinItsError) {
   const Json result = fit_snapshots({recording_of({.noise = 2.0})}, "", default_idle);
   EXPECT_NEAR(value_of(result, "electronics.noise.scale"), 2.0, 3 * 0.013 * 2.0);
@@ -160,7 +162,8 @@ Scene scene_with(const std::string& text) {
       text.substr(text.find("sensors:")));
 }
 
-// Pasted into a scene the text gives the electronics `typical` but for the fitted values, which are printed to three digits.
+// Pasted into a scene, the text gives the electronics `typical` except for the fitted values, which
+// are printed to three digits.
 TEST(Snapshots, TheTextIsABlockOfASceneWithAllParts) {
   const Json result = fit_snapshots({recording_of({.scatter = 0.1, .noise = 2.0})}, "", default_idle);
   const Scene fitted = scene_with(snapshot_text(result));
@@ -202,7 +205,7 @@ TEST(Snapshots, APartThatIsNotFittedStaysAtItsDefault) {
   EXPECT_EQ(scene_with(text).sensors.at(0).electronics.size(), papillarray::electronics_parts().size());
 }
 
-// Parts of a device are known of the PapillArray alone.
+// Only for the PapillArray are the parts of the device known.
 TEST(Snapshots, AnotherSensorsTextHasNoElectronics) {
   RawRecording recording = recording_of({});
   recording.sensors.front().type = "taxels";

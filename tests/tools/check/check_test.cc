@@ -1,5 +1,5 @@
-// Verdicts on a pad that is moved sideways: with speed it slips from the start, without speed
-// never.
+// Verdicts on a pad that is moved sideways: at a speed it slips from the start, without speed it
+// never slips.
 
 #include <filesystem>
 #include <fstream>
@@ -41,7 +41,7 @@ TEST_F(CheckScene, WithoutExpectationsIsNotChecked) {
   EXPECT_EQ(check("expect: {confidence: 0.9}\n").verdict, Verdict::not_checked);
 }
 
-// The one trial is done and fails; the run that should save its evidence is interrupted.
+// The only trial runs and fails; the run that should save its dataset is interrupted.
 TEST_F(CheckScene, InterruptedIsNoVerdict) {
   std::ofstream(folder_ / "s.yaml") << head << "expect: {gross_slip_by: 0.3 s}\n";
   std::atomic<bool> interrupt{false};
@@ -104,7 +104,7 @@ TEST_F(CheckScene, KOfN) {
 }
 
 TEST_F(CheckScene, Reliability) {
-  // All of 6 pass: the 80 % interval begins at 0.1^(1/6) = 0.6813.
+  // All of 6 trials pass: the 80 % interval begins at 0.1^(1/6) = 0.6813.
   const std::string six = "sweep: {trials: 6}\nexpect:\n  confidence: 0.8\n";
   EXPECT_EQ(check(six + "  gross_slip_by: {limit: 0.6 s, reliability: 0.681}\n").verdict, Verdict::passed);
   EXPECT_THAT(refusal(six + "  gross_slip_by: {limit: 0.6 s, reliability: 0.682}\n"),

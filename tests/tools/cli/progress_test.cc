@@ -50,7 +50,8 @@ TEST(ClockText, NamesSecondsMinutesHours) {
   EXPECT_EQ(clock_text(3725.0), "1:02:05");
 }
 
-// 100 of 200 trials of 4 s in 5 s: 400/5 = 80 times real time, 100/5 = 20 trials/s, another 5 s to go.
+// 100 of 200 trials of 4 s in 5 s: 400/5 = 80 times real time, 100/5 = 20 trials/s, another 5 s to
+// go.
 constexpr ProgressState half{100, 200, 400.0, 5.0};
 
 TEST(ProgressBarText, ShowsShareRatesAndTimeLeft) {

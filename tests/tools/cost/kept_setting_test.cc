@@ -114,7 +114,7 @@ TEST_F(KeptSettingTest, IsOfTheseTrialsAlone) {
   EXPECT_EQ(entries.at(1).at("subject").at("trials").at("asked"), 6);
 }
 
-// Errors of a scene without a wish are reported once, where it runs.
+// Errors of a scene without an accuracy requirement are reported once, when the scene runs.
 TEST_F(KeptSettingTest, ReadsNoMoreThanTheKeyOfASceneWithoutAWish) {
   write("s.yaml", dragged + "surface: {material: no such material}\n");
   EXPECT_FALSE(settle().has_value());
@@ -232,14 +232,15 @@ TEST(FindSetting, HalvesTheStepUntilTheWishIsMet) {
     EXPECT_EQ(error.worst <= margin * 1e-5, found.looks[k].met) << k;
     EXPECT_EQ(found.looks[k].met, k + 1 == found.looks.size()) << k;
   }
-  // A looser wish gives a longer step; the same wish gives the same setting.
+  // A looser requirement gives a longer step; the same requirement gives the same setting.
   const FoundSetting looser =
       found_for(file_of(stage + moves + "speed: 16 mm/s, acceleration: 50 mm/s2}\naccuracy: {onset: 1 %}\n"));
   EXPECT_GT(step_of(looser.overrides), step_of(found.overrides));
   EXPECT_EQ(setting_text(found_for(file_of(text)).overrides), setting_text(found.overrides));
 }
 
-// The error of a skin's solver is separated from the step's error only if the wish is tight enough.
+// The error of the solver of a skin is separated from the error of the step only if the requirement
+// is tight enough.
 TEST(FindSetting, TightensTheSolverOfASoftSkinWhereTheWishNeedsIt) {
   const std::string skin =
       "duration: 0.5 s\nsurface: {shape: sphere, radius: 40 mm}\neffects: [elastic_skin]\n"

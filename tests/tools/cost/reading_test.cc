@@ -27,9 +27,9 @@ TEST(CostReading, ARunInWhichOtherThingsHappenMeetsNoWish) {
   EXPECT_EQ(cheapest(exploration, Measure::onset, 1e-2, "contact")->setting.label, "noslip 3");
 }
 
-// 5 ms: 0.004 s for 2 s, 500 times real time. noslip 3: 1.6 s for 2 s, 1.25 times, 400 times slower.
-// 0.1 %: the scene itself, 0.02 s, 100 times. One of the three settings of MuJoCo's contact ended in a
-// warning.
+// 5 ms: 0.004 s for 2 s, 500 times real time. noslip 3: 1.6 s for 2 s, 1.25 times, 400 times
+// slower. 0.1 %: the scene itself, 0.02 s, 100 times. One of the three settings of MuJoCo's contact
+// ended in a warning.
 TEST(CostReading, SentencesSayWhatAnErrorCostsAndWhatMujocoPays) {
   EXPECT_THAT(
       sentences(example()),

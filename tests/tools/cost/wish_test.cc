@@ -1,4 +1,4 @@
-// A scene's wish for accuracy as users give it to the program.
+// The accuracy requirement of a scene, used as by a user of the program.
 #include <filesystem>
 #include <fstream>
 

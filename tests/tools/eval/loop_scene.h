@@ -1,4 +1,4 @@
-// A scene whose trial is fed again to the detector of its loop.
+// A scene whose recorded trial is replayed to the detector of its loop.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// The nib pad's lever bench (scenes/nib_pad) against its springs: the scenes do what their texts
-// say.
+// The lever bench of the nib pad (scenes/nib_pad) against its springs: checks the statements in the
+// scenes' descriptions.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -55,7 +55,7 @@ std::vector<Entry> usable_detectors() {
 
 TrialRecord run(const std::string& detector) { return run_trial(scene_with(detector), 0, Recording::full).record; }
 
-// A bench with wrong labels; the sensors' forces and displacements are right.
+// A bench with wrong labels; the forces and displacements of its sensors are right.
 class Liar final : public Simulation {
  public:
   explicit Liar(Simulation& honest) : honest_(honest) {}

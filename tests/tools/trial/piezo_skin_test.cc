@@ -252,9 +252,10 @@ TEST(PiezoSkinStage, TheDatasetIsThePublishedOne) {
     ++tips[pad.number("k_tangential")];
   }
   EXPECT_EQ(slips, 320u);
-  // A detector that knows only contact and time calls everything after some instant slip: slides
-  // that begin later are its false alarms, earlier ones its misses. With starts spread over half of
-  // the recording it knows little; with a fifth it was right for 94 %.
+  // A detector that knows only contact and time reports slip after a fixed instant: slides that
+  // begin later give false alarms, and slides that begin earlier are missed. With starts spread
+  // over half of the recording it is rarely right; with starts spread over a fifth it was right in
+  // 94 %.
   EXPECT_GE(*std::ranges::max_element(starts) - *std::ranges::min_element(starts), 0.5 * 3.33);
   ASSERT_EQ(tips.size(), 3u);
   // 640 recordings, a third each: sd sqrt(640/3 * 2/3) = 12.

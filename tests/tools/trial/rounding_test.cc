@@ -1,6 +1,6 @@
-// Rounding does not decide if an element sticks or slips: scenes with one input disturbed by one
-// unit in the last place have equal events by unit and kind. An exponential or logarithm may differ
-// that much between processors' libraries, and friction depends on them.
+// Rounding does not decide whether an element sticks or slips: scenes with one input changed by one
+// unit in the last place have the same number of events by unit and kind. An exponential or
+// logarithm may differ that much between the libraries of processors, and friction depends on them.
 #include <array>
 #include <cmath>
 #include <cstdint>

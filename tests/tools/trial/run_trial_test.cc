@@ -98,8 +98,10 @@ TEST(RunTrial, OnsetsFollowTheClosedForm) {
   EXPECT_EQ(labels.micro_onset_time, labels.onset_time);
 }
 
-// Pressed at 10 mm/s without ramps, the centre pillar touches after 0.5 mm, at 50 ms. FZ of a pillar of 7.1 N/mm passes 15 N at 15/7.1 = 2.113 mm,
-// before DZ passes 2.5 mm: at 261.3 ms; of an edge, which is 0.2 mm shorter, at 281.3 ms. A corner, 0.45 mm shorter, ends at 2.4 - 0.45 = 1.95 mm.
+// Pressed at 10 mm/s without ramps, the centre pillar touches after 0.5 mm, at 50 ms. FZ of a
+// pillar of 7.1 N/mm passes 15 N at 15/7.1 = 2.113 mm, before DZ passes 2.5 mm: at 261.3 ms; of an
+// edge, which is 0.2 mm shorter, at 281.3 ms. A corner, 0.45 mm shorter, ends at 2.4 - 0.45 = 1.95
+// mm.
 TEST(RunTrial, APillarIsFlaggedFromTheMomentItsForceLeavesTheRange) {
   const std::vector<Override> pressed{
       {"motion", "{kind: stage, compression: 2.4 mm, gap: 0.5 mm, approach_speed: 10 mm/s, acceleration: inf, start: 0.4 s}"},

@@ -5,7 +5,7 @@
 
 namespace slipbench {
 
-// All, in the order that the help shows them in.
+// Returns all commands in the order of the help.
 Commands command_table();
 
 }  // namespace slipbench

@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 2> schema_kinds{"map", "scene"};
 // A folder may hold thousands of recordings.
 constexpr std::size_t most_import_warnings = 10;
 
-// Which trials of its run a dataset does not hold.
+// Lists the trials of the run that the dataset lacks.
 void say_failed(const std::string& dataset) {
   const DatasetReader reader = dataset_header_at(dataset);
   const std::string text = failures_text(reader.failed(), reader.trials().size() + reader.failed().size());
@@ -60,10 +60,10 @@ std::string size_text(std::uintmax_t bytes) {
   return fmt::format("{:.3g} {}", value, units[unit]);
 }
 
-// Says after the first trial how much there will be, and then how far it is.
+// Prints the expected size of the export after its first trial, then the progress.
 ExportProgress progress_of(bool quiet) {
   if (quiet) return {};
-  const std::shared_ptr<Progress> bar(new Progress(Progress::for_stream(stderr, false)));  // which cannot be moved
+  const std::shared_ptr<Progress> bar(new Progress(Progress::for_stream(stderr, false)));  // Progress cannot be moved
   return [bar](std::size_t done, std::size_t total, std::uintmax_t bytes) {
     if (done == 1 && total > 1) {
       say(stderr, fmt::format("{}, about {}\n", counted(total, "trial"), size_text(bytes * total)));
@@ -72,7 +72,7 @@ ExportProgress progress_of(bool quiet) {
   };
 }
 
-// The text of a dataset's value, as a terminal may get it: it comes from a file.
+// Returns the text of a value from a dataset, made safe for a terminal: the file may be untrusted.
 std::string text_of(const Json& value) { return printable(value.get<std::string>()); }
 
 // "trial 3, labels/pad/force, sample 17: ".
@@ -290,7 +290,7 @@ int ImportCommand::run() {
   return exit_good;
 }
 
-// Goes on in Python.
+// Continues in Python, which reads the map.
 void ImportCommand::import_by_map() {
   const PythonModule module("slipbench._import", "import --map", "import");
   const Json request{{"sources", options.sources},

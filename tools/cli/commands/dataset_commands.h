@@ -11,7 +11,7 @@
 
 namespace slipbench {
 
-// `report` and `export`: a dataset in other forms.
+// `report` and `export` convert a dataset.
 struct ReportCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -31,7 +31,7 @@ struct ExportCommand final : Command {
   bool verbose = false;
 };
 
-// `import`: recordings of real sensors as a dataset.
+// `import` writes recordings of real sensors to a dataset.
 struct ImportCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -42,10 +42,11 @@ struct ImportCommand final : Command {
   [[noreturn]] void import_by_map();
 };
 
-// The result of an import on stdout, its warnings on stderr. `json`: one JSON object.
+// Prints the result of an import on stdout, as one JSON object with `json`, and its warnings on
+// stderr.
 void print_import(const ImportSummary& summary, const ImportOptions& options, bool json);
 
-// `verify`: is a dataset what it says?
+// `verify` checks the digests and values of datasets.
 struct VerifyCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -53,7 +54,7 @@ struct VerifyCommand final : Command {
   std::vector<std::string> datasets;
 };
 
-// `list` and `describe`: what a scene may name.
+// `list` and `describe` print the names that a scene may use, and their pages.
 struct ListCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -68,7 +69,7 @@ struct DescribeCommand final : Command {
   std::string name;
 };
 
-// `schema`: what scenes and import maps may hold, for editors.
+// `schema` prints the JSON Schema of scenes and import maps, for editors.
 struct SchemaCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -76,7 +77,7 @@ struct SchemaCommand final : Command {
   std::string schema_kind = "scene";
 };
 
-// `doctor` and `plugin-path`: what is installed, and where.
+// `doctor` lists installed dependencies; `plugin-path` prints the path of the MuJoCo plugin.
 struct DoctorCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -87,7 +88,7 @@ struct PluginPathCommand final : Command {
   int run() override;
 
  private:
-  std::string mujoco;  // version
+  std::string mujoco;  // version of MuJoCo
 };
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-// The commands that explain the command line itself.
+// The commands that print help, completion scripts and the manual page.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace slipbench {
 
-// A command that prints a text made from the command table. The text is made while the words are read,
-// because the table does not outlive that.
+// A command that prints a text made from the command table. The text is made while the command line
+// is parsed, because the table does not exist afterwards.
 class TableTextCommand : public Command {
  public:
   int run() override;
@@ -19,21 +19,21 @@ class TableTextCommand : public Command {
   std::string text_;
 };
 
-// `help`: prints the same text as --help.
+// `help` prints the same text as --help.
 struct HelpCommand final : TableTextCommand {
   void declare(Arguments& arguments) override;
 
   std::vector<std::string> path;  // names of the command; empty: the program
 };
 
-// `completion`: a script by which a shell completes command lines.
+// `completion` prints a script by which a shell completes command lines.
 struct CompletionCommand final : TableTextCommand {
   void declare(Arguments& arguments) override;
 
   std::string shell;
 };
 
-// `man`: the manual page.
+// `man` prints the manual page.
 struct ManCommand final : TableTextCommand {
   void declare(Arguments& arguments) override;
 };

@@ -1,4 +1,4 @@
-// `reproduce`: a table of a paper beside ours. The studies are in Python (tools/studies).
+// `reproduce` repeats a table of a paper. The studies are in Python (tools/studies).
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,15 @@ namespace slipbench {
 
 struct ReproduceCommand final : Command {
   void declare(Arguments& arguments) override;
-  // Becomes the Python package slipbench_studies, which checks that the study takes the options. Throws InputError where it
-  // is not there, and for an output that is not a page's.
+  // Replaces this process by the Python package slipbench_studies, which checks the options of the
+  // study. Throws InputError if the package is missing, and if the output file is not a page of
+  // `reproduce`.
   int run() override;
 
-  std::string name;      // PAPER/TABLE; empty: list what there is
-  std::string output;    // HTML file to write, and JSON beside it; empty: none
+  std::string name;      // PAPER/TABLE; empty: list the studies
+  std::string output;    // HTML file to write, with a JSON file next to it; empty: none
   std::string data;      // dataset to use instead of a fresh one; empty: none
-  std::string real;      // dataset of imported recordings that also judges; empty: none
+  std::string real;      // dataset of imported recordings for an additional evaluation; empty: none
   std::string memories;  // folder of the published classifier; empty: the source tree's
   std::optional<std::uint64_t> seed;
   std::size_t jobs = 0, trials = 0;  // 0: not given

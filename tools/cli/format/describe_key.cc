@@ -18,8 +18,8 @@ const Json& resolved(const Json& part, const Json& schema) {
   return resolved(schema.at(Json::json_pointer(reference->get<std::string>().substr(1))), schema);
 }
 
-// Returns the schema of the map that a value may be: the schema itself, one of its alternatives, or that
-// below free names. Null: the value cannot be a map.
+// Returns the schema of the map that a value may be: the schema itself, one of its alternatives, or
+// that below free names. Null: the value cannot be a map.
 const Json* map_in(const Json& part, const Json& schema) {
   const Json& value = resolved(part, schema);
   if (value.contains("properties")) return &value;

@@ -11,8 +11,8 @@ namespace slipbench {
 std::string project_file(const std::string& path);
 
 // Path of a scene that a user names: `name` itself if such a file exists or if it is absolute, else
-// the shipped scene of this name, with or without the folder scenes ("papillarray/stage.yaml"), else
-// `name`.
+// the shipped scene of this name, with or without the folder scenes ("papillarray/stage.yaml"),
+// else `name`.
 std::string scene_path(const std::string& name);
 
 }  // namespace slipbench

@@ -45,10 +45,11 @@ inline constexpr std::array label_words{
 enum class ClassRule {
   slip,  // hold, slip
   kind,  // stable, translation, rotation: the larger energy in the rigid motion in the pad plane that best fits the slip of all units
-  // The trial's class t (touch), n, e, s, w, cw or aw, by its name or its motion, in
-  // contact; masked without contact. Independent of the labels, except for `latched` with truth: then t
-  // until more than half of what touches slips. In that case frames with more than half slipping
-  // are masked in a trial of t, and earlier frames with a slipping whole unit in other trials.
+  // The class of the trial, t (touch), n, e, s, w, cw or aw, by its name or its motion, while in
+  // contact. Masked without contact. Independent of the labels, except for `latched` with truth:
+  // then t until more than half of what touches slips. In that case frames with more than half
+  // slipping are masked in a trial of t, and earlier frames with a slipping whole unit in other
+  // trials.
   direction,
 };
 // Classes of a network's output by that rule: slip is incipient for the rules micro, latched and

@@ -15,7 +15,7 @@ enum class Fault {
   stuck_sensor,    // keeps the sample from when the preset force was reached
   wrong_sign,      // opens on slip
   overshoots,      // 20 counts on slip: beyond the force limit
-  latches,         // slip seen once is seen for ever
+  latches,         // slip that was reported once counts for ever
 };
 constexpr Fault fault = Fault::FAULT;
 

@@ -14,7 +14,7 @@
 namespace slipbench {
 namespace {
 
-// In the child: becomes the program `words[0]`.
+// In the child: executes the program `words[0]`.
 [[noreturn]] void execute(std::vector<std::string> words) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

@@ -1,4 +1,4 @@
-// Runs the built program and keeps what it says.
+// Runs the built program and stores its output.
 #pragma once
 
 #include <string>
@@ -9,22 +9,25 @@
 namespace slipbench {
 
 struct ChildResult {
-  int status = 0;  // exit status; 128 + signal when a signal ended it
+  int status = 0;  // exit status; 128 + the signal that ended it
   std::string out;
   std::string err;
 };
 
-// Runs `slipbench arguments...` with stdout and stderr in files: no terminal. `out`: where stdout goes instead, e.g. /dev/full.
+// Runs `slipbench arguments...` with stdout and stderr in files, so without a terminal. `out`:
+// replaces the file of stdout, e.g. /dev/full.
 ChildResult run_program_file(const std::vector<std::string>& arguments, const std::string& out = "");
 
-// Runs `script` with sh in `folder`; the word slipbench there is the built program.
+// Runs `script` with sh in `folder`; the word slipbench in it is the built program.
 ChildResult run_shell(const std::string& script, const std::string& folder);
 
-// The same as run_program_file with all streams on a terminal of 120 columns and `environment` ("NAME=value") added; everything it writes is in `out`.
+// As run_program_file, with all streams on a terminal of 120 columns and `environment`
+// ("NAME=value") added; `out` holds everything that the program writes.
 ChildResult run_program_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
 
-// Starts the program with its streams in files, sends `signal` as soon as `ready` exists ("started": as soon as the program catches that signal; "guarded": as soon as
-// an InterruptGuard is there), and waits for the end.
+// Starts the program with its streams in files, sends `signal` once `ready` exists ("started": once
+// the program catches that signal; "guarded": once an InterruptGuard exists), and waits for the
+// end.
 ChildResult run_program_interrupted(const std::vector<std::string>& arguments, const std::string& ready, int signal);
 
 }  // namespace slipbench

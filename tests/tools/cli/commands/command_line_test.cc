@@ -18,12 +18,12 @@ namespace slipbench {
 namespace {
 
 Request parse(const std::vector<std::string>& words) {
-  static Commands commands;  // what comes back points to one of them
+  static Commands commands;  // the result points to one of them
   commands = command_table();
   return parse_command_line(commands, words);
 }
 
-// The command that the words ask for, with its options.
+// Returns the command of the words, with its options.
 template <class Kind>
 Kind parsed(const std::vector<std::string>& words) {
   return dynamic_cast<const Kind&>(*parse(words).command);
@@ -197,11 +197,12 @@ TEST(CommandLine, TrainTakesARecipe) {
   EXPECT_EQ(command.request["seed"], 3);
   EXPECT_DOUBLE_EQ(command.request["held_out"].get<double>(), 0.25);
   EXPECT_EQ(command.request["resume"], true);
-  EXPECT_EQ(command.request["alarms"], 0.5);  // a minute
+  EXPECT_EQ(command.request["alarms"], 0.5);  // per minute
   EXPECT_EQ(command.request["labels"], "latched");
   EXPECT_EQ(command.request["split"], "object");
   EXPECT_EQ(command.request["steps"], 100);
-  // Options that were not given are null: Python takes the recipe's value or the default of train().
+  // Options that are not given are null: Python then uses the value of the recipe or the default of
+  // train().
   const TrainCommand& plain = parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru"});
   for (const char* key : {"labels", "split", "held_out", "steps", "turned", "alarms"})
     EXPECT_TRUE(plain.request[key].is_null()) << key;
@@ -242,7 +243,7 @@ TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
   };
   EXPECT_EQ(model({}), hd::Model());
   EXPECT_EQ(parsed<TrainCommand>({"train", "a.h5", "-o", "m"}).options.sequences.labels, SlipRule::paper);
-  // The context is part of the graphs' ablation alone.
+  // Only the ablation of graphs includes the context.
   EXPECT_FALSE(model({"--encoder", "shdc"}).context_driven);
   EXPECT_FALSE(model({"--no-context"}).context_driven);
 }
@@ -309,7 +310,7 @@ TEST(CommandLine, EveryCommandExplainsItself) {
   }
 }
 
-// Same text, whichever way it is asked for.
+// The text does not depend on how it is requested.
 TEST(CommandLine, HelpIsACommandToo) {
   const auto help = [](const std::vector<std::string>& path) {
     std::vector<std::string> words{"help"};
@@ -327,7 +328,7 @@ TEST(CommandLine, AnUnknownCommandIsAnsweredByAllThatThereAre) {
   EXPECT_THAT(refusal({"--json"}), mentions(command_names));
 }
 
-// The options that the help of a command shows are those that it lists.
+// The help of a command shows the same options as its declaration.
 TEST(CommandLine, AnUnknownOptionIsAnsweredByAllThatThereAre) {
   const std::string help = parse({"run", "--help"}).help, message = refusal({"run", "s.yaml", "--xyzzy"});
   std::size_t count = 0;

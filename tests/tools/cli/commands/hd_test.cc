@@ -1,4 +1,4 @@
-// `slipbench hd replay`, run as scripts run it, on the published vectors.
+// Runs `slipbench hd replay` on the published vectors, as scripts do.
 #include <fstream>
 #include <functional>
 #include <sstream>
@@ -58,7 +58,7 @@ TEST(HdReplay, PrintsThePublishedClassesAndDistances) {
       {"A", "published_core", "one"}, {"P1", "paper", "one"}, {"P0", "paper", "zero"}};
   for (const std::vector<std::string>& model : models) {
     const std::vector<std::string> expected = expected_lines(model[0]);
-    ASSERT_EQ(expected.size(), 287U);  // 300 steps, of which 14 fill the window, and the header
+    ASSERT_EQ(expected.size(), 287U);  // the header and 300 steps, minus the 14 that fill the window
     for (const char* engine : {"kernel", "reference"}) {
       const ChildResult result = replay({"--encoder", model[1], "--ties", model[2], "--engine", engine});
       EXPECT_EQ(result.status, 0) << result.err;
@@ -130,7 +130,8 @@ TEST(HdReplay, KnowsTheShippedClassifierByName) {
   EXPECT_EQ(by_name.out, run_program_file({"hd", "replay", vectors, "--memories", shipped}).out);
 }
 
-// The message about a file of vectors with `change` made to its lines, without the folder's name.
+// Returns the message for a file of vectors with `change` applied to its lines, without the
+// folder's name.
 std::string refusal(const std::function<void(std::vector<std::string>&)>& change) {
   const TemporaryFolder folder;
   std::vector<std::string> lines{"n,L0,L1,L2,L3,L4,L5,L6,L7,L8,ctx"};

@@ -1,4 +1,4 @@
-// Every example that a help text prints, run as it stands there.
+// Runs every example of the help texts as printed.
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -22,19 +22,20 @@ std::vector<std::string> examples_of(const std::string& command) {
   return examples;
 }
 
-// The sweep of 200 long trials, cut to 50 short ones: writing all of them as text takes long.
+// The sweep of 200 long trials is replaced by 50 short ones, because writing all of them as text
+// takes long.
 std::string shortened(const std::string& sweep) {
   const std::string fewer = std::regex_replace(sweep, std::regex("motion.compression: \\[.*\\]"), "motion.compression: [1 mm]");
   return std::regex_replace(fewer, std::regex("duration: 4 s"), "duration: 2.5 s");
 }
 
-// In the order of the commands, since the later ones read what the earlier ones have written.
-// That of `benchmark` takes minutes; tests/tools/benchmark runs what its examples do on fewer trials.
+// In the order of the commands, because later examples read the output of earlier ones. The example
+// of `benchmark` takes minutes; tests/tools/benchmark tests the same with fewer trials.
 TEST(Help, EveryExampleWorks) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "scenes/papillarray");
   std::filesystem::copy(scenes + "stage.yaml", folder / "scenes/papillarray/stage.yaml");
-  // One scene for all of its folder.
+  // Uses one scene instead of the whole folder.
   std::filesystem::create_directories(folder / "scenes/grasp");
   std::filesystem::copy(SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_ptfe.yaml", folder / "scenes/grasp/check_ptfe.yaml");
   std::filesystem::create_directories(folder / "mine");

@@ -1,4 +1,5 @@
-// Every command over an imported dataset: it copes, or says what it lacks. None crashes, none leaves anything.
+// Runs every command on an imported dataset: it works, or reports what the dataset lacks. No
+// command crashes or leaves files.
 #include <fstream>
 
 #include <nlohmann/json.hpp>
@@ -71,11 +72,11 @@ TEST_F(ImportedFiles, ReadingsAreExported) {
   std::getline(table, header);
   std::getline(table, first);
   EXPECT_THAT(header, EndsWith("E24 [counts],state_recorded"));
-  EXPECT_THAT(first, EndsWith(",2400,1"));  // touch: non-slip by the set
+  EXPECT_THAT(first, EndsWith(",2400,1"));  // touch: non-slip according to the set
   EXPECT_EQ(run_program_file({"export", data_, "--format", "csv", "--labels", "recorded", "-o", folder_ / "csv"}).status, 0);
 }
 
-// One sample is 10 ms after the other: 100 rows a second.
+// Samples are 10 ms apart: 100 rows per second.
 TEST_F(ImportedFiles, ReportAndViewShowTheReadings) {
   const std::string page = folder_ / "a.html";
   EXPECT_EQ(run_program_file({"report", data_}).status, 0);
@@ -107,15 +108,16 @@ TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {
 }
 
 #ifdef SLIPBENCH_WITH_ENGINE
-// Two recordings each: one slips by its own labels, one does not. The networks divide by the length of what they are fed, so that they say
-// numbers of a recording and none of zeros. The logs are 1004 us from row to row: 0.4 % below the rate that the network reads.
+// Two recordings each: one slips by its own labels, one does not. The networks divide by the norm
+// of their input, so that their output is a number for a recording and NaN for zeros. The logs have
+// 1004 us from row to row: 0.4 % below the rate of the network.
 TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
   using namespace slipbench::testing;
   const auto network = [](const char* name) { return SLIPBENCH_SOURCE_DIR "/tests/detectors/network/data/" + std::string(name); };
   const std::string papillarray = network("unit13.onnx"), biotac = network("unit13_biotac.onnx");
   struct Format {
     std::string name, network, sensor, file, slipping,
-        sticking;  // `file`: what follows the folder in the path of the slipping one
+        sticking;  // `file`: path of the slipping recording inside the folder
   };
   const auto log = [](int state) {
     std::string text = log_header(1);
@@ -149,18 +151,20 @@ TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
     const auto& all = result["all"];
     EXPECT_EQ(all["trials"], 2) << format.name;
     EXPECT_EQ(all["slipping"], 1) << format.name;
-    // A grasp is one sample, which lasts no time.
+    // A grasp has a single sample, and so no duration.
     EXPECT_EQ(all["figures"]["false_alarms_per_minute"]["value"].is_null(), format.name == "bts3v2") << format.name;
     EXPECT_THAT(result["worst"].dump(), Not(HasSubstr("nan"))) << format.name;
-    // From a threshold below every probability, where all that slips is called so, to one above, where nothing is.
+    // From a threshold below every probability, at which every sample is called slip, to one above,
+    // at which none is.
     ASSERT_GT(result["alarms"].size(), 10U) << format.name;
     EXPECT_LT(result["alarms"].front()["threshold"], 0.02);
     EXPECT_GE(result["alarms"].front()["recall_of_slip"], result["alarms"].back()["recall_of_slip"]) << format.name;
-    EXPECT_FALSE(result.contains("classes")) << format.name;  // two: slip or not
+    EXPECT_FALSE(result.contains("classes")) << format.name;  // two classes: slip or not
   }
 }
 
-// Ten samples 1 ms apart every 0.1 s: 1 kHz by the median step, 101 Hz on average. The network reads 1 kHz.
+// Ten samples 1 ms apart every 0.1 s: 1 kHz by the median step, 101 Hz on average. The network
+// needs 1 kHz.
 TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
   using namespace slipbench::testing;
   std::string text = log_header(1), even = log_header(1);
@@ -179,7 +183,7 @@ TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
   expect_refusal({"eval", network, bursts, "--labels", "recorded"}, {"trial 0", "sensor pad", "Hz"});
   ASSERT_EQ(run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "-o", lost}).status, 0);
   expect_refusal({"eval", network, lost, "--labels", "recorded"}, {"trial 0", "sensor pad", "990 Hz", "1000 Hz", "0.002 s"});
-  // A detector of single samples has no rate to go by.
+  // A detector that uses single samples needs no rate.
   EXPECT_EQ(run_program_file({"eval", "force_ratio", lost, "--labels", "recorded"}).status, 0);
   const ChildResult again =
       run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "--rate", "1 kHz", "-o", resampled});

@@ -1,4 +1,5 @@
-// From simulated grasps to a detector that grips: every command of the chain, run as a user does.
+// From simulated grasps to a trained detector in the loop: runs every command of the chain as a
+// user does.
 #include <iterator>
 #include <sstream>
 
@@ -13,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 struct LearnedLoop : ::testing::Test {
-  // Returns the program's output and expects status 0.
+  // Returns the output of the program, which must end with status 0.
   static std::string said(const std::vector<std::string>& words) {
     const ChildResult result = run_program_file(words);
     EXPECT_EQ(result.status, 0) << result.err;
@@ -28,7 +29,8 @@ struct LearnedLoop : ::testing::Test {
   void make_grasps(const std::string& trials) {
     said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", trials, "--jobs", "2", "-o", grasps_});
   }
-  // 4 N hold 2 0.2 4 N = 1.6 N of the 1.96 N of the box. The loop's own samples, judged afterwards.
+  // A preset of 4 N holds 2 x 0.2 x 4 N = 1.6 N of the 1.96 N of the box. The samples of the loop
+  // itself are judged afterwards.
   Json lifted(const std::string& detector, const std::string& model) {
     const std::string file = folder_ / "lift.h5";
     said({"run", SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml", "--set", "friction.static=0.2", "--set", "friction.kinetic=0.19",
@@ -40,7 +42,8 @@ struct LearnedLoop : ::testing::Test {
   const std::string grasps_ = folder_ / "grasps.h5";
 };
 
-// The scene's own split gives 28 of 40 grasps to learn from and 6 to validate: both kinds are left out of a judgement. The other 6 judge.
+// The split of the scene gives 28 of 40 grasps for training and 6 for validation, which are left
+// out of the evaluation; the other 6 are evaluated.
 TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
   make_grasps("20");
   const std::string model = folder_ / "grasp.onnx";
@@ -50,13 +53,13 @@ TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
   EXPECT_EQ(judged["left_out"].size(), 34U);
   EXPECT_EQ(judged["all"]["trials"], 6);
   const Json lift = lifted("{type: network, model: " + model + "}", model);
-  EXPECT_EQ(lift["all"]["missed"], 0);                                        // every box slips, and the network says so
-  EXPECT_GT(lift["all"]["figures"]["balanced_slip_accuracy"]["value"], 0.6);  // 0.5 where it always does
-  EXPECT_TRUE(lift["loop"]["same"]);  // the classes that the loop saw are those that eval finds
+  EXPECT_EQ(lift["all"]["missed"], 0);                                        // every box slips, and the network reports it
+  EXPECT_GT(lift["all"]["figures"]["balanced_slip_accuracy"]["value"], 0.6);  // 0.5 if it always reports slip
+  EXPECT_TRUE(lift["loop"]["same"]);                                          // eval gives the same classes as the loop
   EXPECT_EQ(lift["loop"]["detector"], "network");
 }
 
-// The words of the command that a text names as the next one.
+// Returns the words of the command that a text suggests next.
 std::vector<std::string> next_command(const std::string& text) {
   const std::string before = "next: " SLIPBENCH_PROGRAM " ";
   const std::size_t at = text.find(before);
@@ -65,8 +68,8 @@ std::vector<std::string> next_command(const std::string& text) {
   return {std::istream_iterator<std::string>(line), {}};
 }
 
-// One of two sensors is trained on: the named `eval` command must name that sensor and the part
-// test of the scene's own split.
+// Trains on one of two sensors: the suggested `eval` must name that sensor and the part test of the
+// scene's own split.
 TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
   said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
         "sensors={pad: {type: papillarray, rate: 100 Hz}, fast: {type: papillarray, rate: 250 Hz, follows: pad}}", "--set",
@@ -100,8 +103,9 @@ TEST_F(LearnedLoop, MemoriesFromSweepToGrip) {
   EXPECT_TRUE(lift["loop"]["same"]);
 }
 
-// The shipped check of a learned detector. 2 mu 4 N = 1.6 N hold no 1.96 N: a detector that never says slip drops the box. One that always does
-// makes the loop tighten to the end, to 4 times the least, and drops none. Failed: the expectations that did.
+// The shipped check of a trained detector. 2 mu 4 N = 1.6 N cannot hold 1.96 N, so with a detector
+// that never reports slip the box drops. With one that always does, the loop tightens to the end,
+// to 4 times the least force, and drops none. Returns the failed expectations.
 struct LearnedCheck : LearnedLoop {
   static std::vector<std::string> failed(std::vector<std::string> more) {
     std::vector<std::string> words{"check", SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_learned.yaml", "--trials", "10", "--json"};

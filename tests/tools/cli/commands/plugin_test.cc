@@ -1,4 +1,5 @@
-// Libraries of a user's own as the command line meets them: the line of the scene, the exit status, the trial that crashed.
+// Custom libraries on the command line: the reported line of the scene, the exit status, and
+// crashed trials.
 #include <cstdlib>
 
 #include <nlohmann/json.hpp>
@@ -55,7 +56,7 @@ TEST(PluginProgram, ACrashFailsAnIsolatedTrial) {
   EXPECT_NE(run_own("wrong", "crash=1,in=3", "", "--no-isolate").status, 0);
 }
 
-// Wherever it is called: nobody takes what has not come to its end for finished.
+// A library that ends the process early fails at any call: no incomplete trial counts as finished.
 TEST(PluginProgram, ExitInAnIsolatedTrialIsNoSuccess) {
   for (const std::string in : {"1", "2", "3", "4"}) {
     const ChildResult result = run_own("wrong", "crash=8,in=" + in);

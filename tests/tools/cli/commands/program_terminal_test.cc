@@ -1,4 +1,4 @@
-// The built program with a person before it: colours and a progress bar.
+// The built program on a terminal: colours and a progress bar.
 
 #include "tests/expect.h"
 #include "tests/tools/cli/commands/child_process.h"

@@ -1,4 +1,4 @@
-// The built program, run as scripts run it: exit status, what stands on which stream, and the words of its messages.
+// Runs the built program as scripts do: exit status, output by stream, and the words of messages.
 #include <sys/stat.h>
 
 #include <csignal>
@@ -15,7 +15,7 @@ namespace {
 const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 const std::string three_speeds = "sweep={motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]}";
 
-// Refused: status 2, one line on stderr, nothing on stdout.
+// A refusal has status 2, one line on stderr, and no output on stdout.
 void expect_refusal(const std::vector<std::string>& arguments, const MessageMatcher& message) {
   for (const bool json : {false, true}) {
     std::vector<std::string> words = arguments;
@@ -31,7 +31,7 @@ void expect_refusal(const std::vector<std::string>& arguments, const MessageMatc
 nlohmann::json json_of(const ChildResult& result) {
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
-  return nlohmann::json::parse(result.out);  // throws when anything else stands there
+  return nlohmann::json::parse(result.out);  // throws if there is anything else
 }
 
 TEST(Program, HelpAndVersion) {
@@ -130,11 +130,11 @@ TEST(Program, FindsShippedScenesByName) {
   for (const std::string command : {"run papillarray/stage.yaml", "sweep scenes/papillarray/stage.yaml",
                                     "check grasp/check_ptfe.yaml --trials 1 --junit j.xml"})
     EXPECT_EQ(run_shell("slipbench " + command + " -q", folder / "").status, 0) << command;
-  const std::string other = "papillarray/stage.yaml";  // a file of one's own comes first
+  const std::string other = "papillarray/stage.yaml";  // a file of the user takes precedence
   EXPECT_EQ(run_shell("mkdir papillarray; echo x > " + other + "; slipbench run " + other, folder / "").status, 2);
 }
 
-// Scenes that a pipe delivers, and results for a pipe.
+// Scenes from a pipe, and results to a pipe.
 class Pipes : public testing::Test {
  protected:
   // Runs a shell script in a folder with s.yaml, a copy of the stage, and named.h5, its trial.
@@ -164,7 +164,7 @@ TEST_F(Pipes, GiveAScene) {
   EXPECT_THAT(shell(": | slipbench run -").err, StartsWith("slipbench: <stdin>:1: "));
 }
 
-// The bytes of a named file, with every message on stderr.
+// The bytes equal those of a named file, and every message goes to stderr.
 TEST_F(Pipes, TakeADataset) {
   const ChildResult streamed = shell("slipbench run s.yaml" + short_run_ + " -o -");
   EXPECT_EQ(streamed.status, 0);
@@ -200,7 +200,7 @@ TEST_F(Pipes, TakePagesAndTables) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "-"));
 }
 
-// Opening a pipe would wait for ever for somebody to write into it.
+// Opening a pipe would block until another process opens it for writing.
 TEST(Program, APipeIsNoScene) {
   const TemporaryFolder folder;
   const std::string pipe = folder / "pipe";
@@ -243,7 +243,7 @@ TEST(Program, WhatEvalCannotJudge) {
   EXPECT_THAT(run_program_file({"eval", "learn_gst_hd", file}).out, StartsWith("gst_hd with the memories learn_gst_hd on pad"));
   expect_refusal({"eval", "force_ratio", bare}, mentions({"recording", "outcome"}));
   expect_refusal({"eval", "force_ratio", file, "-o", folder / "page.txt"}, mentions({".html"}));
-  // Half of it is gone.
+  // Half of the file is missing.
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   expect_refusal({"eval", "force_ratio", file}, HasSubstr("out.h5"));
 }
@@ -260,7 +260,7 @@ TEST(Program, EvalPrintsOneObject) {
   EXPECT_EQ(json["all"]["trials"], 1);
   EXPECT_TRUE(std::filesystem::exists(page));
   EXPECT_TRUE(std::filesystem::exists(folder / "page.json"));
-  // A slipping pillar has f_t = 0.5 f_n, which is less than this: nothing is seen.
+  // A slipping pillar has f_t = 0.5 f_n, which is below this ratio: no slip is detected.
   const ChildResult text = run_program_file({"eval", "force_ratio", file, "--set", "ratio=0.6"});
   EXPECT_THAT(text.out, HasSubstr("recall of slip"));
   EXPECT_THAT(text.out, HasSubstr("slipping trials: 1, detected 0, early 0, missed 1"));
@@ -272,7 +272,8 @@ TEST(Program, FullStandardOutputIsAnError) {
   EXPECT_THAT(result.err, HasSubstr("cannot write to standard output: No space left on device"));
 }
 
-// Longer than the buffer of stdout: the failure shows while it is printed, not at the end.
+// The output is longer than the buffer of stdout, so the failure occurs while printing, not at the
+// end.
 TEST(Program, FullStandardOutputIsAnErrorOfLongTextToo) {
   const ChildResult result = run_program_file({"run", stage, "--trials", "20", "--json"}, "/dev/full");
   EXPECT_EQ(result.status, 2);
@@ -290,7 +291,8 @@ TEST(Program, ClosedStandardStreams) {
   EXPECT_EQ(status("slipbench report out.h5"), 0);
 }
 
-// Where a stream is closed, the dataset must not take its number: the notice of an interrupt goes to number 2.
+// If a standard stream is closed, the dataset must not get its number: the notice of an interrupt
+// is written to number 2.
 TEST(Program, DatasetsDoNotTakeThePlaceOfAStandardStream) {
   const TemporaryFolder folder;
   const ChildResult result = run_shell(SLIPBENCH_PROGRAM " sweep " + stage +
@@ -306,7 +308,7 @@ TEST(Program, DatasetsDoNotTakeThePlaceOfAStandardStream) {
 }
 
 TEST(Program, Check) {
-  // The pad stands until 2 s.
+  // The pad does not move before 2 s.
   const nlohmann::json good =
       json_of(run_program_file({"check", stage, stage, "--set", "expect={gross_slip_by: 3 s}", "--json"}));
   EXPECT_TRUE(good["passed"]);
@@ -351,7 +353,7 @@ TEST(Program, ListAndDescribe) {
   EXPECT_EQ(json_of(run_program_file({"describe", "truth", "--json"}))["entries"].at(0)["kind"], "oracle");
   EXPECT_EQ(json_of(run_program_file({"describe", "contact", "--json"}))["entries"].at(0)["parameters"].at(0)["name"],
             "integrator");
-  // A detector and a controller of one name.
+  // A detector and a controller with the same name.
   const nlohmann::json both = json_of(run_program_file({"describe", "stuck_fraction", "--json"}))["entries"];
   ASSERT_EQ(both.size(), 2U);
   EXPECT_EQ(both[0]["kind"], "detector");
@@ -368,7 +370,7 @@ TEST(Program, ListAndDescribe) {
 
 TEST(Program, DoctorJsonIsOneObjectAlone) {
   const ChildResult result = run_program_file({"doctor", "--json"});
-  EXPECT_LE(result.status, 1);  // 1 where something required is missing on this machine
+  EXPECT_LE(result.status, 1);  // 1 if a required part is missing on this machine
   EXPECT_TRUE(nlohmann::json::parse(result.out).is_object());
   EXPECT_EQ(result.err, "");
 }
@@ -379,9 +381,10 @@ TEST(Program, RunShowsThePhysicsAtOnce) {
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out, AllOf(HasSubstr("acrylic"), HasSubstr("P0"), HasSubstr("P8"), HasSubstr("times real time"),
                                 HasSubstr("gross slip at"), HasSubstr("next:"), Not(HasSubstr("\033"))));
-  // The centre pillar, pressed by d = 1 mm, slips when its tip has been dragged by mu k_n d / k_t = 0.5 * 7.1/3.9 * 1 mm = 0.91026 mm.
-  // The stage starts at 2 s and covers v^2/(2a) = 0.16 mm in v/a = 0.08 s, then 4 mm/s: 2.08 s + 0.75026 mm / (4 mm/s) = 2.2676 s.
-  // It bears the most, so it is the last of the nine and the gross slip.
+  // The centre pillar, pressed by d = 1 mm, slips when its tip has been dragged by mu k_n d / k_t =
+  // 0.5 * 7.1/3.9 * 1 mm = 0.91026 mm. The stage starts at 2 s and covers v^2/(2a) = 0.16 mm in v/a
+  // = 0.08 s, then moves at 4 mm/s: 2.08 s + 0.75026 mm / (4 mm/s) = 2.2676 s. The centre pillar
+  // has the largest load, so it is the last of the nine, and its slip is the gross slip.
   EXPECT_THAT(result.out, HasSubstr("gross slip at 2.2676 s"));
 }
 
@@ -395,7 +398,7 @@ TEST(Program, RunJsonIsOneObjectAlone) {
 TEST(Program, RunTakesTheFirstTrialsOfASweep) {
   EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--json"}))["trials"].size(), 1U);
   EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--trials", "2", "--json"}))["trials"].size(), 2U);
-  // More than the sweep has: the grid is repeated.
+  // More trials than the sweep has: the grid is repeated.
   EXPECT_EQ(json_of(run_program_file({"run", stage, "--set", three_speeds, "--trials", "5", "--json"}))["trials"].size(), 5U);
 }
 
@@ -426,7 +429,7 @@ TEST(Program, FromSceneToReportAndExports) {
               AllOf(HasSubstr("written: " + dataset), HasSubstr("next: " SLIPBENCH_PROGRAM " report '" + dataset + "'")));
   EXPECT_TRUE(std::filesystem::exists(dataset));
 
-  // The page stands beside the dataset unless told otherwise.
+  // Without -o the page is written next to the dataset.
   EXPECT_EQ(json_of(run_program_file({"report", dataset, "--json"}))["report"], folder / "three speeds.html");
   EXPECT_TRUE(std::filesystem::exists(folder / "three speeds.html"));
   expect_refusal({"report", dataset, "--trial", "3"}, HasSubstr("3"));  // trials are 0 to 2
@@ -434,7 +437,7 @@ TEST(Program, FromSceneToReportAndExports) {
   const nlohmann::json files =
       json_of(run_program_file({"export", dataset, "--format", "training-csv", "-o", folder / "csv", "--json"}))["files"];
   const auto is_table = [](const nlohmann::json& name) { return name.get<std::string>().ends_with(".csv"); };
-  EXPECT_EQ(std::ranges::count_if(files, is_table), 3);  // and the dataset card
+  EXPECT_EQ(std::ranges::count_if(files, is_table), 3);  // and the files of the dataset card
   std::ifstream file(files.at(0).get<std::string>());
   std::string line;
   ASSERT_TRUE(std::getline(file, line));
@@ -462,7 +465,7 @@ TEST(Program, WarnsOnStderrAndInTheJson) {
 TEST(Program, ControlCKeepsWhatIsFinished) {
   const TemporaryFolder folder;
   const std::string dataset = folder / "long.h5";
-  // 100,000 trials take minutes; the signal comes once the temporary file is there.
+  // 100,000 trials take minutes; the signal is sent once the temporary file exists.
   const ChildResult result =
       run_program_interrupted({"sweep", stage, "--trials", "100000", "-o", dataset}, dataset + ".partial", SIGINT);
   EXPECT_EQ(result.status, 130);
@@ -471,13 +474,13 @@ TEST(Program, ControlCKeepsWhatIsFinished) {
   EXPECT_FALSE(std::filesystem::exists(dataset));
 }
 
-// A command without its own handling of signals ends at once; this one would measure for minutes.
+// A command without its own signal handling ends at once; this one would measure for minutes.
 TEST(Program, EndsWithOneStatusByEverySignal) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     EXPECT_EQ(run_program_interrupted({"cost", "--stability"}, "started", signal).status, 130);
 }
 
-// A search of 64 starts takes minutes; the signal comes once the program waits for it.
+// A search with 64 starts takes minutes; the signal is sent once the program catches it.
 TEST(Program, ControlCOfCalibrateWritesNothing) {
   const TemporaryFolder folder;
   const ChildResult result = run_program_interrupted(

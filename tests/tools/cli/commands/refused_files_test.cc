@@ -1,4 +1,5 @@
-// Files that the program must not open, or whose words must not reach a terminal: every command that reads one refuses by name.
+// Files that the program must not open, or whose text must not reach a terminal: every command that
+// reads such a file refuses it by name.
 #include <sys/stat.h>
 
 #include <fstream>
@@ -67,7 +68,8 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
                        {"model.xml:2", "<hfield>", "cells"});
   expect_model_refusal("<worldbody><replicate count=\"1000000000\"><geom size=\"1\"/></replicate></worldbody>\n",
                        {"model.xml:2", "<replicate>", "count"});
-  // A thousand of a thousand are allowed, and not a thousand of those. What ends or is empty copies nothing.
+  // A thousand copies of a thousand are allowed, but not a thousand of these. Closing tags and
+  // empty elements copy nothing.
   expect_model_refusal(
       "<worldbody><replicate count=\"1000\"/><replicate count=\"1000\"></replicate>\n<replicate count=\"1000\">"
       "<replicate count=\"1000\">\n<replicate count=\"2\"><geom size=\"1\"/></replicate></replicate></replicate></worldbody>\n",
@@ -77,7 +79,8 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
   expect_model_refusal("<worldbody><replicate count=\"1000\"><include file=\"copied.xml\"/></replicate></worldbody>\n",
                        {"copied.xml:2", "<replicate>", "count 1001000.000000"});
   expect_model_refusal("<asset><model name=\"m\" file=\"large.xml\"/></asset>\n", {"large.xml:1", "<size>", "nkey"});
-  // Elements that copy nothing hide none; a model is copied where it is attached, a file in the place where most of it are.
+  // Elements that copy nothing do not hide nested ones. A model is counted where it is attached,
+  // and a file at the place with the most copies.
   expect_model_refusal(
       "<worldbody><replicate count=\"0\"><replicate count=\"1000001\"><geom size=\"1\"/></replicate></replicate></worldbody>\n",
       {"model.xml:2", "<replicate>", "count 1000001.000000"});

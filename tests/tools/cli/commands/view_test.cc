@@ -1,4 +1,4 @@
-// `slipbench view` with browsers of the test's own.
+// Runs `slipbench view` with browsers of the test.
 #include <fstream>
 
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ struct View : ::testing::Test {
     std::filesystem::copy(stage_scene, folder_ / "stage.yaml");
   }
 
-  // A program that writes down what it is asked to open, and ends with `status`.
+  // A program that records what it is asked to open, and ends with `status`.
   void add_opener(const std::string& name, int status) const {
     const std::string path = folder_ / ("bin/" + name);
     std::ofstream(path) << "#!/bin/sh\nprintf '%s' \"$1\" > " << (folder_ / (name + ".opened")) << "\nexit " << status << "\n";
@@ -25,7 +25,7 @@ struct View : ::testing::Test {
   }
   [[nodiscard]] std::string opened_by(const std::string& name) const { return bytes_of(folder_ / (name + ".opened")); }
 
-  // `slipbench view words` where the screen and the browsers are those of `environment` alone.
+  // Runs `slipbench view words` with only the screen and the browsers of `environment`.
   [[nodiscard]] ChildResult view(const std::string& words, const std::string& environment = "") const {
     return run_shell("unset DISPLAY WAYLAND_DISPLAY BROWSER; export PATH=$PWD/bin " + environment + "; slipbench view " + words,
                      folder_ / "");
@@ -77,10 +77,10 @@ TEST_F(View, RunsASceneFirst) {
   ASSERT_EQ(seen.status, 0) << seen.err;
   EXPECT_EQ(nlohmann::json::parse(seen.out),
             nlohmann::json::parse(R"({"dataset": "stage.h5", "report": "stage.html", "opened_by": null})"));
-  // The recording is that of `run` with the same words.
+  // The recording equals that of `run` with the same words.
   ASSERT_EQ(record("-o b.h5").status, 0);
   EXPECT_EQ(bytes_of(folder_ / "stage.h5"), bytes_of(folder_ / "b.h5"));
-  // A second look replaces what the first has made.
+  // A second call replaces the files of the first.
   EXPECT_EQ(view("stage.yaml --set duration=2.2").status, 0);
   EXPECT_NE(bytes_of(folder_ / "stage.h5"), bytes_of(folder_ / "b.h5"));
 }
@@ -94,7 +94,7 @@ TEST_F(View, KeepsWhatItHasNotMade) {
   EXPECT_THAT(seen.err, mentions({"-o", "slipbench view stage.h5"}));
   EXPECT_EQ(bytes_of(folder_ / "stage.h5"), before);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "stage.html"));
-  // Nor several trials of a run.
+  // Several trials of a run are not replaced either.
   ASSERT_EQ(
       run_shell("rm stage.h5; slipbench run stage.yaml --trials 2 --set duration=2.1 -o stage.h5 --quiet", folder_ / "").status,
       0);

@@ -61,7 +61,8 @@ TEST(Summary, TrialShowsEveryUnit) {
             "  gross slip at 1.2500 s, 50.0 ms after the first micro-slip\n");
 }
 
-// Up to 40 units have a row each; of 41 the touching ones do, and the others are counted.
+// Up to 40 units have one row each. Of 41 units only the touching ones have a row, and the number
+// of the others is stated.
 TEST(Summary, OfManyUnitsThoseThatTouchAreShown) {
   for (const std::size_t units : {40U, 41U}) {
     TrialSummary trial = small_trial();

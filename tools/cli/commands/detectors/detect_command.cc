@@ -85,7 +85,7 @@ int DetectCommand::run() {
   return exit_good;
 }
 
-// Parquet is written there.
+// Python writes the Parquet file.
 void DetectCommand::detect_in_python() {
   const PythonModule module("slipbench._detect", "detect -o FILE.parquet", "export");
   Json set = Json::object();

@@ -1,4 +1,4 @@
-// The commands that teach and judge detectors, and that fit a scene to recordings.
+// The commands that train and evaluate detectors, and that fit a scene to recordings.
 #pragma once
 
 #include <cstddef>
@@ -21,28 +21,28 @@
 
 namespace slipbench {
 
-// `train`: slip detectors taught on datasets.
+// `train` trains slip detectors on datasets.
 struct TrainCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
   // The request, once the words have been read.
-  HdTraining options;  // of gst_hd
-  Json request;        // of any other recipe: what slipbench/_train.py takes; null: gst_hd
+  HdTraining options;  // options of the recipe gst_hd
+  Json request;        // request to slipbench/_train.py for all other recipes; null: gst_hd
 
  private:
   void read_hd();
   void read_network();
   int train_hd();
 
-  // As given; empty: was not.
+  // Options as given; empty: not given.
   std::string recipe_;
   std::optional<hd::Encoding> encoding_;
   std::optional<hd::Compat> compat_;
   std::optional<hd::Ties> ties_;
   std::optional<hd::Quantiser> quantiser_;
   std::optional<std::size_t> dimension_, window_, epochs_, jobs_;
-  bool context_ = false, no_context_ = false;  // neither: the encoding's own default
+  bool context_ = false, no_context_ = false;  // neither is set: the default of the encoding
   std::string labels_;
   std::optional<train::Split> split_;
   std::optional<std::size_t> steps_, held_out_, turned_;
@@ -52,7 +52,7 @@ struct TrainCommand final : Command {
   bool all_ = false, resume_ = false;
 };
 
-// `eval`: slip detectors judged on datasets.
+// `eval` evaluates slip detectors on datasets.
 struct EvalCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -63,7 +63,7 @@ struct EvalCommand final : Command {
   eval::Options options;             // but for the detector
 };
 
-// `detect`: the alarms of a slip detector in recordings.
+// `detect` writes the alarms of a slip detector in recordings.
 struct DetectCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -77,10 +77,11 @@ struct DetectCommand final : Command {
   [[noreturn]] void detect_in_python();
 };
 
-// The result of a detection on stdout. `files`: which were written. `json`: one JSON object, in which they are `files`.
+// Prints the result of a detection on stdout. `files`: the written files. `json`: prints one JSON
+// object, which names the files as `files`.
 void print_detection(Json result, const std::vector<std::string>& files, bool json);
 
-// `benchmark`: a board of slip detectors, and submissions to it.
+// `benchmark` ranks slip detectors on a board and checks submissions.
 struct BenchmarkCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -91,13 +92,13 @@ struct BenchmarkCommand final : Command {
   std::string output, submission, verified;  // files; empty: none
 
  private:
-  // The board, while an interrupt ends it.
+  // Computes the board; an interrupt ends the computation.
   [[nodiscard]] Json made(benchmark::Asked asked_for, const std::string& protocol_name) const;
   [[nodiscard]] int verify() const;
   [[nodiscard]] std::string text(const Json& result) const;
 };
 
-// `calibrate`: a scene fitted to recordings.
+// `calibrate` fits a scene to recordings.
 struct CalibrateCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -109,28 +110,28 @@ struct CalibrateCommand final : Command {
  private:
   int fit_snapshots() const;
 
-  std::vector<std::string> words_;  // SCENE REAL..., with --snapshots REAL... alone
+  std::vector<std::string> words_;  // SCENE REAL...; with --snapshots only REAL...
   std::vector<std::string> fits_;
   std::optional<std::size_t> jobs_;
   std::optional<std::size_t> starts_;
   bool snapshots_ = false;
-  std::string sensor_;          // of the snapshots; empty: the only one
+  std::string sensor_;          // sensor of the snapshots; empty: the only one
   std::optional<double> idle_;  // m
 };
 
-// `hd replay`: quantised input, step by step.
+// `hd replay` runs a classifier on quantised input, step by step.
 struct HdReplayCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
   std::string vectors;               // CSV file
   std::string memories;              // folder, or the shipped classifier's name
-  std::optional<hd::Compat> compat;  // these two replace what the folder says
+  std::optional<hd::Compat> compat;  // these two override the settings of the folder
   std::optional<hd::Ties> ties;
   std::string engine = "kernel";
 };
 
-// `hd` by itself says what is below it.
+// `hd` without a subcommand prints its subcommands.
 struct HdCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -143,9 +144,10 @@ struct HdVector {
   hd::Frame frame;
 };
 
-// Reads the columns n (step), L0 to L8 (levels) and ctx (context), wherever they stand; other columns are left alone. Throws InputError
-// with file and line: a column that is missing or there twice, a row with too few or too many cells, a level beyond 20 or a context
-// beyond 3, a step that does not follow the one before.
+// Reads the columns n (step), L0 to L8 (levels) and ctx (context), in any order; ignores other
+// columns. Throws InputError with file and line for a missing or repeated column, a row with too
+// few or too many cells, a level above 20, a context above 3, and a step that does not follow the
+// previous one.
 std::vector<HdVector> read_hd_vectors(const std::string& file);
 
 }  // namespace slipbench

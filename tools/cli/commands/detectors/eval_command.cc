@@ -33,7 +33,7 @@ namespace {
 
 constexpr std::array<Choice<std::string_view>, 4> splits{{{"all", ""}, {"train", "train"}, {"valid", "valid"}, {"test", "test"}}};
 
-// `labels`: the rule that was judged by.
+// `labels`: the rule of the labels.
 std::string eval_command_text(const EvalCommand& command, const std::string& labels) {
   std::string text = "slipbench eval " + shell_word(command.detector) + " " + shell_word(command.options.dataset);
   for (const Override& change : command.parameters) text += " --set " + shell_word(change.path + "=" + change.value);
@@ -46,15 +46,17 @@ std::string eval_command_text(const EvalCommand& command, const std::string& lab
 
 constexpr std::size_t steps_timed = 201;
 
-// Returns the wall-clock time of a step [s]. It depends on the machine, so no file contains it. The features
-// are made up, of the size of scaled ones and not all alike, since a network may divide by their spread.
+// Returns the wall-clock time of a step [s]. The time depends on the machine, so no file contains
+// it. The features are synthetic: of the size of scaled features and not all equal, because a
+// network may divide by their spread.
 double step_time(network::Engine& engine) {
   std::vector<float> features(engine.inputs());
   for (std::size_t i = 0; i < features.size(); ++i) features[i] = 0.25F * static_cast<float>(1 + i % 7);
   return median_time(steps_timed, [&] { engine.run(features); });
 }
 
-// Reports the time of a step. A network may refuse the made-up features and still accept the dataset's.
+// Reports the time of a step. A network may reject the synthetic features and still accept those of
+// the dataset.
 std::string step_text(network::Engine& engine) {
   try {
     return fmt::format(
@@ -75,7 +77,8 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-// A library is code of others, which whoever recomputes has to name: a file that came by mail is not to choose what runs here.
+// A library is third-party code, so the user must name it: a submission from elsewhere must not
+// choose the code that runs here.
 void check_libraries(const benchmark::Asked& submitted, const std::vector<Override>& allowed, const std::string& file) {
   for (const Override& change : submitted.parameters) {
     const auto names = [&](const Override& own) { return own.path == change.path && own.value == change.value; };
@@ -84,10 +87,10 @@ void check_libraries(const benchmark::Asked& submitted, const std::vector<Overri
   }
 }
 
-// Returns true if both paths lead to one file, which need not exist.
+// Returns true if both paths denote the same file, which need not exist.
 bool same_file(const std::string& a, const std::string& b) {
   const auto place = [](const std::string& path) {
-    std::error_code error;  // of a folder that may not be looked into: writing says it
+    std::error_code error;  // a folder may be unreadable; writing to it then reports the error
     const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
     return error ? std::filesystem::path(path).lexically_normal() : there;
   };
@@ -144,7 +147,7 @@ int EvalCommand::run() {
   result["command"] = eval_command_text(*this, result.at("labels").get<std::string>());
   std::vector<std::string> files;
   if (!output.empty()) {
-    const std::string place = streams() ? "eval.html" : output;  // from which the page's links lead
+    const std::string place = streams() ? "eval.html" : output;  // location of the page, which its links are relative to
     files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, place, options.detector), result);
   }
   if (json) return print_json(result);

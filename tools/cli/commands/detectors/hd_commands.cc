@@ -24,7 +24,7 @@
 namespace slipbench {
 namespace {
 
-// The classifier as its folder has it, but for what the options replace.
+// Returns the classifier of the folder, with the settings that the options override.
 hd::SavedModel load_model(const HdReplayCommand& command) {
   std::optional<hd::Model> unnamed;
   if (command.compat) unnamed.emplace();
@@ -48,7 +48,7 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   }
 }
 
-// A column that is read: where it stands, and the largest number that it may hold.
+// A column to read: its index, and its largest allowed number.
 struct Column {
   std::string name;
   std::uint64_t max;

@@ -23,7 +23,7 @@
 namespace slipbench {
 namespace {
 
-// False alarms a minute, of a text as 1/min.
+// Returns false alarms per minute from a text such as "1/min".
 double alarms_a_minute(const std::string& text) {
   double rate = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
@@ -35,15 +35,15 @@ double alarms_a_minute(const std::string& text) {
   reject("train: --alarms is {}; expected a rate of 0 or more with its unit, such as 1/min or 10/h", quote(text));
 }
 
-// One of `names`.
+// Returns `given`. Throws InputError unless it is one of `names`.
 std::string checked_labels(const std::string& given, const std::string& recipe, const std::vector<std::string>& names) {
   if (std::ranges::find(names, given) != names.end()) return given;
   reject("train: --labels is {} with the recipe {}{}", quote(given), recipe, allowed_names(given, names));
 }
 
-// The command that judges what was trained, on data that it has not seen. `unseen`: a dataset with
-// such trials; empty: there is none. `part`: of the dataset's own split, which they are; empty: it
-// has none.
+// Returns the command that evaluates the trained detector on unseen data. `unseen`: a dataset with
+// unseen trials; empty: there is none. `part`: the part of the dataset's own split with these
+// trials; empty: the dataset has no split.
 std::string next_text(const Style& style, const std::string& output, const std::string& unseen, const std::string& part,
                       const std::string& options) {
   const std::string eval = style.dim("next:") + " " + as_called("slipbench eval " + shell_word(output));

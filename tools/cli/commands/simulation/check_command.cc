@@ -55,7 +55,7 @@ Json check_json(const SceneCheck& check) {
           {"files", check.files}};
 }
 
-// A folder of its own for each scene, called after its file.
+// Returns a separate folder for each scene, named after its file.
 std::string folder_of(const std::string& scene, const std::string& parent, std::set<std::string>& taken) {
   const std::string stem = std::filesystem::path(scene).stem().string();
   std::string name = stem;
@@ -78,8 +78,9 @@ void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
   fmt::print("{}\n", std::ranges::all_of(checks, good) ? style.good(text) : style.error(text));
 }
 
-// Returns the checks, with a folder for each scene. Throws InputError before anything runs: for a scene that
-// cannot be read, if no scene expects anything, and for a JUnit file that cannot be written.
+// Returns the checks, with a folder for each scene. Throws InputError before anything runs: for a
+// scene that cannot be read, if no scene expects anything, and for a JUnit file that cannot be
+// written.
 std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalogues& catalogues) {
   if (!command.junit.empty()) check_text_target(command.junit, command.scenes, junit_kind);
   std::set<std::string> taken;
@@ -99,7 +100,8 @@ std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalog
   return planned;
 }
 
-// With the setting in place of a wish for accuracy. Says and adds what the scene warns of.
+// Replaces the accuracy requirement of the scene by the setting that meets it. Prints and adds the
+// warnings of the scene.
 SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, const CheckCommand& command) {
   std::vector<Warning> warnings;
   if (expects_anything(check, catalogues)) {
@@ -111,7 +113,7 @@ SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, cons
     print_warnings(warnings);
     check.overrides = std::move(sweep.overrides);
   }
-  // While a setting is looked for and the scene's trials are planned a signal ends the program as usual.
+  // During the search for a setting and the planning of trials, a signal ends the program as usual.
   std::optional<InterruptGuard> guard;
   check.on_start = [&guard] { guard.emplace(); };
   Progress progress = Progress::for_stream(stderr, command.silent());

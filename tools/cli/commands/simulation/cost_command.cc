@@ -42,7 +42,7 @@ cost::Exploration explored(const CostCommand& command) {
   return exploration;
 }
 
-// The map of stable steps as an object and as text.
+// The map of stable steps, as JSON and as text.
 struct Stability {
   Json json;
   std::string text;
@@ -90,7 +90,7 @@ Examples:
 
 int CostCommand::run() {
   if (!output.empty()) page::check_page_files(output, cost::page_kind);
-  const Json environment = environment_json();  // before the work, which is load itself
+  const Json environment = environment_json();  // before the work, which would count as load
   Json found = Json::object();
   std::string text;
   bool interrupted = false;

@@ -35,7 +35,7 @@ struct Finished {
   double elapsed = 0.0;  // s
 };
 
-// The trials' part of the one JSON object: on the disk, since it may be larger than the memory.
+// The trials in the JSON output. They are kept on disk because they may exceed the memory.
 class TrialsJson {
  public:
   TrialsJson() : file_(std::tmpfile(), &std::fclose) {
@@ -45,7 +45,8 @@ class TrialsJson {
     fmt::print(file_.get(), "{}{}", empty_ ? "" : ",", trial_json(trial));
     empty_ = false;
   }
-  // Ends the object `head` with them. Nothing is printed where they could not all be kept.
+  // Appends the trials to the object `head` and prints it. Prints nothing if some trial could not
+  // be stored.
   void print(const std::string& head) {
     if (std::fflush(file_.get()) != 0 || std::ferror(file_.get()) != 0) {
       reject("cannot write a temporary file: {}", std::strerror(errno));
@@ -67,7 +68,7 @@ class TrialsJson {
 
 Finished simulate(const ReadSweep& read, SweepOptions sweep, const Catalogues& catalogues, bool silent,
                   std::optional<PreparationNotice>& preparing) {
-  // Until the scene is checked there is nothing to keep: a signal ends the program as usual.
+  // Until the scene is checked there is nothing to keep, so a signal ends the program as usual.
   std::optional<InterruptGuard> guard;
   sweep.on_start = [&] {
     preparing.reset();
@@ -111,7 +112,8 @@ std::string standard_input(const std::string& verb) {
   return text;
 }
 
-// Completes a command that is proposed to the user: standard input must be given again.
+// Completes a command that is suggested to the user: the scene must be piped to standard input
+// again.
 std::string with_input(const SweepOptions& options, const std::string& command) {
   return options.scene_text ? command + " < SCENE.yaml" : command;
 }
@@ -139,7 +141,7 @@ void print_next_step(const SweepOptions& options, const SweepSummary& summary, b
   }
 }
 
-// Which trials failed, why, and how to run them again.
+// Prints which trials failed, why, and how to run them again.
 void print_failed(const SweepOptions& options, const SweepSummary& summary) {
   constexpr std::size_t most = 10;
   std::string text = fmt::format("slipbench: {}\n", failures_text(summary.failed, summary.planned));
@@ -165,7 +167,7 @@ void print_summary(const SweepOptions& options, const Finished& finished, bool s
   print_next_step(options, summary, streams, style);
 }
 
-// "3/8".
+// Parses "3/8".
 SweepShard parse_shard_option(const std::string& text) {
   SweepShard shard{.number = 0, .count = 0};
   const char* const end = text.data() + text.size();
@@ -184,7 +186,8 @@ int report_interrupted(const SweepSummary& summary, bool streams) {
   return exit_interrupted;
 }
 
-// Returns true if a value in the scene, perhaps one of several in its sweep, is the type of a plugin.
+// Returns true if a value in the scene, perhaps one of several in its sweep, is the type of a
+// plugin.
 bool names_plugin(const YamlNode& node) { return node.text == "plugin" || std::ranges::any_of(node.children, names_plugin); }
 
 }  // namespace
@@ -240,7 +243,7 @@ int SimulationCommand::run() {
   if (json) sweep.on_trial = [&trials](const TrialSummary& trial) { trials.add(trial); };
   const Finished finished = simulate(read, sweep, catalogues, silent(), preparing);
   const SweepSummary& summary = finished.summary;
-  // A trial that was asked for alone is no part of a sweep that could go on.
+  // A single requested trial is not part of a sweep that could be resumed.
   if (summary.planned == 1 && !summary.shard && !summary.failed.empty()) throw InputError(summary.failed.front().message);
   const std::vector<Warning> shown = converter_warnings(summary.trials);
   print_warnings(shown);
@@ -322,7 +325,7 @@ Examples:
 }
 
 int MergeCommand::run() {
-  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit is an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding a file size limit is then an error like a full disk
   const Merged merged = merge_shards(shards, output);
   if (json)
     return print_json(Json{{"files", merged.files},

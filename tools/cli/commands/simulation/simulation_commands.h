@@ -19,28 +19,29 @@
 
 namespace slipbench {
 
-// The options that say whether trials run in processes of their own.
+// The options for running trials in child processes.
 struct IsolationOptions {
-  bool isolate = false, together = false;                  // neither: several trials with a plugin are isolated
+  bool isolate = false, together = false;                  // neither is set: several trials with a plugin are isolated
   double limit = std::numeric_limits<double>::infinity();  // s
 
   void declare(Arguments& arguments);
-  // For the trials of a sweep. There may be plugins where their type stands in the scene or in a --set.
+  // Returns how to run the trials of a sweep. A scene may contain plugins if it, or a --set, names
+  // the type of one.
   [[nodiscard]] Isolation chosen(const ReadSweep& read, const SweepOptions& sweep) const;
 };
 
-// `run` and `sweep`: trials of a scene.
-// What the two have in common.
+// Common parts of `run` and `sweep`, which run the trials of a scene.
 class SimulationCommand : public Command {
  public:
   int run() override;
 
   SweepOptions sweep;
   IsolationOptions isolation;
-  bool brief = false;  // progress and errors, no summary: for a command that says itself what came of it
+  bool brief = false;  // prints progress and errors, but no summary: for a command that reports the result itself
 
  protected:
-  // The options of both; --trials, which they read differently, goes to `trials`.
+  // Declares the options of both commands. --trials, which they interpret differently, is stored in
+  // `trials`.
   void declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help);
 };
 
@@ -52,7 +53,7 @@ struct SweepCommand final : SimulationCommand {
   void declare(Arguments& arguments) override;
 };
 
-// `merge`: the shards of a sweep put together.
+// `merge` joins the shards of a sweep.
 struct MergeCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -61,7 +62,7 @@ struct MergeCommand final : Command {
   std::string output;
 };
 
-// `cluster`: a sweep for other machines.
+// `cluster` prepares a sweep for other machines.
 struct ClusterCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
@@ -69,54 +70,55 @@ struct ClusterCommand final : Command {
   ClusterOptions options;
 };
 
-// `check`: the trials of scenes held against what they expect.
+// `check` compares the trials of scenes with their expectations.
 struct CheckCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
   std::vector<std::string> scenes;
   IsolationOptions isolation;
-  CheckOptions options;                    // but for isolation, scene_path and folder, which are each scene's own
+  CheckOptions options;                    // isolation, scene_path and folder are set for each scene
   std::string junit;                       // XML file to write; empty: none
   std::string output = "slipbench-check";  // folder for the trials of failed checks
 };
 
-// `cost`: what accuracy costs in time.
+// `cost` measures the CPU time that accuracy costs.
 struct CostCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  cost::ExploreOptions explore;  // its scene_path is empty where none is given
-  bool stability = false;        // the map of the longest stable steps
-  std::string output;            // HTML file to write, and JSON beside it; empty: none
+  cost::ExploreOptions explore;  // scene_path is empty without a scene
+  bool stability = false;        // measure the map of the longest stable steps
+  std::string output;            // HTML file to write, with a JSON file next to it; empty: none
 };
 
-// `view`: the report of a dataset or of a scene, opened.
+// `view` opens the report of a dataset or of a scene.
 struct ViewCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
   std::string subject;               // a dataset, or a scene
   std::string output;                // HTML file, with --rerun an .rrd file; empty: named after the subject
-  std::optional<std::size_t> trial;  // to open on; of a scene the one to simulate
-  SweepOptions sweep;                // of a scene
-  bool rerun = false;                // in the viewer Rerun, in place of the page
+  std::optional<std::size_t> trial;  // trial to show; for a scene, the trial to simulate
+  SweepOptions sweep;                // for a scene
+  bool rerun = false;                // open the viewer Rerun instead of the page
 
  private:
   [[nodiscard]] bool of_scene() const;
   // Sends the dataset to Rerun; returns the exit status.
   [[nodiscard]] int show(const std::string& dataset) const;
-  // Simulates the scene into the dataset beside the page; returns the exit status.
+  // Simulates the scene, writes the dataset next to the page and returns the exit status.
   [[nodiscard]] int simulate(const std::string& dataset) const;
 };
 
-// The words of --record.
+// The values of --record.
 inline constexpr std::array recording_words{Choice<Recording>{"full", Recording::full},
                                             Choice<Recording>{"outcome", Recording::outcome}};
 
-// Where the scene says `accuracy`, appends to `sweep.overrides` the setting that meets it in the trials that `sweep` asks for
-// (tools/cost/kept_setting.h), so that from here on it is a scene like any other and its command says how it was computed.
-// `command` tells what it is. Throws InputError.
+// If the scene has the key `accuracy`, appends to `sweep.overrides` the setting that meets it in
+// the trials that `sweep` requests (tools/cost/kept_setting.h). From then on the scene is like any
+// other, and its command states the setting. `command`: name of the command, for messages. Throws
+// InputError.
 void settle_accuracy(SweepOptions& sweep, const Catalogues& catalogues, const Command& command);
 
 }  // namespace slipbench

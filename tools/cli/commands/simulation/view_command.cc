@@ -19,17 +19,19 @@
 namespace slipbench {
 namespace {
 
-constexpr const char* verb = "run";  // what makes the recording, and can make it again
+constexpr const char* verb = "run";  // command that makes the recording
 
 std::string with_ending(const std::string& path, const char* ending) {
   return std::filesystem::path(path).replace_extension(ending).string();
 }
 
-// A recording that a user may have waited for is no scratch paper: only one that a single run of the same scene makes anew is replaced.
+// Replaces a recording only if a single run of the same scene can make it again, because a
+// recording may have taken long.
 void check_replaceable(const std::string& dataset, const std::string& scene) {
   std::error_code error;
   if (!std::filesystem::exists(dataset, error)) return;
-  // A dataset of several trials is not replaced: it took long, and this command makes one trial.
+  // Never replaces a dataset of several trials: it took long, and this command makes a single
+  // trial.
   const DatasetReader reader = dataset_header_at(dataset);
   const std::string command = reader.header().command;
   const std::string own = fmt::format("slipbench {} {}", verb, shell_word(scene));
@@ -115,9 +117,9 @@ int ViewCommand::run() {
   const std::string dataset = scene ? with_ending(page, ".h5") : subject;
   if (rerun && !output.empty()) check_text_target(output, {dataset}, {"recording of Rerun", &begins_as_rrd});
   if (scene) {
-    // Before minutes of simulation, not after them.
+    // Checked before the simulation, which may take minutes.
     if (const int status = rerun ? status_of_rerun() : exit_good; status != exit_good) return status;
-    // Trials that failed are no part of the page, and the others are worth a look.
+    // Failed trials are not on the page, but the other trials are worth showing.
     if (const int status = simulate(dataset); status != exit_good && status != exit_check_failed) return status;
   }
   if (rerun) return show(dataset);
