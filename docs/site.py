@@ -32,7 +32,7 @@ def ours():
 
 
 def page_of(target, path):
-    """The page that a link of the text `path` to `target` leads to: itself, a folder's README.md, or one made of a source."""
+    """Page to which a link from the text `path` to `target` leads: the target, the README.md of a folder, or the page of a source."""
     place, hash_sign, rest = target.partition("#")
     if not place or ":" in place or Path(place).suffix in (PAGE, *PICTURE):
         return target
@@ -41,17 +41,17 @@ def page_of(target, path):
 
 
 def linked(text, path):
-    """The text `path` with its links to the site's pages."""
+    """The text `path`, with links that lead to pages of the site."""
     return LINK.sub(lambda link: link[0].replace(link[1], page_of(link[1], path)), text)
 
 
 def formula(tex):
-    """A notebook's formula without TeX."""
+    """Converts a formula of a notebook to text without TeX."""
     return f"`{functools.reduce(lambda text, rule: re.sub(*rule, text), TEX.items(), tex).strip()}`"
 
 
 def source(path):
-    """A page of a source, of all in a folder, or of a notebook's cells."""
+    """Page of a source, of all sources in a folder, or of the cells of a notebook."""
     parts = [f"# {path.relative_to(ROOT)}"]
     for file in sorted(path.iterdir()) if path.is_dir() else [path]:
         text = file.read_text(encoding="utf-8")
@@ -66,7 +66,7 @@ def source(path):
 
 @functools.cache
 def made():
-    """{page: its Markdown} of those that are no file of the project."""
+    """{page: its Markdown} for the pages without a file in the project."""
     pages = {f"{folder}/headers.md": headers.page(ROOT, folder) for folder in headers.folders(ROOT)} | {PYTHON: reference.page()}
     for path in [path for path in project_files(ROOT) if path.suffix in (PAGE, ".ipynb")]:
         for target in LINK.findall((ROOT / path).read_text(encoding="utf-8")):
@@ -78,7 +78,7 @@ def made():
 
 
 def named(nav):
-    """The pages that a part of `nav` names."""
+    """Pages in a part of `nav`."""
     if isinstance(nav, str):
         return {nav}
     return set().union(*map(named, nav.values() if isinstance(nav, dict) else nav))
@@ -101,7 +101,7 @@ def on_nav(nav, config, files):
 
 
 def on_files(files, config):
-    files.remove(files.get_file_from_path("README.md"))  # that of the folder `web`
+    files.remove(files.get_file_from_path("README.md"))  # README.md of the folder `web`
     for path in ours():
         files.append(File(path.as_posix(), str(ROOT), config.site_dir, config.use_directory_urls))
     for path, text in made().items():
@@ -114,5 +114,5 @@ def on_page_markdown(markdown, page, config, files):
         return markdown
     markdown = re.sub(r"^```(\w+) no-run$", r"```\1", linked(markdown, page.file.src_uri), flags=re.MULTILINE)
     markdown = re.sub(r"^```(\w+) (\S+)$", r'```\1 title="\2"', markdown, flags=re.MULTILINE)
-    # A list or a table may follow a line of text at once.
+    # In GitHub's Markdown a list or a table may follow a line of text directly.
     return re.sub(r"^(?![-*|#] ?|\d+\. |```)(\S.*)\n(?=[-*] |1\. |\|)", r"\1\n\n", markdown, flags=re.MULTILINE)

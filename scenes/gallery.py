@@ -1,4 +1,4 @@
-"""Draws the pictures of GALLERY.md: one run of a scene of each folder. Argument: where they go, default: this folder.
+"""Draws the pictures of GALLERY.md: one run of a scene of each folder. Argument: output folder, default: this folder.
 
 Needs the package slipbench and matplotlib: PYTHONPATH=build/release/python build/venv/bin/python scenes/gallery.py
 """
@@ -28,7 +28,7 @@ def explain(picture, names, colours):
 
 
 def figure(title):
-    """A place for the pad on the left, one for the reading on the right, a strip for the truth below it."""
+    """Axes for the pad on the left, for the reading on the right, and for the truth in a strip below the reading."""
     picture = plt.figure(figsize=(7, 3), dpi=100, layout="constrained")
     picture.suptitle(title, fontsize=10)
     explain(picture, STATES, COLOURS)
@@ -40,27 +40,27 @@ def figure(title):
 
 
 def draw_units(axes, places, states, size):
-    """The pad's units at their places in mm."""
+    """Draws the units of the pad at their positions in mm."""
     axes.scatter(*(1000 * places.T), c=[COLOURS[state] for state in states], s=size, edgecolors="#5b6470", linewidths=0.6)
     axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
     axes.margins(0.2)
 
 
 def draw_shares(axes, time, states):
-    """The share of units in each state over time."""
+    """Draws the share of units in each state over time."""
     axes.stackplot(time, *[(states == state).mean(axis=1) for state in (1, 3, 2, 0)], colors=[COLOURS[state] for state in (1, 3, 2, 0)])
     axes.set(xlabel="time (s)", ylabel="units", ylim=(0, 1), yticks=(0, 1), xlim=(time[0], time[-1]))
 
 
 def mixed(states):
-    """The sample at which units differ most."""
+    """Sample at which the states of the units differ most."""
     return int(np.argmax(np.minimum((states == 1).sum(axis=1), ((states == 2) | (states == 3)).sum(axis=1))))
 
 
 def mark(axes, time, words):
     axes.axvline(time, color="#d1495b", linewidth=1.2)
     begin, end = axes.dataLim.intervalx
-    room = time - begin > (end - begin) / 4  # for the words, left of the line
+    room = time - begin > (end - begin) / 4  # space for the text left of the line
     axes.annotate(words, (time, 0.96), xycoords=("data", "axes fraction"), xytext=(-4 if room else 4, 0), textcoords="offset points",
                   ha="right" if room else "left", va="top", fontsize=8, color="#d1495b", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
 
@@ -118,7 +118,7 @@ def closer(axes, record, pad, _):
 def markers(axes, record, pad, at):
     draw_units(axes, record.labels[pad.name].unit_positions, record.labels[pad.name].unit_state[at], 30)
     places, moved = pad.channels["pixel"][0], 1000 * pad.channels["displacement"][at]
-    scale = 16.0 / np.ptp(places[:, 0])  # mm a pixel: nine markers span 16 mm
+    scale = 16.0 / np.ptp(places[:, 0])  # mm per pixel: nine markers span 16 mm
     axes.quiver(scale * (places[:, 0] - 160), scale * (120 - places[:, 1]), *moved.T[:2], angles="xy", scale_units="xy", scale=0.2, width=0.012, zorder=3)
     axes.set_title("markers' motion, five-fold", fontsize=9)
     axes.set(xlim=(-7, 7), ylim=(-7, 7))
@@ -138,14 +138,14 @@ def speed(axes, record, pad):
 
 
 def soft_skin():
-    """soft_skin/sphere.yaml half way to sliding, and its force against what Cattaneo and Mindlin say."""
+    """soft_skin/sphere.yaml half way to sliding, and its force compared with Cattaneo and Mindlin's law."""
     scene = slipbench.Scene.load(SCENES / "soft_skin/sphere.yaml")
     record = scene.run()
     pad = record.sensors["skin"]
-    radius, depth, friction, modulus = 40.0, 0.15, 0.8, 0.15  # mm, N/mm^2: those of the scene
+    radius, depth, friction, modulus = 40.0, 0.15, 0.8, 0.15  # mm, N/mm^2: values of the scene
     reach = np.sqrt(radius * depth)
     load = 16 / 3 * modulus * np.sqrt(radius) * depth**1.5
-    slides = 9 * friction * load / (32 * modulus * reach)  # mm, where all of it does
+    slides = 9 * friction * load / (32 * modulus * reach)  # mm, displacement at which the whole contact slides
     body = record.bodies["pad"]
     way = 1000 * np.interp(pad.t, body.t, body.pose[:, 0])
     there = slice(np.argmax(way > 0), np.argmax(way))
@@ -163,7 +163,7 @@ def soft_skin():
 
 
 def benchmark():
-    """The truth of one recording of each sensor."""
+    """Draws the truth of one recording of each sensor."""
     picture, axes = plt.subplots(5, figsize=(7, 3), dpi=100, layout="constrained")
     picture.suptitle("What slip detectors are judged by: the truth of one recording a sensor (benchmark/slip-1)", fontsize=10)
     for axis, (name, trial) in zip(axes, {"papillarray": 4, "nib_pad": 5, "piezo_skin": 6, "myrmex": 1, "biotac_sp": 5}.items(), strict=True):
@@ -180,7 +180,7 @@ def benchmark():
 
 
 def plain_mujoco():
-    """hold.xml in the package mujoco: the fingers let go slowly."""
+    """hold.xml in the package mujoco: the fingers open slowly."""
     model = mujoco.MjModel.from_xml_path(str(SCENES / "mujoco/hold.xml"))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("grasped").id)

@@ -4,7 +4,7 @@ import re
 
 from tree import project_files
 
-BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "tools/dataset/", "tools/files/", "tools/page/", "tools/statistics/", "tools/workers/")  # what others include
+BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "tools/dataset/", "tools/files/", "tools/page/", "tools/statistics/", "tools/workers/")  # headers for other projects
 COMMENT = r"(?:^//.*\n)"
 CODE = r"^(?:template <.*\n)?(?!namespace\b|extern \"C\" {)(?:#define |[^\s/}#]).*\n(?:(?!^(?://|\w|#)).*\n)*"
 DECLARATION = re.compile(f"({COMMENT}*)({CODE})|({COMMENT}+)", re.MULTILINE)
@@ -12,12 +12,12 @@ TYPE = re.compile(r"^(?:template <.*>\s*)?(?:class|struct|enum class) (\w+)")
 
 
 def folders(root):
-    """The folders of the headers that are installed, without the program's own."""
+    """Folders of the installed headers, except those that only the program uses."""
     return sorted({path.parent.as_posix() for path in project_files(root) if path.suffix == ".h" and path.as_posix().startswith(BENCH)})
 
 
 def prose(comment):
-    """The Markdown of a comment: a line further in continues a list, or is a law, and stands as it is."""
+    """Converts a comment to Markdown. An indented line continues a list item, or is a formula, which is kept unchanged."""
     made, kind = [], "text"
     for line in re.sub(r"^// ?", "", comment, flags=re.MULTILINE).splitlines():
         inside = line.startswith("  ")
@@ -30,14 +30,14 @@ def prose(comment):
 
 
 def declarations(text):
-    """(comment, code without private parts) of what stands in the namespace."""
+    """Yields (comment, code without private parts) for each declaration in the namespace."""
     for comment, code, alone in DECLARATION.findall(text):
         yield comment or alone, re.sub(r"\n^ private:\n.*?(?=^\};|^ public:|^ protected:)|\n+^\}  // namespace.*", "", code.rstrip(),
                                        flags=re.MULTILINE | re.DOTALL)
 
 
 def page(root, folder):
-    """The page of a folder's headers, as Markdown."""
+    """Page of the headers of a folder, as Markdown."""
     parts = [f"---\nsearch: {{boost: 0.2}}\n---\n# {folder}: headers"]
     if (root / folder / "README.md").exists():
         parts.append(f"[What {folder} is](README.md)")

@@ -33,7 +33,7 @@ def declaration(doc: pdoc.doc.Doc) -> str:
 
 
 def entries(doc: pdoc.doc.Doc, level: int) -> Iterator[str]:
-    """A name with all that it holds."""
+    """Yields the lines of a name and of its members."""
     yield f"{'#' * level} {doc.qualname or doc.modulename} {{#{doc.fullname}}}"
     if doc.kind != "module":
         yield f"```python\n{declaration(doc)}\n```"

@@ -39,7 +39,7 @@ def input_text(frames: Input) -> str:
     band, spans = f"{frequency_text(frames.low)} to {frequency_text(frames.high)}", ", ".join(str(span) for span in frames.spans)
     text += {"samples": "", "log_psd": f", log10 of its power spectral density, {band}", "amplitude": f", amplitude of its spectrum, {band}",
              "levels": f", its mean, and its changes over {spans} samples, with their signs",
-             "units": ", or of any sensor of three-axis units at 200 Hz or more, as many ms each; for each unit: force, ratio, changes",
+             "units": ", or of any sensor of three-axis units at 200 Hz or more, with windows of the same length in ms; for each unit: force, ratio, changes",
              "spreads": f", how far and how fast its values move over {spans} samples"}[frames.transform]
     return text + (f", as an image of {len(frames.pixels)} pixels" if len(frames.pixels) else "")
 
@@ -48,9 +48,9 @@ def training_text(training: Training) -> str:
     """Describes the training of a network."""
     text = (f"{'Adam' if training.optimiser == 'adam' else 'RMSProp'} at {training.learning_rate:g}, falling to "
             f"{training.learning_rate * training.final_rate:g}; {counted(training.steps, 'step')} of {counted(training.batch, 'clip')} of {counted(training.clip, 'answer')}; "
-            f"classes {'drawn' if training.balance == 'drawing' else 'weighted'} alike")
+            f"classes {'drawn equally often' if training.balance == 'drawing' else 'weighted equally'}")
     if training.onset_frames:
-        text += f"; of each slip the first {training.onset_frames} frames and each tenth train"
+        text += f"; of each slip, the first {training.onset_frames} frames and every tenth later frame are used"
     if training.label_smoothing:
         text += f"; label smoothing {training.label_smoothing:g}"
     if training.patience:

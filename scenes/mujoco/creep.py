@@ -1,4 +1,4 @@
-"""How fast a capsule creeps out of a grip: pads of slipbench beside MuJoCo's own contact.
+"""Speed at which a capsule creeps out of a grip: pads of slipbench compared with MuJoCo's own contact.
 
     python scenes/mujoco/creep.py "$(./slipbench plugin-path)"
 
@@ -21,7 +21,7 @@ CONTACTS = {
 
 
 def with_firm_pads():
-    """The model with firm pads in place of the PapillArrays; its fingers begin where 60 N press three elements in."""
+    """The model with stiff pads instead of the PapillArrays; its fingers start at the position at which 60 N compress three elements."""
     firm = TEXT.replace('key="sensor" value="{type: papillarray}"', f'key="elements" value="{FIRM}"')
     depth = 60.0 / (3 * 20e3) - 0.3e-3
     return re.sub(r'name="30N" qpos="0 0 0.1 1 0 0 0 .*?" ctrl=".*?"',
@@ -29,7 +29,7 @@ def with_firm_pads():
 
 
 def without_pads(option, force):
-    """The model with MuJoCo's own contact between fingers and capsule, which begin 0.35 mm deep."""
+    """The model with MuJoCo's own contact between fingers and capsule, which start 0.35 mm deep."""
     plain = re.sub(r"<extension>.*?</extension>|<plugin instance.*?/>|<sensor>.*?</sensor>|<keyframe>.*?</keyframe>", "", TEXT, flags=re.S)
     plain = plain.replace('contype="0" conaffinity="0"', 'friction="0.7 0.005 0.0001"')
     plain = re.sub(r'pos="(-?)0.01 0 0" size', r'pos="\g<1>0.00495 0 0" size', plain)

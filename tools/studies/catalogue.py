@@ -35,7 +35,7 @@ STUDIES = (
     Study("biotac-stability-slip/fig12", "the same by the graph of the GCN: drawn by hand, or nearest neighbours", GRASPS),
     Study("biotac-stability-slip/table2", "grasps held or lost on new objects: GCN, CNN and plainer networks; trained on real, synthetic or both",
           GRASPS),
-    Study("biotac-stability-slip/table3", "direction of slip on new objects, with and without the place of the touch; trained on real, synthetic or both",
+    Study("biotac-stability-slip/table3", "direction of slip on new objects, with and without the position of the contact; trained on real, synthetic or both",
           ("--real", "--data", "--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
     Study("hd-papillarray/table1", "ablation of the encoders, by sequence and by frame, and its causes", ("--data", "--seed", "--jobs")),
     Study("hd-papillarray/table2", "grasp and lift in the closed loop: drops, slip and grip force of every detector and controller",
@@ -43,7 +43,7 @@ STUDIES = (
     Study("hd-papillarray/table3", "the published recurrent network on the same protocol: balanced accuracy, delay, early and missed",
           ("--only", "--seed", "--jobs")),
     Study("hd-papillarray/latency", "time from a frame to its class, in software and in the register-level core", ()),
-    Study("hd-papillarray/resources", "what the core takes of the published FPGA, for each degree of unrolling", ("--synthesise",)),
+    Study("hd-papillarray/resources", "share of the published FPGA that the core uses, for each degree of unrolling", ("--synthesise",)),
     Study("learned/grasp_loop", "detectors trained on simulated grasps, in the published loop: drops, slip and force, with an oracle and two controls",
           ("--data", "--trials", "--only", "--seed", "--jobs")),
     Study("learned/scaling", "score, delay and alarms on slip-2 against the number of training trials and, with --full, against what they vary",
@@ -56,7 +56,8 @@ STUDIES = (
           ("--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
     Study("myrmex-tactile-cnn/table3", "confusion of stable, translation and rotation, by window and by trial",
           ("--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
-    Study("nib-reconfigurable/table1", "calibration of the nib pad: force and moment out of 36 capacitances, uniform and partial loads, and its causes",
+    Study("nib-reconfigurable/table1", "calibration of the nib pad: force and moment from 36 capacitances, under uniform and partial loads, and the causes "
+                                       "of its errors",
           ("--seed", "--jobs")),
     Study("nib-reconfigurable/table2", "Algorithm 1 while the grasp is slowly released, on four surfaces; influences on its figures, and the origin "
                                        "of the energy at 0 to 8 Hz",

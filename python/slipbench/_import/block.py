@@ -86,7 +86,7 @@ def _value(node: Node, key: Key, where: str) -> Any:
         return [_scalar(child, where, "a text") for child in node.children]
     if key.kind == "words":
         if node.kind != "map" or not node.children:
-            node.fail(f"{where}: expected texts by texts, found {node.described}")
+            node.fail(f"{where}: expected pairs TEXT: TEXT, found {node.described}")
         return {child.key: _scalar(child, f"{where}.{child.key}", "a text") for child in node.children}
     if key.kind == "lines":
         if node.kind == "sequence":

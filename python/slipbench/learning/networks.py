@@ -76,7 +76,7 @@ class GruStack(nn.Module):
 
 
 class FrameGru(nn.Module):
-    """Linear layer, GRUs, linear layer: piezo_grasp, nib_slip, grasp_gru, biotac_gru. No paper's.
+    """Linear layer, GRUs, linear layer: piezo_grasp, nib_slip, grasp_gru, biotac_gru. Not published.
 
     | layer | output |
     |---|---|
@@ -93,7 +93,7 @@ class FrameGru(nn.Module):
         self.last = nn.Linear(width, classes)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         hidden, state = self.memory(self.first(frames), state)
         return self.last(hidden), state
 
@@ -116,7 +116,7 @@ class PiezoMlp(nn.Module):
         self.layers = nn.Sequential(dense(inputs, width, width, width, width), nn.Linear(width, classes))
 
     def forward(self, frames: Tensor) -> Tensor:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         logits: Tensor = self.layers(frames)
         return logits
 
@@ -124,7 +124,7 @@ class PiezoMlp(nn.Module):
 class PiezoTcn(nn.Module):
     """Causal convolutions of the piezoelectric skin ([ayral2023], Table I: TCN 128, kernel 8).
 
-    Not padded: the first answer comes after all the frames that it is made of, in training as in
+    Without padding: the first answer comes after all frames that it depends on, in training and in
     the loop.
 
     | layer | output |
@@ -144,7 +144,7 @@ class PiezoTcn(nn.Module):
         self.last = nn.Linear(channels, classes)
 
     def forward(self, frames: Tensor) -> Tensor:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         logits: Tensor = self.last(self.convolutions(frames.transpose(1, 2)).transpose(1, 2))
         return logits
 
@@ -165,13 +165,13 @@ class PiezoGru(nn.Module):
         self.last = nn.Linear(units, classes)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         hidden, state = self.memory(frames, state)
         return self.last(hidden), state
 
 
 class PiezoSlip(nn.Module):
-    """piezo_slip: the signal's level and changes with their signs, and its spectrum, through two GRUs. No paper's.
+    """piezo_slip: the signal's level and changes with their signs, and its spectrum, through two GRUs. Not published.
 
     A level that rises or falls steadily would leak into all bins, so the straight line of a frame is removed before its spectrum.
 
@@ -199,7 +199,7 @@ class PiezoSlip(nn.Module):
         self.rest = FrameGru(2 * parts - 1 + bins, classes, layers=2)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         levels = frames.reshape(*frames.shape[:2], self.parts, -1).mean(3)
         changes = levels[:, :, 1:] - levels[:, :, :-1]
         cosine, sine = torch.matmul(frames, self.get_buffer("waves")).chunk(2, 2)
@@ -234,7 +234,7 @@ class PapillarrayGru(nn.Module):
         self.decoder = nn.Sequential(*block(128, 256), *block(256, 128), nn.Linear(128, classes))
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         hidden, after = self.memory(each_frame(self.encoder, frames), None if state is None else state[0])
         return each_frame(self.decoder, hidden), (after,)
 
@@ -247,7 +247,7 @@ class UnitsEncoder(nn.Module):
     | features of each unit (transform `units`) | units x features |
     | batch norm of each feature | units x features |
     | linear, ReLU | units x 32 |
-    | beside it mean and maximum of all units | units x 96 |
+    | the same, with mean and maximum of all units | units x 96 |
     | linear, ReLU | units x 48 |
     | mean and maximum of all units | 96 |
     | linear, ReLU | 48 |
@@ -274,7 +274,7 @@ class UnitsEncoder(nn.Module):
 
 class SlipGru(nn.Module):
     """slip_gru: three axes of each unit, their ratio and rates, each unit by the same weights,
-    through a GRU. No paper's.
+    through a GRU. Not published.
 
     | layer | output |
     |---|---|
@@ -290,7 +290,7 @@ class SlipGru(nn.Module):
         self.last = nn.Linear(48, classes)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         hidden, after = self.memory(self.encoder(frames), None if state is None else state[0])
         return self.last(hidden), (after,)
 
@@ -320,7 +320,7 @@ class MyrmexCnn(nn.Module):
         self.layers = nn.Sequential(*layers)
 
     def forward(self, frames: Tensor) -> Tensor:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         images = frames.reshape(*frames.shape[:2], self.side, self.side, -1).permute(0, 1, 4, 2, 3)
         return each_frame(self.layers, images)
 
@@ -343,7 +343,7 @@ class BiotacCnn(nn.Module):
                                     nn.Linear(32 * (rows - 2) * (columns - 2), units), nn.ReLU(), nn.Linear(units, classes))
 
     def forward(self, frames: Tensor) -> Tensor:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         return each_frame(self.layers, frames.reshape(*frames.shape[:2], *self.image))
 
 
@@ -370,7 +370,7 @@ class BiotacGcn(nn.Module):
         self.head = nn.Sequential(nn.Linear(32 * nodes, 128), nn.ReLU(), nn.Linear(128, classes))
 
     def forward(self, frames: Tensor) -> Tensor:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         adjacency = self.get_buffer("adjacency")
         nodes = frames.reshape(*frames.shape[:2], len(adjacency), -1)
         for weight, norm in zip(self.weights, self.norms):
@@ -400,7 +400,7 @@ class BiotacLstm(nn.Module):
         self.head = nn.Sequential(dense(32, 32, 32), nn.Linear(32, classes))
 
     def forward(self, frames: Tensor) -> Tensor:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         clips = windows(frames, self.history)
         last = self.memory(clips.flatten(0, 1))[0][:, -1]
         logits: Tensor = self.head(last)
@@ -429,8 +429,8 @@ class ConvLstm(nn.Module):
 
 
 class BiotacConvLstm(nn.Module):
-    """Direction of slip by convolutional LSTMs ([zapata2019], section 5.2, Table 3). Begins afresh
-    with each window.
+    """Direction of slip by convolutional LSTMs ([zapata2019], section 5.2, Table 3). The state is zero
+    at the start of each window.
 
     The paper has five layers of 32 filters, which take 30 times as long to train as two of 8.
 
@@ -451,7 +451,7 @@ class BiotacConvLstm(nn.Module):
         self.head = nn.Sequential(dense(filters, 32, 32), nn.Linear(32, classes))
 
     def forward(self, frames: Tensor) -> Tensor:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         clips = windows(frames, self.history)
         images = clips.reshape(-1, self.history, 1, *self.image)
         last = self.memory(images)[:, -1].mean((2, 3))
@@ -461,7 +461,7 @@ class BiotacConvLstm(nn.Module):
 
 class BiotacSlip(nn.Module):
     """biotac_slip: each electrode against its mean of 0.64 s, through filters across electrodes and
-    in time and a GRU. No paper's.
+    in time and a GRU. Not published.
 
     | layer | output |
     |---|---|
@@ -481,7 +481,7 @@ class BiotacSlip(nn.Module):
         self.rest = FrameGru(12 * 8, classes)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         filtered = self.across(frames.reshape(*frames.shape[:2], -1, self.electrodes)).transpose(2, 3)
         after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(self.in_time(filtered).flatten(2), state)
         return after
@@ -507,6 +507,6 @@ class BiotacGrasp(nn.Module):
         self.rest = FrameGru(spans * 16, classes, layers=2)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """See the module."""
+        """Returns logits, and the state if the network has one (see the module)."""
         after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(self.across(frames.reshape(*frames.shape[:2], self.spans, -1)).flatten(2), state)
         return after

@@ -65,7 +65,7 @@ SLIP_TRAINING = Training(steps=3000, batch=64, clip=150, learning_rate=3e-3, fin
 def _slip(name: str, summary: str, frames: Input, network: Callable[[int, int], nn.Module], training: Training = SLIP_TRAINING, scaling: str = "standard",
           members: int = 1) -> Recipe:
     """A recipe of scenes/learn: slip while a part of a unit slips, 100 times per second."""
-    return Recipe(name, summary, "none published: for scenes/learn, where device, load, friction and the way differ from trial to trial",
+    return Recipe(name, summary, "none published: for scenes/learn, where device, load, friction and motion differ from trial to trial",
                   "all of it; on a stage frames that stick again after a slip are left out of the training; Adam at 3e-3", frames, network, training, scaling, members,
                   labels="tightened")
 
@@ -165,10 +165,10 @@ def _biotac() -> list[Recipe]:
         recipe("biotac_lstm", "Five rows at 100 Hz through five LSTMs of 32; direction of slip, seven classes", "section 5.2, Table 3", direction, rows,
                networks.BiotacLstm, "direction", 1000),
         recipe("biotac_convlstm", "Five images of 12 x 11 at 100 Hz through convolutional LSTMs; direction of slip, seven classes", "section 5.2, Table 3",
-               f"{direction}; two layers of 8 filters, not five of 32, which take 30 times as long to learn", image, networks.BiotacConvLstm, "direction", 1000),
+               f"{direction}; two layers of 8 filters, not five of 32, which take 30 times as long to train", image, networks.BiotacConvLstm, "direction", 1000),
         Recipe("biotac_gru", "Change and drift of each electrode over 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes",
                "none published: levels, by which devices differ, are not used; spreads in ascending order do not depend on where the finger is touched",
-               "all of it; touch until more than half of what touches slips, then the class of the commanded motion, until contact is lost; Adam at 3e-3",
+               "all of it; the label is touch until more than half of the contact slips, then the class of the commanded motion until contact is lost; Adam at 3e-3",
                replace(rows, window=10, stride=5, transform="spreads", spans=(10, 20, 50), floor=3.0), partial(networks.FrameGru, width=32),
                Training(steps=2400, batch=32, clip=30, learning_rate=3e-3, label_smoothing=0.1, validate_every=150), members=3, classes="direction",
                labels="latched"),

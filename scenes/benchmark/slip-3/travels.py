@@ -23,7 +23,7 @@ PAIRS = 120
 STEPS = 6  # along a motion
 GOLDEN_ANGLE = math.pi * (3 - math.sqrt(5))
 AIR = 24  # recordings of the piezoelectric skin in which motors run in the air
-ROUNDING = 0.005  # of a depth, by the digits in the scene: whether such an element touches is open
+ROUNDING = 0.005  # of a depth, from the digits in the scene: below it, contact of an element is undecided
 MOST_DRAWS = 20000
 SLIP_SHARE = 0.4  # least mean slip of a recording that slips, as a share of its travel
 LEAST_SLIP = 0.13  # mean slip of a recording that slips: above least_slip_distance of tools/benchmark/protocol.h
@@ -40,14 +40,14 @@ class Element:
 
 @dataclass
 class Contact:
-    """Decides when the pad slips. `scene`: the part of a recording that sets it."""
+    """The load of a pad, which determines when the pad slips. `scene`: the part of a recording that sets it."""
 
     elements: list
     ratio: float  # k_n/k_t
     compression: float
     tilt: tuple = (0.0, 0.0)
     radius: float = math.inf  # of the touched ball
-    unsure: float = 0.0  # depth that ridges or roughness may take from an element
+    unsure: float = 0.0  # possible decrease of an element's depth by ridges or roughness
     scene: dict = field(default_factory=dict)
 
 
@@ -81,7 +81,7 @@ def tilted(point, tilt):
 
 
 def tip_at(motion, share, point):
-    """The tip's place when `share` of the motion is done: p + R (q - p) for a turn, as sim/motion/stage.cc."""
+    """Position of the tip after the share `share` of the motion: p + R (q - p) for a turn, as sim/motion/stage.cc."""
     x, y, z = point
     if motion.turn:
         px, py = motion.pivot
@@ -101,12 +101,12 @@ def depth(contact, point):
 
 
 def judged(contact, friction, motion, wanted):
-    """Returns the margin of a motion and the mean slip of the touching units at its end. Gives up with a margin of 0 once an
+    """Returns the margin of a motion and the mean slip of the touching units at its end. Returns a margin of 0 as soon as an
     element has slipped in a motion that is `wanted` not to slip."""
     flat = math.isinf(contact.radius)
     slips = {}
     margin = math.inf
-    # If a third of many elements contains one that slips, the pad slips; that none slips needs all of them.
+    # If one of a third of many elements slips, the pad slips; only if none of all elements slips, the pad sticks.
     for e in contact.elements[:: 3 if wanted == "slip" and len(contact.elements) > 100 else 1]:
         x, y, z = tilted((e.x, e.y, e.z), contact.tilt)
         point = (x, y, z - contact.compression)
@@ -144,7 +144,7 @@ def grid(columns, rows, pitch, points=1, width=0.0):
         for i in range(points * points):
             beside, along = ((k - 0.5 * (points - 1)) * width / points for k in (i % points, i // points))
             elements.append(Element(x + beside, y + along, 0.0, 1.0, unit))
-    return sorted(elements, key=lambda e: -math.hypot(e.x, e.y))  # those that slip first on a ball
+    return sorted(elements, key=lambda e: -math.hypot(e.x, e.y))  # the elements that slip first on a ball come first
 
 
 def papillarray(rng, outside):
@@ -244,7 +244,7 @@ def biotac_sp(rng, outside):
 
 
 def ball(elements, compressions, radii, stiffness):
-    """A sensor of separate springs on a ball. `stiffness`: inside and outside of what is learnt, k_n and k_t in N/mm."""
+    """A sensor of separate springs on a ball. `stiffness`: k_n and k_t inside and outside of the training range, in N/mm."""
 
     def contact(rng, outside):
         radius = log_uniform(rng, *radii)
@@ -270,11 +270,11 @@ class Stage:
     travels: tuple  # shortest and longest
     starts: tuple  # s, earliest and latest
     turns: int  # of ten pairs
-    arm: float = 10.0  # from the pivot, where a turn has its travel
+    arm: float = 10.0  # distance from the pivot at which the travel of a turn is measured
     stick: tuple = (1.3, 2.2)  # margins of contacts that hold
     slip: tuple = (0.02, 0.75)  # margins of those that slip
-    frictions: tuple = ((0.12, 1.4), (0.05, 0.065, 0.085, 1.7, 2.1, 2.6))  # inside: a range; outside
-    redraws: bool = False  # the second contact of a pair has the same compression, and else is another
+    frictions: tuple = ((0.12, 1.4), (0.05, 0.065, 0.085, 1.7, 2.1, 2.6))  # inside the training range: a range; outside: values
+    redraws: bool = False  # the second contact of a pair is redrawn, except for its compression
 
 
 SLOWEST = 0.5  # s, longest motion
@@ -389,7 +389,7 @@ def stage_recordings(sensor, outside, rng):
 
 
 def nib_pad_recordings(outside, rng):
-    """A lever pulls the plate by a force. The pad carries it alone, so a nib has the share of a rigid plate on equal springs."""
+    """A lever pulls the plate by a force. Only the pad carries this force, so each nib has its share as under a rigid plate on equal springs."""
     nibs = [((i % 6 - 2.5) * 3.8, (2.5 - i // 6) * 3.8) for i in range(36)]
     k_normal, rig = 0.83, 15.0  # N/mm, sensors/nib_pad and lever.xml
     height_sd = 0.06 if outside else 0.03  # mm
@@ -429,8 +429,8 @@ def nib_pad_recordings(outside, rng):
 
 
 def myrmex_recordings(outside, rng):
-    """Two arms part by `apart` and hold a box that weighs on both arrays: all cells share the load, and the weight as on equal springs."""
-    boxes = [  # size y and z, place y and z in mm; mass in g
+    """Two arms part by `apart` and hold a box whose weight both arrays carry: all cells share the load equally, and the weight as on equal springs."""
+    boxes = [  # size y and z, position y and z in mm; mass in g
         (50, 100, 0, 10, 320),
         (45, 130, 0, 10, 170),
         (150, 42, 18, 0, 220),
@@ -454,11 +454,11 @@ def myrmex_recordings(outside, rng):
         square = sum((x - cx) ** 2 + (y - cy) ** 2 for x, y in touching)
         lever = beside - cx
         greatest = max(math.hypot(lever * (y - cy) / square, 1 / count + lever * (x - cx) / square) for x, y in touching)
-        # Squeeze that must be left at friction 1 for the cell with the greatest share; the box slides, or turns, at a part of it.
+        # Remaining squeeze at friction 1 at which the cell with the greatest share slips; the whole box slides, or turns, at less.
         needs, slides = weight * greatest * count / stiffness, (0.85, 0.85, 0.5, 0.5)[pair % 4]
         for _ in range(MOST_DRAWS):
             ramp = log_uniform(rng, 0.1, 0.6)
-            # An arm that stops swings on by about half of rate/omega, omega = sqrt((arm + foam)/2 kg).
+            # An arm that stops overshoots by about half of rate/omega, omega = sqrt((arm + foam)/2 kg).
             overshoot = 0.6 * apart / ramp / math.sqrt(1e3 * (arm_stiffness + foam) / 2)
             slips = rng.choice((0.22, 0.26, 0.3)) if outside else log_uniform(rng, 0.3, 0.6)
             left = slides * rng.uniform(0.5, 1) * needs / slips
@@ -490,7 +490,7 @@ def text_of(value):
 
 
 def written(path):
-    """Returns the text of a scene with its recordings computed anew."""
+    """Returns the text of a scene with recomputed recordings."""
     where, sensor = path.stem.split("_", 1)
     outside = where == "outside"
     rng = random.Random(path.stem)

@@ -1,4 +1,4 @@
-"""Pads on robots of MuJoCo Menagerie: a Panda and a 2F-85 let a box slip, a LEAP hand holds a bar. README.md says what must come out.
+"""Pads on robots of MuJoCo Menagerie: a Panda and a 2F-85 let a box slip, a LEAP hand holds a bar. README.md lists the expected results.
 
 python robots.py MENAGERIE panda|robotiq_2f85|leap_hand [-o PICTURE.png]
 """
@@ -15,22 +15,22 @@ import slipbench
 import slipbench.mujoco
 
 FRICTION = 0.5
-PILLARS = {"type": "papillarray", "profile": "hexapod"}  # the softer ones: several touch at the 1 N of a Panda
+PILLARS = {"type": "papillarray", "profile": "hexapod"}  # soft pillars, of which several touch at the 1 N of a Panda
 # m, of their tips (sensors/papillarray)
 TIPS = 1e-3 * np.array([[7, 7, 0.45], [0, 7, 0.2], [-7, 7, 0.45], [7, 0, 0.2], [0, 0, 0], [-7, 0, 0.2], [7, -7, 0.45], [0, -7, 0.2], [-7, -7, 0.45]])
-PALM_SIDE = [1, 0, 1, 0]  # quaternions that turn a site's +Z to +X, as a LEAP fingertip needs it, ...
-JAW_SIDE = [1, -1, 0, 0]  # ... and to +Y, as the fingers of both grippers do
+PALM_SIDE = [1, 0, 1, 0]  # quaternion that turns a site's +Z to +X, for a LEAP fingertip
+JAW_SIDE = [1, -1, 0, 0]  # quaternion that turns a site's +Z to +Y, for the fingers of both grippers
 UNSEEN = {"size": [0.0018, 0.0018, 0.0018], "rgba": [0.0, 0.0, 0.0, 0.0]}  # a site behind its pad
 
 
 def panda(menagerie):
-    """The drive is a spring of 100 N/m to where the control is, and each finger has half of its force."""
+    """The drive is a spring of 100 N/m to the commanded position, and each finger gets half of its force."""
     spec = load(menagerie, "franka_emika_panda/panda.xml")
-    for side in ("left", "right"):  # the tips stand 10 mm before the middle of the fingertip's face
+    for side in ("left", "right"):  # the tips are 10 mm in front of the middle of the fingertip's face
         part(spec, f"{side}_finger").add_site(name=side, pos=[0, -0.01, 0.0445], quat=JAW_SIDE, **UNSEEN)
     model, data, pads = with_pads(spec, ["left", "right"], [0.02, 0.02, 0.03], 0.1)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    data.joint("finger_joint1").qpos = data.joint("finger_joint2").qpos = 0.0297  # the tips 0.3 mm inside the box
+    data.joint("finger_joint1").qpos = data.joint("finger_joint2").qpos = 0.0297  # compresses the tips by 0.3 mm
     put_between(model, data, "left", "right")
     drive = data.actuator("actuator8")
     drive.ctrl = 0.0
@@ -41,14 +41,14 @@ def panda(menagerie):
 
 
 def robotiq_2f85(menagerie):
-    """A linkage between drive and pads: what each does when it moves a little adds up to nothing."""
+    """A linkage between drive and pads: by virtual work, the work of both in a small motion adds up to zero."""
     spec = load(menagerie, "robotiq_2f85/2f85.xml")
     base = part(spec, "base_mount")
-    base.pos, base.quat = [0, 0, 0.3], [0, 1, 0, 0]  # it looks down
-    for side in ("left", "right"):  # 4 mm before it
+    base.pos, base.quat = [0, 0, 0.3], [0, 1, 0, 0]  # the gripper points downwards
+    for side in ("left", "right"):  # 4 mm in front of the fingertip
         part(spec, f"{side}_pad").add_site(name=side, pos=[0, -0.0106, 0.01875], quat=JAW_SIDE, **UNSEEN)
     model, data, pads = with_pads(spec, ["left", "right"], [0.02, 0.02, 0.03], 0.5)
-    for side in ("left", "right"):  # closed up to the box
+    for side in ("left", "right"):  # closed until it touches the box
         for joint, angle in (("driver", 0.4), ("spring_link", 0.4), ("follower", -0.385)):
             data.joint(f"{side}_{joint}_joint").qpos = angle
     put_between(model, data, "left", "right")
@@ -61,9 +61,9 @@ def robotiq_2f85(menagerie):
 
 
 def leap_hand(menagerie):
-    """Each finger presses with 1 N and the thumb with 3 N, by torques J^T f that the servos give for angles that much too far."""
+    """Each finger presses with 1 N and the thumb with 3 N, by torques J^T f, which the servos exert if their target angles are offset accordingly."""
     spec = load(menagerie, "leap_hand/right_hand.xml")
-    # The names of bodies and joints differ between versions of the model, their order does not.
+    # The names of bodies and joints differ between versions of the model; their order is the same.
     tips = [body for body in spec.bodies if body.name != "world" and not len(body.bodies)]
     names = ["index", "middle", "ring", "thumb"]
     if len(tips) != len(names) or len(spec.joints) != 16:
@@ -103,7 +103,7 @@ def part(spec, name):
 
 
 def with_pads(spec, sites, size, mass):
-    """Adds a free box and the pads that touch it: implicit ones, where MuJoCo has the integrator for it (4.0.1). Explicit ones refuse these models'
+    """Adds a free box and the pads that touch it: implicit ones if MuJoCo has the integrator for them (4.0.1). Explicit ones refuse these models'
     step of 2 ms."""
     light = [0.97, 0.97, 0.98]
     spec.add_texture(type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT, rgb1=light, rgb2=light, width=8, height=48)
@@ -132,7 +132,7 @@ def normal_force(pads, data):
 
 
 def let_go(model, data, pads, drive, rate):
-    """Changes a control by `rate` a second until no pillar sticks. Returns the figures of that moment, and the data when half of them slipped."""
+    """Changes a control by `rate` per second until no pillar sticks. Returns the figures of that moment, and the data when half of them slipped."""
     half = None
     for _ in range(round(60 / model.opt.timestep)):
         drive.ctrl += rate * model.opt.timestep
@@ -162,7 +162,7 @@ def virtual_work(model, data, pads):
     work = 0.0
     for pad in pads:
         reading, axes, site, jacobian = pad.read(data), axes_of(data, pad), model.site(pad.name), np.empty((3, model.nv))
-        # A pillar's force acts where its tip, bent aside by nothing, would meet the face.
+        # The force of a pillar acts at the point where its undeformed tip would meet the face.
         for tip, force in zip(TIPS + reading.displacement * [0, 0, 1], reading.force, strict=True):
             mujoco.mj_jac(model, data, jacobian, None, data.site(pad.name).xpos + axes @ tip, site.bodyid[0])
             work += axes @ force @ jacobian @ turn
@@ -171,7 +171,7 @@ def virtual_work(model, data, pads):
 
 
 def others(model, data):
-    """How many contacts of MuJoCo's own the object has: 0, or the pads do not carry it alone."""
+    """Number of MuJoCo's own contacts of the object; above 0 the pads do not carry it alone."""
     touched = model.geom("object").id
     return sum(touched in (contact.geom1, contact.geom2) for contact in data.contact)
 
@@ -197,7 +197,7 @@ def main():
     given = words.parse_args()
     try:
         figures, picture = robots[given.robot](given.menagerie)
-    except ValueError as error:  # an InputError is one; MuJoCo says in one which file of the model is not there
+    except ValueError as error:  # includes InputError; MuJoCo reports a missing file of the model by it
         print(f"error: {error}", file=sys.stderr)
         return 2
     for name, value in figures.items():

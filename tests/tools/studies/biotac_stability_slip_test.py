@@ -102,9 +102,9 @@ class TrainedOn(unittest.TestCase):
         self.assertEqual(fold[0], fold[2])
         self.assertEqual(fold[1], fold[4])
         self.assertEqual(sorted(fold[[0, 1, 3]].tolist()), [0, 1, 2])
-        with self.assertRaisesRegex(InputError, "3 objects make no 4 folds"):
+        with self.assertRaisesRegex(InputError, "3 objects are too few for 4 folds"):
             validation.folds_by_object(objects, 4, 1)
-        with self.assertRaisesRegex(InputError, "1 objects make no 2 folds"):
+        with self.assertRaisesRegex(InputError, "1 object is too few for 2 folds"):
             validation.folds_by_object(["a"], 1, 1)
 
     def test_a_network_sees_all_rows_of_a_window(self):

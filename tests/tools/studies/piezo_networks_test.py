@@ -163,7 +163,7 @@ class Refusals(unittest.TestCase):
         for table in (table1, table2, table3, table4, delay):
             with self.assertRaisesRegex(InputError, "--trials 9: .*even numbers, 10 or more"):
                 table.study(Options(trials=9))
-            with self.assertRaisesRegex(InputError, "--trials is for recordings that are made"):
+            with self.assertRaisesRegex(InputError, "--trials applies to simulated recordings"):
                 table.study(Options(trials=10, data="a.h5"))
 
     def test_names_that_are_not_there(self):
@@ -254,7 +254,7 @@ class Recordings(unittest.TestCase):
                     if rule == "micro":
                         np.testing.assert_equal(one.slip_time, example["onset"])
             self.assertEqual(one.motors_only, not one.contact.any())
-        with self.assertRaisesRegex(InputError, "recordings with contact make no 5 folds"):
+        with self.assertRaisesRegex(InputError, "recordings with contact are too few for 5 folds"):
             networks.recordings_for(Options(seed=1), Size(2, False), [2.0], inputs)
 
     def test_other_motors_run_only_where_they_are_asked_for(self):

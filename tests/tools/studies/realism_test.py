@@ -62,7 +62,7 @@ class PapillArray(unittest.TestCase):
         self.assertEqual(len(figures), 9)
         coupling = figures["coupling of shear to FZ"].ours
         self.assertTrue(1.5 <= coupling <= 4.0, coupling)
-        residual = figures["residual of FZ by one stiffness a pillar and axis"].ours
+        residual = figures["residual of FZ with one stiffness per pillar and axis"].ours
         self.assertTrue(20.0 <= residual <= 45.0, residual)
         for name in ("step of force at 1 kHz", "amplitude of a vibration of 400 Hz at 1 kHz"):
             self.assertAlmostEqual(figures[name].ours / figures[name].real, 1.0, delta=0.03)

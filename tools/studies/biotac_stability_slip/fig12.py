@@ -37,8 +37,8 @@ def study(options: Options) -> Result:
         title="Tactile graphs of a BioTac SP: held or lost",
         source=f"Fig. 12 of {PAPER}. Accuracy in %.",
         remarks=[
-            "The paper draws its curve and prints no number: best with the graph drawn by hand, and falling with k. It "
-            "does not say whether its folds are by sample or by object.",
+            "The paper shows a curve without numbers: the hand-drawn graph is best, and accuracy falls with k. It does not state whether its folds are by "
+            "sample or by object.",
             *result.remarks,
         ],
     )

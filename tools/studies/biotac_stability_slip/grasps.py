@@ -120,7 +120,7 @@ def grasp_of(trial: Any) -> Grasp:
     if not name:
         _refuse(trial, "it names no object")
     if not real and "held" not in trial.outcome:
-        _refuse(trial, "its outcome does not say whether the object was held")
+        _refuse(trial, "its outcome does not state whether the object was held")
     counts = []
     for finger in FINGERS:
         sensor = trial.sensors.get(finger)

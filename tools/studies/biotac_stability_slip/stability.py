@@ -47,7 +47,7 @@ def logistic_regression(by_palm: bool = False) -> StabilityNetwork:
     make = partial(RowsNetwork, INPUTS, CLASSES)
     if by_palm:
         return StabilityNetwork(
-            Network("lr_by_palm", "the same, each palm by its own mean and deviation", make, PLAIN_STEPS, CLASSES,
+            Network("lr_by_palm", "the same, standardised for each palm", make, PLAIN_STEPS, CLASSES,
                     "standard"), as_list, True)
     return StabilityNetwork(Network("lr", "logistic regression", make, PLAIN_STEPS, CLASSES), as_list)
 
@@ -156,9 +156,9 @@ def setup_of(options: Options, grasps: GraspSets) -> list[str]:
     return [
         *lines,
         f"Synthetic: {grasps.synthetic.text()} of {options.data or f'{SCENE}, three sets of fingers'}.",
-        f"{FOLDS} folds; mean and standard deviation of the folds. One network learns all palms.",
-        f"Each electrode scaled to 0..1 by what is learnt. Adam at 1e-3, {longer * NETWORK_STEPS} steps of 64 for CNN "
-        f"and GCN, {longer * PLAIN_STEPS} for the others, classes drawn alike; the last state is judged.",
+        f"{FOLDS} folds; mean and standard deviation of the folds. One network is trained on all palms.",
+        f"Each electrode is scaled to 0..1 on the training set. Adam at 1e-3, {longer * NETWORK_STEPS} steps of 64 for CNN and GCN, {longer * PLAIN_STEPS} for the others; classes are drawn equally"
+        " often; the last state is evaluated.",
     ]
 
 

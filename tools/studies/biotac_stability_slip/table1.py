@@ -47,8 +47,8 @@ def study(options: Options) -> Result:
         title="Layouts of the tactile image of a BioTac SP: held or lost",
         source=f"Table 1 of {PAPER}. Accuracy in %.",
         remarks=[
-            "Palms 0 and 90 alone, as in the paper, whose 2,549 grasps are those of the public set. It deals them out "
-            "by sample, so that a network has seen the object that judges it.",
+            "Only palms 0 and 90, as in the paper, whose 2,549 grasps are those of the public set. The paper distributes them by sample, so the training "
+            "set contains the objects of the test set.",
             *result.remarks,
         ],
     )

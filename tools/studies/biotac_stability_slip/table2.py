@@ -105,9 +105,9 @@ def three_ways(rows: list[Row], validations: Validations) -> tuple[Table, dict[s
     Returns:
         the table and its figures
     """
-    table = Table("Judged on real objects left out, learnt from",
+    table = Table("Test on real objects outside the training, by training set",
                   ["accuracy", "real alone", "synthetic alone", "both", "AUC: real alone", "synthetic alone", "both"],
-                  note="Synthetic alone is one network, judged on all real grasps.")
+                  note="The network trained only on synthetic grasps is tested on all real grasps.")
     figures = {}
     for row in rows:
         assert row.real is not None
@@ -130,7 +130,7 @@ def real_figures(three_way: dict[str, Any]) -> list[RealFigure]:
         *(RealFigure(f"grasps held or lost, {name}, real to real, %", published,
                      100.0 * three_way[name]["real"]["accuracy"], "other objects than the paper's judge")
           for name, published in PUBLISHED_ACCURACY.items()),
-        *(RealFigure(f"the same, AUC, {name}: learnt here from real, from synthetic grasps",
+        *(RealFigure(f"the same, AUC, {name}: trained here on real, on synthetic grasps",
                      three_way[name]["real"]["auc"], three_way[name]["synthetic_to_real"]["auc"], JUDGED_HERE)
           for name in ("gcn", "cnn", "lr_by_palm")),
     ]
@@ -175,9 +175,9 @@ def study(options: Options) -> Result:
         figures={},
         setup=setup_of(options, grasps),
         remarks=[
-            "The paper judges on 10 objects of 51 that are not published apart; here each of the objects is judged by "
-            "the network that has not learnt it.",
-            "The paper does not say which class precision and recall are of.",
+            "The test set of the paper is 10 of 51 objects, which are not published separately. Here each object is tested with a network that was not "
+            "trained on it.",
+            "The paper does not state for which class it gives precision and recall.",
             *stability_without_real(options),
         ],
     )

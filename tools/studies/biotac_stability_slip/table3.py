@@ -197,7 +197,7 @@ def queue(network: DirectionNetwork, sets: Mapping[str, Examples], validations: 
 
 def published() -> Table:
     """The paper's own table."""
-    return Table("The paper: accuracy on objects of a kind, five repetitions",
+    return Table("The paper: accuracy by kind of object, five repetitions",
                  ["network, 50 ms", "rigid and smooth", "rough", "little contact", "mean"],
                  [["LSTM", "82.5 +- 2.0", "73.8 +- 2.0", "72.4 +- 3.6", "76.1 +- 2.4"],
                   ["ConvLSTM", "82.6 +- 1.2", "73.5 +- .7", "70.9 +- 1.9", "75.5 +- 1.2"]])
@@ -213,7 +213,7 @@ def real_figures(figures: Mapping[str, Any]) -> list[RealFigure]:
         figures of real devices with ours
     """
     return [
-        RealFigure(f"slip against touch, AUC, {name}: learnt here from real, from synthetic recordings",
+        RealFigure(f"slip against touch, AUC, {name}: trained here on real, on synthetic recordings",
                    one["real"]["auc"], one["synthetic_to_real"]["auc"], JUDGED_HERE)
         for name, one in figures.items()
         if "real" in one and "synthetic_to_real" in one
@@ -238,10 +238,9 @@ def setup_of(options: Options, touches: Touches) -> list[str]:
         *([f"Real: {options.real}, {recordings(touches.real)}."] if touches.real else []),
         f"Synthetic: {options.data or f'{SCENE}, {fingers}'}, {recordings(touches.synthetic)}.",
         f"Random site: {RANDOM_SITE_SCENE}, {fingers}, {recordings(touches.random_site)}.",
-        "Five rows of 100 Hz, one after the other; 0.5 s, half overlapping. Mean and standard deviation of the "
-        "objects. Each electrode scaled to 0..1, or to mean 0 and deviation 1 where the window's mean is taken off. "
-        f"Adam at 1e-3, {(LONGER if options.full else 1) * STEPS} steps of 64 at 50 ms, the LSTM of five layers half "
-        "of them; the last state is judged.",
+        "Windows of five rows at 100 Hz, one after the other; of 0.5 s, half overlapping. Mean and standard deviation over the objects. Each electrode is "
+        f"scaled to 0..1, or to mean 0 and deviation 1 if the mean of the window is subtracted. Adam at 1e-3, {(LONGER if options.full else 1) * STEPS} steps of 64 at 50 ms, half of them for the"
+        " LSTM of five layers; the last state is evaluated.",
     ]
 
 
@@ -276,11 +275,11 @@ def study(options: Options) -> Result:
 
     columns = COLUMNS if touches.real else SYNTHETIC_COLUMNS
     head = ["network", *columns.values()]
-    classes = Table("Seven classes, balanced accuracy, object left out (chance 14.3)", head)
+    classes = Table("Seven classes, balanced accuracy on objects outside the training (chance: 14.3)", head)
     areas = Table(
-        "Slip against touch, area under the curve, object left out", head,
-        note="A network that names the direction says slip by the probability of all classes but t. The first columns "
-        "are judged on real objects that were not learnt; synthetic and random site alone are one network each.")
+        "Slip against touch, area under the curve on objects outside the training", head,
+        note="The probability of slip is the sum over all classes except t. The first columns are tested on real objects outside the training; \"synthetic\" "
+             "and \"random site\" are one network each.")
     figures: dict[str, Any] = {}
     for name, numbers in rows.items():
         scores = {column: scores_of(validations.answers(number), fold) for column, (number, fold) in numbers.items()}
@@ -295,10 +294,8 @@ def study(options: Options) -> Result:
         setup=setup_of(options, touches),
         tables=[published(), classes, areas],
         remarks=[
-            "The paper judges seven other objects, which are not in the local copy of its recordings: here "
-            "each of the four is left out in turn.",
-            "Where the finger is touched tells the direction in these recordings: without the window's mean "
-            "there is only what moves within it.",
+            "The paper tests on seven other objects, which are not in the local copy of its recordings. Here each of the four objects is left out in turn.",
+            "In these recordings the contact site reveals the direction. Without the mean of the window only changes within the window remain.",
             *([] if options.full else ["The paper's ConvLSTM has five layers of 32 filters (--full), here two of 8."]),
             *([] if options.real else [without_real("biotacsp-dos", "yayaneath/BioTacSP-DoS")]),
         ],

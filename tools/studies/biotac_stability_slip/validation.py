@@ -13,6 +13,7 @@ from torch import nn
 
 import slipbench
 from slipbench import InputError
+from slipbench._program import counted
 from slipbench.learning import MASKED, Training, find_recipe
 from slipbench.learning.networks import each_frame, windows
 from slipbench_studies.network_training import Floats, Labels, folds, train_all, train_and_answer
@@ -24,7 +25,7 @@ RECIPE = "biotac_lstm"  # recipe whose training all networks use, except for the
 LONGER = 4  # multiple of the steps with --full
 # Note on a figure of a network trained on real recordings; ours is that of the same network trained
 # on the scene.
-JUDGED_HERE = "not published: real recordings judged here"
+JUDGED_HERE = "not published: real recordings, evaluated here"
 
 Folds = NDArray[np.int64]
 
@@ -211,7 +212,8 @@ def folds_by_object(objects: Sequence[str], count: int, seed: int) -> Folds:
     """
     different, count = sorted(set(objects)), max(count, 2)
     if len(different) < count:
-        raise InputError(f"{len(different)} objects make no {count} folds; allowed: {count} or more")
+        few = "is" if len(different) == 1 else "are"
+        raise InputError(f"{counted(len(different), 'object')} {few} too few for {count} folds; allowed: {count} or more")
     dealt = dict(zip(different, folds(np.zeros(len(different)), count, seed).tolist(), strict=True))
     return np.array([dealt[one] for one in objects], dtype=np.int64)
 
@@ -320,7 +322,7 @@ def check_data(options: Options, made: str) -> None:
     if not options.data:
         return
     if options.trials:
-        raise InputError(f"reproduce: --trials is for {made} that are made; allowed: --data alone")
+        raise InputError(f"reproduce: --trials applies to simulated {made}; use --data without --trials")
     truth = truth_of(options.data)
     if truth:
         raise InputError(
@@ -339,8 +341,8 @@ def without_real(format: str, source: str) -> str:
         two sentences
     """
     return (
-        f"Without --real there are no real recordings: the rows that need them are left out. They come from {source}: "
-        f"`slipbench import FOLDER --format {format} -o real.h5`, then --real real.h5.")
+        f"Without --real there are no real recordings, and the rows that need them are omitted. Source: {source}: `slipbench import FOLDER --format {format} -o "
+        "real.h5`, then --real real.h5.")
 
 
 def object_count(objects: Iterable[str]) -> int:

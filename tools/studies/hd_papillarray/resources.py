@@ -87,9 +87,9 @@ def study(options: Options) -> Result:
         ],
         tables=[table],
         remarks=[
-            "Ours are figures after synthesis, by yosys; the paper's and the published ones are Vivado's, after placement and routing, which merges and "
-            "duplicates logic.",
-            "The paper's share of LUTs is below what its published HDL takes when it is routed. What was counted is not said.",
-            "375 bytes, the paper's size of the model, is the associative memory alone; with item, level and context memories there are 5,000.",
+            "Our figures are from yosys, after synthesis. Those of the paper and of the published core are from Vivado, after placement and routing, which "
+            "merges and duplicates logic.",
+            "The paper's share of LUTs is smaller than that of its published HDL after routing. The paper does not state what it counts.",
+            "The model size of the paper, 375 bytes, is that of the associative memory alone; with the item, level and context memories it is 5,000 bytes.",
         ],
     )

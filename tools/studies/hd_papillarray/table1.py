@@ -186,9 +186,10 @@ def main_table(by_sequence: OfModels, by_frame: OfModels) -> Table:
     table = Table(
         "Recall of slip, balanced accuracy and the paper's accuracy, in %: mean +- SD of five draws",
         ["model", "recall of slip", "balanced accuracy", "moving: balanced", "accuracy: paper", "accuracy: ours", "by frame: balanced", "by frame: accuracy"],
-        note="By sequence unless it says by frame. By sequence: no sequence is in both parts. By frame: frames of one sequence are, which flatters every "
-        "detector. Recall of slip: share of the frames that slip that are called incipient or gross; by the paper's rule all of them move. Balanced: mean of the "
-        "recalls. Moving: while the pad slides or turns; the rest is a pad at rest that cannot slip.")
+        note="By sequence unless marked by frame. By sequence: no sequence is in both training and test. By frame: frames of one sequence are in both, "
+             "which improves the figures of every detector. Recall of slip: share of the slipping frames that are classified as incipient or gross; by the "
+             "paper's rule the pad moves in all of them. Balanced: mean of the recalls. Moving: frames in which the pad slides or turns; in the others the "
+             "pad is at rest and cannot slip.")
     for model, (mean, sd) in PUBLISHED.items():
         ours, frames = by_sequence[model], by_frame[model]
         table.rows.append([model, *(mean_text(ours[key]) for key in ("recall_of_slip", "balanced_accuracy", "moving_balanced_accuracy")),
@@ -207,10 +208,11 @@ def delay_table(draws: OfModels) -> Table:
         draws: by sequence
     """
     table = Table(
-        "By sequence: recall in %, and delay of the first slip called after the true onset in ms",
+        "By sequence: recall in %, and delay from the true onset to the first frame classified as slip, in ms",
         ["model", "non-slip", "incipient", "gross", "delay, quartiles", "median", "seen", "early", "missed", "false alarms"],
-        note="Tests of the five draws together. Onset: a first part of a pillar slips, resolved inside the step. Seen: no frame before the onset is called slip, "
-        "and one after it is; delays are theirs. Early: a frame before the onset is called slip. False alarms: of the sequences that never slip.")
+        note="Tests of the five draws together. Onset: a first part of a pillar slips, resolved within the step. Seen: no frame before the onset is "
+             "classified as slip, and one after it is; the delays are of these sequences. Early: a frame before the onset is classified as slip. False "
+             "alarms: of the sequences that never slip.")
     for model, one in draws.items():
         recall, delay = one["pooled"]["all"]["recall"], one["pooled"]["delay"]
         seconds = delay["delay_s"]
@@ -272,18 +274,17 @@ def remarks_on(causes: dict[str, OfModels], by_frame: OfModels) -> list[str]:
     one, five, fifteen, core = texts(best, (ONE_FRAME, FIVE_FRAMES, AS_PUBLISHED, CORE))
     strict, micro = texts(best, ("labels strict", "labels micro"))
     return [
-        f"Order: the paper has sHDC < stHDC < gstHDC < CL-gstHDC. Here sHDC is best, or as good, in {leads} of {len(causes)} rows of that table; by frame, "
-        f"where neighbours of the test frames are trained on, it has {by_frame_text[spatial]} % against {by_frame_text[best]} % of CL-gstHDC.",
-        "Physics and labels: a pad that stops after it slipped keeps its displacements, so that rest looks like a steady slip, and its label is non-slip. Without "
-        f"these frames sHDC goes from {published[0]} to {no_rest[0]} % and CL-gstHDC from {published[1]} to {no_rest[1]} %; where what has slipped stays so, as "
-        f"the paper words its classes, to {has_slipped[0]} and {has_slipped[1]} %. Whether the published sequences hold such frames is not said.",
-        "Encoder: the temporal product multiplies likenesses: of frames that agree to s with those learnt s^15 is left (0.9: 0.21), so that a window is known "
-        f"again only when every frame of it is nearly the same. CL-gstHDC has {one} % with one frame, {five} % with 5, {fifteen} % with 15; bundled as the "
-        f"published core does, whose counts go on from frame to frame, {core} %.",
-        f"Labels: CL-gstHDC has {fifteen} % by the paper's rule, {strict} % where a pillar counts once it slips as a whole, {micro} % once a part of it does. The "
-        "threshold of the paper's rule is not printed; 0.1 mm/s is assumed.",
-        "Not the reason: fixed point against the exact ratio, the rule for ties, D and the item memories change no model by more than "
-        f"{100.0 * change:.2f} points.",
+        f"Order: in the paper sHDC < stHDC < gstHDC < CL-gstHDC. Here sHDC is best, or equal to the best, in {leads} of {len(causes)} rows of that table. By frame, where "
+        f"the training set contains neighbours of the test frames, it has {by_frame_text[spatial]} %, and CL-gstHDC has {by_frame_text[best]} %.",
+        "Physics and labels: a pad that stops after a slip keeps its displacements, so rest looks like a steady slip, while its label is non-slip. Without "
+        f"these frames sHDC changes from {published[0]} to {no_rest[0]} % and CL-gstHDC from {published[1]} to {no_rest[1]} %. If a pillar that has slipped keeps its label, as in the paper's "
+        f"wording of its classes, they reach {has_slipped[0]} and {has_slipped[1]} %. The paper does not state whether its sequences contain such frames.",
+        "Encoder: the temporal product multiplies similarities. If each frame has the similarity s to the training frames, s^15 remains (0.9: 0.21), so a "
+        f"window is recognised only if each of its frames is nearly the same. CL-gstHDC has {one} % with one frame, {five} % with 5, {fifteen} % with 15; and {core} % "
+        "with the bundling of the published core, whose counts continue from frame to frame.",
+        f"Labels: CL-gstHDC has {fifteen} % by the paper's rule, {strict} % if a pillar counts once it slips as a whole, {micro} % if it counts once a part of it slips. "
+        "The paper does not give the threshold of its rule; 0.1 mm/s is assumed.",
+        f"No cause: fixed point instead of the exact ratio, the rule for ties, D and the item memories change no model by more than {100.0 * change:.2f} points.",
     ]
 
 
@@ -297,12 +298,12 @@ def setup_lines(options: Options, ablation: Ablation, draw: dict[str, Any]) -> l
     """
     seed = options.draws_seed
     return [
-        f"Data: {options.data}, made by: {ablation.sequences.command}" if options.data else f"Data: a fresh dataset of {SCENE}, seed {seed}.",
-        f"{len(ablation.sequences)} sequences, PapillArray at 100 Hz (every tenth sample), labels by the paper's rule, D = 1000, N = 15, ties to one, fixed point. "
-        "Frames that touch and have a whole window behind them are learnt and judged, the same for every model.",
-        f"Six draws, seed {seed}: of each compression and speed as many sequences as there are, with replacement, train; those never drawn are the test. Draw 0 is "
-        f"kept for choices (none was made), the other five make mean and SD. Draw 1 trains {draw['training']} sequences, {draw['distinct']} of them different, "
-        f"and tests {draw['tested']}.",
+        f"Data: {options.data}, made by: {ablation.sequences.command}" if options.data else f"Data: a new dataset of {SCENE}, seed {seed}.",
+        f"{len(ablation.sequences)} sequences, PapillArray at 100 Hz (every tenth sample), labels by the paper's rule, D = 1000, N = 15, ties to one, fixed point. Frames in "
+        "contact after a whole window of frames are used for training and test, the same frames for every model.",
+        f"Six draws, seed {seed}: the training set has as many sequences of each compression and speed as there are, drawn with replacement; sequences that are"
+        f" never drawn are the test set. Draw 0 is reserved for choices (none was made), the other five give mean and SD. In draw 1 the training set has {draw['training']}"
+        f" sequences, {draw['distinct']} of them distinct, and the test set has {draw['tested']}.",
     ]
 
 
@@ -331,9 +332,9 @@ def study(options: Options) -> Result:
         causes = run_all({name: variant for name, variant in CAUSES.items() if not (options.data and variant.overrides)})
         scatter = {} if options.data else run_all(SCATTER)
     tables = [main_table(by_sequence, by_frame), delay_table(by_sequence), confusion_table(by_sequence["CL-gstHDC"]),
-              variants_table("What decides it: one thing changed at a time, by sequence", causes)]
+              variants_table("Causes: one setting changed at a time, by sequence", causes)]
     if scatter:
-        tables.append(variants_table("Scatter between sequences: trained and tested on data with it, by sequence", scatter))
+        tables.append(variants_table("Scatter between sequences: trained and tested on data with scatter, by sequence", scatter))
     return Result(
         title="Ablation of the hyperdimensional slip detector",
         source='Table I and section IV of "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor"',
@@ -341,6 +342,6 @@ def study(options: Options) -> Result:
         setup=setup,
         tables=tables,
         remarks=remarks_on(causes, by_frame),
-        real=[RealFigure(f"{model} learnt on recordings, frames that are right, %", mean, 100.0 * float(by_sequence[model]["accuracy"]["mean"]),
-                         "ours has learnt from hexapod.yaml, which is fitted") for model, (mean, _) in PUBLISHED.items()],
+        real=[RealFigure(f"{model} trained on recordings, correctly classified frames, %", mean, 100.0 * float(by_sequence[model]["accuracy"]["mean"]),
+                         "ours was trained on hexapod.yaml, which is fitted") for model, (mean, _) in PUBLISHED.items()],
     )

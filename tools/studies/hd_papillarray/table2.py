@@ -226,8 +226,9 @@ def displacement_table(title: str, cells: Sequence[GraspCell], results: Sequence
     table = Table(f"{title}: drops, slip and rotation",
                   ["", "dropped", "95 %", "slip, median mm", "95 %", "mean +- SD", "by markers, median", "mean +- SD", "turned, median deg", "mean +- SD",
                    "by markers, median", "mean +- SD"],
-                  note="Of the boxes that were not dropped. Slip: way of the box's middle in the arm's frame from the lift's beginning on, turned: its rotation "
-                  "there. By markers: as the paper's script has it. 95 %: of the drop rate after Clopper and Pearson, of the median by order statistics.")
+                  note="Statistics of the boxes that were not dropped. Slip: path of the box's middle in the arm's frame since the beginning of the lift; "
+                       "turned: its rotation in that frame. By markers: computed as in the paper's script. 95 %: interval of the drop rate after Clopper "
+                       "and Pearson, of the median by order statistics.")
 
     def published_row(name: str, row: Published) -> list[str]:
         return [name, "0 of 10", "0 to 31 %", "-", "-", "-", _number(row.slip_median), _mean_text(*row.slip), "-", "-", _number(row.spin_median),
@@ -260,9 +261,9 @@ def force_table(title: str, cells: Sequence[GraspCell], results: Sequence[Grasps
     """
     table = Table(f"{title}: force",
                   ["", "max/least, median", "95 %", "mean +- SD", "n", "max/ideal by the paper, median", "95 %", "mean +- SD", "n", "counts"],
-                  note="Of the boxes that were not dropped. Least: m g/(2 mu_s), mu_s that of the trial, upwards, without patches. By the paper: largest force up "
-                  "to 10 N over the least sum f_t/mean(f_t/f_n) of the rows called incipient; n: trials that have such rows. Counts: by which the gripper closed "
-                  "after the lift had begun, median.")
+                  note="Statistics of the boxes that were not dropped. Least: m g/(2 mu_s) with the trial's mu_s in upward direction, without patches. By "
+                       "the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows classified as incipient; n: number of trials "
+                       "with such rows. Counts: closing of the gripper after the beginning of the lift, median.")
 
     def published_row(name: str, row: Published) -> list[str] | None:
         return None if row.ratio is None else [name, "-", "-", "-", "-", "-", "-", _mean_text(*row.ratio), "-", "-"]
@@ -308,7 +309,7 @@ def real_figure(cell: GraspCell, trials: Grasps) -> RealFigure | None:
         return None
     seen = "friction assumed" if not cell.surface.endswith(FITTED) else "fitted to it" if cell.box == "light" else "not seen by the fit"
     return RealFigure(f"slip of the {cell.box} box, {cell.surface.removesuffix(FITTED)}, median, mm", published.slip_median,
-                      spread_of(trials, "slip_mm").median, f"{seen}; the oracle in place of the detector")
+                      spread_of(trials, "slip_mm").median, f"{seen}; with the oracle instead of the detector")
 
 
 def _described(name: str, kind: str) -> dict[str, Any]:
@@ -334,18 +335,17 @@ def setup_lines(trials: int, seed: int) -> list[str]:
         values = [f"{spec['name']} {spec['default']}" for spec in _described(one["name"], "part of a grasp")["parameters"] if spec["source"].startswith("assumed")]
         assumed.append(f"Assumed, {one['name']}: {', '.join(values)}.")
     return [
-        f"{SCENE}, seed {seed}, {counted(trials, 'trial')} a row; nothing else differs between rows than what they name. Trial k has the same box, place and loop phase "
-        "in every row.",
-        "Rows of detectors have the controller step_on_slip. constant_force, controller force_ratio, force_pid and hold_preset ask no detector: gst_hd with the "
-        "shipped memory looks on for the paper's estimate. Controller stuck_fraction has the detector stuck_fraction.",
-        f"Rows of the paper's script: one in {ROW_STRIDE} frames of 100 Hz; assumed, since its window of four rows is 0.6 s in the paper. The script asks for "
-        "three slips of four, the paper's words for half.",
+        f"{SCENE}, seed {seed}, {counted(trials, 'trial')} per row. Rows differ only in what they name. Trial k has the same box, position and loop phase in every row.",
+        "Rows of detectors use the controller step_on_slip. constant_force, the controller force_ratio, force_pid and hold_preset use no detector; for the "
+        "paper's estimate gst_hd with the shipped memory runs in parallel. The controller stuck_fraction uses the detector stuck_fraction.",
+        f"Rows of the paper's script: one in {ROW_STRIDE} frames of 100 Hz; assumed, because its window of four rows is 0.6 s in the paper. The script requires three"
+        " slips of four, the text of the paper half.",
         "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the medians, the heavy boxes and the drops of the "
         "recordings, github.com/JT2106/Hyperdimensional-computing-tactile-sensing, data/grip force control.",
-        "Rows `_fitted`: friction alone, fitted to the median slips published of the light boxes; heavy boxes were not seen. The gain of viscous_friction is "
-        "assumed, for boxes that slip slowly.",
-        "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; patches 0.2, 8 mm to 20 mm. Assumed, hard "
-        "case: mu_s 0.2, mu_k 0.19. Assumed, lift: settle 1.5 s.",
+        "Rows `_fitted`: only friction is fitted, to the published median slips of the light boxes; heavy boxes were not used. The gain of viscous_friction"
+        " is assumed, for boxes that slip slowly.",
+        "Assumed for felt: anisotropic_friction 0.6 with horizontal grain, so that the box hangs by the smaller friction; patches of 0.2, 8 mm to 20 mm. "
+        "Assumed for the hard case: mu_s 0.2, mu_k 0.19. Assumed for the lift: settle 1.5 s.",
         *(f"{one['name']}: mu_s {one['mu_static']:g}, mu_k {one['mu_kinetic']:g}, {one['source']}." for one in materials),
         *assumed,
     ]
@@ -373,12 +373,12 @@ def remarks_on(cells: Sequence[GraspCell], results: Sequence[Grasps], seed: int)
                        f"{'; '.join(idle)}.")
     return [
         *remarks,
-        "Published means stand on outliers: rubber is nine trials of 0.15 to 0.41 mm and one of 10.86 mm; of PTFE the largest, 8.49 mm, is a jump of the "
-        "gripper's marker (median without it 2.24 mm), and another moves long after the lift. Compare medians.",
-        "Published rotations are the angle of a line of 135 mm between two markers: 1 to 2 mm of play sideways make 0.4 to 0.9 deg.",
-        "max/ideal by the paper is nearly the last force over the least force at a row called incipient: sum f_t/mean(f_t/f_n) is sum f_n when all ratios are "
-        "alike. It says little about m g/(2 mu).",
-        "The paper prints 1 N, 5 mm/s and 50 mm/s2; the published HDL holds 4 N and the recordings rise at 43 mm/s.",
+        "Outliers dominate the published means: rubber has nine trials of 0.15 to 0.41 mm and one of 10.86 mm. The largest slip of PTFE, 8.49 mm, is a jump"
+        " of the gripper's marker (median without it: 2.24 mm), and another box moves long after the lift. Compare medians.",
+        "The published rotations are those of a line of 135 mm between two markers: 1 to 2 mm of lateral play make 0.4 to 0.9 deg.",
+        "max/ideal by the paper is nearly the last force over the least force in a row classified as incipient, because sum f_t/mean(f_t/f_n) is sum f_n if"
+        " all ratios are equal. It contains little information about m g/(2 mu).",
+        "The paper states 1 N, 5 mm/s and 50 mm/s2; the published HDL holds 4 N, and the boxes in the recordings rise at 43 mm/s.",
     ]
 
 

@@ -133,8 +133,8 @@ def frames_table() -> Table:
         ["detector", "label", "sequences learnt", "balanced accuracy, %", "AUC", "trials right, %", "with early ones", "size, kB", "a step, us"],
         [["paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"],
          ["paper: CL-gstHDC, accuracy of three classes", "paper", "-", "-", "-", "-", "91.8 of frames", "0.375", "5985; 0.42 (FPGA)"]],
-        "Trials right: slip called at or after the true first slip, or none called where there is none; with early ones: a call before it, too. The paper "
-        "does not say when an early call is right.")
+        "Correct trials: slip is reported at or after the true first slip, or not at all if there is none. With early ones: reports before the first slip "
+        "count as correct, too. The paper does not state when an early report is correct.")
 
 
 def events_table() -> Table:
@@ -142,7 +142,7 @@ def events_table() -> Table:
     return Table("By event",
                  ["detector", "label", "trials that slip", "seen", "early", "missed", "delay, ms: median", "10 to 90 %", "false alarms: trials",
                   "a minute of stick"],
-                 note="Delay: from the true first slip, of the trials seen. Early: called before it.")
+                 note="Delay: from the true first slip, of the trials seen. Early: reported before it.")
 
 
 def decimals(value: float | None, digits: int, scale: float = 1.0, none: str = "-") -> str:
@@ -195,15 +195,14 @@ def study(options: Options) -> Result:
         figures=figures,
         tables=[frames, events],
         setup=[
-            f"{SCENE}, seed {options.draws_seed}: {CELLS} sequences, or {CELLS * MANY_DRAWS} of them by {MANY_DRAWS} draws; a fifth judges, a fifth of the rest "
-            "chooses the state and the threshold.",
+            f"{SCENE}, seed {options.draws_seed}: {CELLS} sequences, or {CELLS * MANY_DRAWS} of them with {MANY_DRAWS} draws. A fifth is for the test; a fifth of the rest selects the state and the threshold.",
             "The network is the published one (recipe papillarray_gru): 25 Hz, tangential forces of the eight outer pillars. Labels: micro, a part of a "
             "pillar slips; latched, it has slipped and still touches.",
         ],
         remarks=[
             "CL-gstHDC on the same sequences is hd-papillarray/table1.",
-            "After a brake the pad sticks under the shear of its slip. By micro those frames are hold, and look like slip: so latched is the easier label, "
-            "and nearest to the published one, which goes by a pillar's first slip.",
-            "Early calls are mostly of slow motions, which bring a frame of 40 ms close to the first slip long before it.",
+            "After braking, the pad sticks under the shear of its slip. By the rule micro these frames are hold, although they look like slip. So latched "
+            "is the easier label, and it is closest to the published one, which marks the first slip of a pillar.",
+            "Most early reports occur in slow motions: a frame of 40 ms is then close to the first slip long before the slip.",
         ],
     )

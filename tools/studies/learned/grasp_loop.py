@@ -261,17 +261,17 @@ def study(options: Options) -> Result:
                        "Clopper and Pearson.")
     return Result(
         title="Slip detectors trained on simulated grasps, in the published loop",
-        source="Not from a paper: learned detectors in grasps, where the published one detects almost no slip.",
+        source="Not from a paper: trained detectors in grasps, in which the published one detects almost no slip.",
         figures={"held_out_balanced_accuracy": accuracy or None, "loop": loop},
         tables=tables,
         setup=[
             f"Learnt from {options.data}." if options.data
-            else f"Learnt from {2 * DEFAULT_GRASPS} grasps of {LEARN_SCENE}, seed {seed}: friction 0.12 to 0.7, 0.1 to 0.6 kg, 2 to 8 N.",
-            f"Judged on {JUDGED_SCENE}, seed {seed + OTHER_SEED}: devices, boxes and scatter outside the training; 4 N, step_on_slip.",
-            f"Labels micro; of gst_hd has_slipped, with a window of {MEMORY_WINDOW} frames.",
+            else f"Trained on {2 * DEFAULT_GRASPS} grasps of {LEARN_SCENE}, seed {seed}: friction 0.12 to 0.7, 0.1 to 0.6 kg, 2 to 8 N.",
+            f"Tested on {JUDGED_SCENE}, seed {seed + OTHER_SEED}: devices, boxes and scatter outside the training; 4 N, step_on_slip.",
+            f"Labels micro; for gst_hd has_slipped, with a window of {MEMORY_WINDOW} frames.",
         ],
         remarks=[
-            "Always and never tightening are what a detector has to beat: the one in force, the other in drops.",
+            "A detector must beat two controls: always tightening in force, and never tightening in drops.",
             "The threshold in a network's file is that of the best balanced accuracy on validation. Slip is rare in a grasp, so with this threshold "
             "a detector whose classes overlap reports slip too often, and the loop tightens all the time. A higher threshold trades slip for force.",
         ],

@@ -265,8 +265,8 @@ def study(options: Options) -> Result:
         setup=[
             f"Seed {options.draws_seed} of trials and of training; the operating point by --score.",
             "As many steps as the recipe has." if options.full
-            else "A quarter of the recipe's steps; --full: all of them, more trials, and one factor of the scene held at a time.",
-            "Intervals are of the judged recordings, not of another training.",
+            else "A quarter of the recipe's steps. --full: all steps, more trials, and networks with one factor of the scene fixed.",
+            "Intervals show the scatter of the judged recordings, not of repeated training.",
         ],
         remarks=["The training has no grasps, so the results do not apply to loops."],
     )

@@ -511,15 +511,17 @@ def setup_of(options: Options, size: Size, trials: Sequence[Windows]) -> list[st
     true, bench, motion = (len(balanced_windows(trials, word, False, seed)) for word in WORDS)
     turned = f"; {size.turned} rotated copies of each are used for training too" if size.turned else "; images as recorded"
     return [
-        f"{SCENE}, seed {seed}: {len(trials)} trials (paper: 64), {sum(not trial.slips for trial in trials)} of them hold to the end; both arrays.",
-        "Windows of 64 ms at 1 kHz every 8 ms, amplitudes of 12 x 12 x 32, at most 60 of a class, trial and array, then as many of each class: "
-        f"{true} by the true label, {bench} by the bench's, {motion} by the motion{turned}.",
-        f"{size.steps} steps of 64 windows by Adam (paper: about {PUBLISHED_STEPS}); the last state is judged.",
-        "Label true: from when slipping taxels carry half of the load on both pads until one has lost contact; class by how the object was placed.",
-        "Label bench, the paper's: from when the sum of the third sensor falls (mean of 100 ms, 3 sd) until the arrays' sums are at rest; class likewise.",
-        "Label motion: as true, with the class of the rigid motion that fits the slip of the taxels, the part with more energy.",
-        f"The motion names the class of the placement in {percent(_as_placed(trials))} % of the true slip.",
-        "Accuracy: mean of the shares of stable, translation and rotation that are called so, of all folds together. High pass: the bins from 62.5 Hz on.",
+        f"{SCENE}, seed {seed}: {len(trials)} trials (paper: 64), {sum((not trial.slips for trial in trials))} of them held to the end; both arrays.",
+        f"Windows of 64 ms at 1 kHz every 8 ms, amplitudes of 12 x 12 x 32, at most 60 per class, trial and array, then equal numbers of each class: {true} by "
+        f"the true label, {bench} by the label of the bench, {motion} by the motion{turned}.",
+        f"{size.steps} steps of 64 windows by Adam (paper: about {PUBLISHED_STEPS}); the last state is evaluated.",
+        "Label true: slip from the time at which slipping taxels carry half of the load on both pads until one pad has lost contact; class by the placement"
+        " of the object.",
+        "Label bench, as in the paper: slip from the time at which the sum of the third sensor falls (mean of 100 ms, 3 sd) until the sums of the arrays "
+        "are at rest; class by the placement.",
+        "Label motion: as true, but with the class of the rigid motion that fits the slip of the taxels: the component with more energy.",
+        f"The class by motion equals the class by placement in {percent(_as_placed(trials))} % of the true slip.",
+        "Accuracy: mean of the recalls of stable, translation and rotation, over all folds together. High pass: only the bins from 62.5 Hz on.",
     ]
 
 

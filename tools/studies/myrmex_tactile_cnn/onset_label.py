@@ -135,7 +135,7 @@ def kept_table(slipping: Sequence[OnsetTrial]) -> tuple[Table, list[dict[str, An
     Returns:
         the table and its figures, one row per end; empty without trials
     """
-    table = Table("Trials that keep an onset before their end",
+    table = Table("Trials with an onset before their end",
                   ["end: no more contact by", "less true end, ms: median (quartiles)", "true onset", *(rule.text for rule in RULES.values())])
     figures = []
     for end, (text, _) in ENDS.items() if slipping else ():
@@ -161,7 +161,7 @@ def bias_table(slipping: Sequence[OnsetTrial], objects: Sequence[str], end: str)
     """
     table = Table(f"Labelled less true onset, ms: median (quartiles; worst). End by {ENDS[end][0]}",
                   ["kind", "object", "trials", *(rule.text for rule in RULES.values())],
-                  note="A label is late where its bias is positive. Missed: the sum is not below the threshold at the end.")
+                  note="A positive bias means a late label. Missed: the sum is not below the threshold at the end.")
     figures = []
 
     def add(kind: str, name: str, fits: Callable[[OnsetTrial], bool]) -> None:
@@ -204,12 +204,12 @@ def study(options: Options) -> Result:
         figures={"ends": kept, "bias": [row for _, rows in by_end for row in rows], "slip_ms": lengths} if slipping else None,
         tables=[table, *(one for one, _ in by_end)],
         setup=[
-            f"{SCENE}, seed {options.draws_seed}: {len(trials)} trials, electronics typical; {len(trials) - len(slipping)} of them hold to the end.",
-            "True onset: from then on slipping taxels carry at least half of the normal force, on both pads, until one has lost contact, the true end.",
-            "Rule: the sum of 4095 - counts over the third sensor's taxels (500 Hz), averaged backwards, lies below its mean from 2.0 to 2.5 s, when "
-            "nothing moves, by some standard deviations (sd) of that stretch, and stays there up to the end. The end: no more contact on the two "
-            "holding arrays. What the paper leaves open is the average, the threshold and what a contact is. True force: what the sensor is pressed "
-            "with, without its noise and memory.",
+            f"{SCENE}, seed {options.draws_seed}: {len(trials)} trials, electronics typical; {len(trials) - len(slipping)} of them held to the end.",
+            "True onset: from this time on slipping taxels carry at least half of the normal force on both pads. True end: one pad loses contact.",
+            "Rule: the sum of 4095 - counts over the taxels of the third sensor (500 Hz), averaged backwards, lies below its mean from 2.0 to 2.5 s, when "
+            "nothing moves, by some standard deviations (sd) of that interval, and stays there to the end. End: the two holding arrays have no contact any "
+            "more. The paper does not state the average, the threshold and what a contact is. True force: the force on the sensor, without its noise and "
+            "memory.",
             f"sd is that of the averaged sum over the 500 ms: {means:.0f} independent means of 20 ms, {long_means:.0f} of 100 ms, so that it is itself "
             f"known to {100.0 / math.sqrt(2.0 * (means - 1.0)):.0f} % and {100.0 / math.sqrt(2.0 * (long_means - 1.0)):.0f} % (1/sqrt(2 (n - 1))).",
         ])

@@ -32,7 +32,7 @@ def all_rows() -> dict[str, Row]:
         *(network_row(net, word="bench") for net in (1, 2, 3)),
         network_row(3, word="motion"),
         replace(net_3, name="net_3_longer", text="net 3, four times the steps", longer=4),
-        replace(net_3, name="net_3_late", text="net 3, stable from the last half second alone", late=True),
+        replace(net_3, name="net_3_late", text="net 3, stable windows only from the last half second", late=True),
         replace(net_3, name="static", text="the static image alone, net 3", told="static_image"),
         Row("load", "the mean count alone", told="load"),
         Row("clock", "a clock", told="clock"),
@@ -93,12 +93,11 @@ def study(options: Options) -> Result:
 
     scores = Table("Accuracy in %", ["network or input", "label", "paper, by window", "by window", "by trial", "SD of folds", "object left out",
                                      "object, least fold", "forward, ms: paper", "ours"],
-                   note="By window: a fifth of the windows of each class in turn is the test, as in the paper, and its neighbours are used for "
-                        "training. By trial: "
-                   "five folds. Object left out: cylinder, remote, glass.")
+                   note="By window: the test set is a fifth of the windows of each class in turn, as in the paper, and its neighbours are in the training "
+                        "set. By trial: five folds. Object left out: cylinder, remote, glass.")
     mistakes = Table("Stable windows called slip, in %, by trial",
                      ["network or input", "label", "last half second before the true onset", "earlier", "of trials that hold"],
-                     note="All windows of the last half second; of the others those drawn.")
+                     note="All windows of the last half second, and the drawn ones of the others.")
     figures, real = {}, []
     for name, row in rows.items():
         by_window, by_trial, by_object = (validations.figures(number) for number in asked[name])
@@ -123,9 +122,9 @@ def study(options: Options) -> Result:
         tables=[scores, mistakes],
         setup=setup_of(options, size, trials),
         remarks=[
-            "The grip opens until the object slips, so a low static image means slip; the shortcuts say how much of a score that is.",
-            "Windows drawn at random are seldom those shortly before the onset, where stable and slip differ least: the second table has them.",
-            "Forward: one window through PyTorch on one core, without its spectra; the paper's is a GPU's.",
+            "The grip opens until the object slips, so a low static image indicates slip. The shortcuts show how much of a score this explains.",
+            "Random windows are rarely from just before the onset, where stable and slip differ least; the second table has these.",
+            "Forward: one window through PyTorch on one core, without its spectra; the paper used a GPU.",
         ],
         real=real,
     )

@@ -56,6 +56,6 @@ def study(options: Options) -> Result:
         figures=figures,
         tables=tables,
         setup=setup_of(options, size, trials),
-        remarks=['By window: ten folds, of each class every tenth window in turn. The paper\'s ten chunks are "stored in an alternating fashion", and how '
-                 "its windows lie in them is not said."],
+        remarks=["By window: ten folds, the test set is every tenth window of each class in turn. The ten chunks of the paper are \"stored in an alternating"
+                 " fashion\", and it does not state how its windows are distributed over them."],
     )

@@ -123,7 +123,7 @@ def study(options: Options) -> Result:
         figures.append({"question": text, "bar": bar, "auc": area.value, "interval_95": area.interval, "positives": area.positives,
                         "negatives": area.negatives})
     features = Table("Features, median and quartiles", ["plate", "runs", "n", "FL, counts", "FR, counts", "|curl|", "reported: none", "linear", "rotational"],
-                     note="Reported by nib_slip_kind with its assumed bounds,  of the means that the row is made of.")
+                     note="Result of nib_slip_kind with its assumed bounds for the means in the row.")
     for material in MATERIALS:
         for name, kind in KINDS.items():
             some = runs[(runs["material"] == material) & (runs["kind"] == kind)]
@@ -135,11 +135,10 @@ def study(options: Options) -> Result:
         source='Fig. 12 and section IV-B of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation"',
         figures={"auc": figures},
         setup=[
-            f"{scenes[0]} and rotational.yaml, seed {options.draws_seed}, {counted(trials, 'run')} a cell: electronics typical (drift and noise), pads set up with "
-            "scatter of place, yaw and tilt.",
-            "Slip: the lever has moved by 2 mm since the pull began (paper). FL, FR: magnitude over 0 to 6 Hz; curl: of the normalised shear; means over "
-            "the windows that end within 0.5 s after these 2 mm, and of runs without slip over those that end between 0.5 s after the pull's beginning and "
-            "0.5 s after its end.",
+            f"{scenes[0]} and rotational.yaml, seed {options.draws_seed}, {counted(trials, 'run')} per cell: electronics typical (drift and noise), pads mounted with scatter of position, yaw and tilt.",
+            "Slip: the lever has moved by 2 mm since the beginning of the pull (paper). FL, FR: magnitude over 0 to 6 Hz. Curl: of the normalised shear. "
+            "Means over the windows that end within 0.5 s after these 2 mm; for runs without slip over those that end between 0.5 s after the beginning of "
+            "the pull and 0.5 s after its end.",
         ],
         charts=[Chart("Separation", "", "area under the ROC curve, with 95 % interval", [one["question"] for one in figures], [Curve("AUC", areas)], joined=False)],
         tables=[told, features],

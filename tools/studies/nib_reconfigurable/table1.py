@@ -316,10 +316,9 @@ def study(options: Options) -> Result:
     figures: dict[str, Any] = {"rms": {}, "of_uniform": {}, "loads": {}, "causes": {}}
 
     main = Table("RMS error of a second-order polynomial of the 36 capacitances", HEAD, [_row(name, values) for name, values in PUBLISHED.items()],
-                 "Random: test rows are drawn from among the others, so that their neighbours, 30 ms away and sharing four of the five images of the mean, "
-                 "may be in the training. Chronological: the last fifth of each load tests, for a cylinder the last two of its ten places. 0.3 s "
-                 "apart: ten times as "
-                 "long a calibration of which every tenth image is kept, so that no test row has such a neighbour; random split.")
+                 "Random: test rows are drawn from all rows, so the training set may contain their neighbours, which are 30 ms away and share four of the "
+                 "five averaged images. Chronological: the test set is the last fifth of each load, for a cylinder the last two of its ten positions. 0.3 s"
+                 " apart: a calibration ten times as long, of which every tenth image is kept, so that no test row has such a neighbour; random split.")
     for how, (variant, in_time) in SPLITS.items():
         figures["rms"][how] = {}
         for case, loads in CASES.items():
@@ -327,7 +326,7 @@ def study(options: Options) -> Result:
             main.rows.append(_row(f"{case}, {how}", error))
             figures["rms"][how][case] = _figures(error)
 
-    asked = Table("A fit of uniform loads alone, asked about others: RMS error, and mean error of Fz", [*HEAD, "Fz too high by, N"])
+    asked = Table("A fit to uniform loads, tested on other loads: RMS error, and mean error of Fz", [*HEAD, "Fz too high by, N"])
     for load, (error, bias) in transfer(recordings["as it is"], seed).items():
         asked.rows.append([*_row(load, UNITS * error), f"{bias[2]:.2f}"])
         figures["of_uniform"][load] = {**_figures(UNITS * error), "Fz_bias": bias[2]}
@@ -353,10 +352,10 @@ def study(options: Options) -> Result:
         source='Table I and section IV-A of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation", IEEE RA-L 2020',
         figures=figures,
         setup=[
-            f"Data: {SCENES['uniform']}, {SCENES['end face']} and {SCENES['lying']} afresh, seed {seed}: 5,000 images of si or more each, electronics typical.",
-            f"Fit: 703 coefficients a component on {FIT} rows, ridge chosen on {CHOOSE} others of the training part out of nine powers of ten, then "
-            f"both are used for the fit; {TEST} rows test. Several loads share these numbers in equal parts. The paper has 4000 and 1000, and does not say how it kept 703 "
-            "coefficients in check.",
+            f"Data: new recordings of {SCENES['uniform']}, {SCENES['end face']} and {SCENES['lying']}, seed {seed}: 5,000 images of si or more each, electronics typical.",
+            f"Fit: 703 coefficients per component on {FIT} rows. The ridge is the best of nine powers of ten on {CHOOSE} other rows of the training set, then both "
+            f"sets are used for the fit; the test set has {TEST} rows. Several loads share these numbers in equal parts. The paper has 4000 and 1000 rows, and "
+            "does not state how it limited 703 coefficients.",
             "Reference: the true forces on all nibs and their moments about the pad's origin, through the same mean of five images as si.",
         ],
         charts=[Chart("What decides the error of Fz", "", "RMS error of Fz, N",

@@ -24,7 +24,7 @@ SAFE_WAY = 6e-3  # m; an earlier detection is a success in the paper
 
 # Changes of the detector on the same trials; the scene's own detector first.
 READINGS: dict[str, tuple[str, dict[str, str]]] = {
-    "as_is": ("threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}),
+    "as_is": ("threshold 25, patience 0.5 s, F_S/F_N in counts as in equations 1, 2 and 4", {}),
     "threshold_15": ("threshold 15", {"threshold": "15"}),
     "threshold_20": ("threshold 20", {"threshold": "20"}),
     "threshold_40": ("threshold 40", {"threshold": "40"}),
@@ -104,8 +104,9 @@ def release_table(runs: pd.DataFrame) -> tuple[Table, list[dict[str, Any]]]:
     """The paper's table with ours, and its figures: one row per surface and one for all."""
     table = Table("Algorithm 1 with the paper's M and alpha",
                   ["", "error, N: paper", "ours", "gross only: paper", "ours", "before 6 mm: paper", "ours", "early", "slip at the detection, mm"],
-                  note="Error: mean of |F_G,slip - F_G,req| over what was detected before 6 mm, F_G,req = pull/mu_s; gross: of those with F_G,slip < "
-                       "F_G,req; early: the others. Slip: way of the lever since the flags count. Shares with the interval of Clopper and Pearson, 95 %.")
+                  note="Error: mean of |F_G,slip - F_G,req| over the runs with detection before 6 mm, F_G,req = pull/mu_s. Gross: those with F_G,slip < "
+                       "F_G,req; early: the others. Slip: path of the lever since the detector began to count. Shares with the 95 % interval of Clopper and"
+                       " Pearson.")
     parts = [(row.text, f"{row.all:.2f}", f"{row.gross:.2f}", f"{row.safe} of {row.runs}", runs[runs["material"] == material])
              for material, row in PUBLISHED.items()]
     figures = []
@@ -160,12 +161,12 @@ def study(options: Options) -> Result:
     as_is = [of_law[of_law["reading"] == "as_is"] for of_law in runs]
     head = [*(row.text for row in PUBLISHED.values()), "all"]
     laws = Table("The same under other friction", ["law", *head],
-                 note=f"Mean error [N], detected before 6 mm, early ones. The first row has {counted(trials, 'run')} a cell, the others up to {FEW_DRAWS}.")
+                 note=f"Mean error [N], runs with detection before 6 mm, early ones. The first row has {counted(trials, 'run')} per cell, the others up to {FEW_DRAWS}.")
     readings = Table("The same trials read otherwise", ["detector", *head], note="As above.")
     signature = Table("Energy of the linear mode below 8 Hz while the pad slips",
                       ["law", "plates", "slips that last", "share below 8 Hz", "below, counts rms", "above", "time of the slip, s"],
-                      note="Medians over slips. Of C_N - C_S in windows of 0.5 s, less their line, Hamming, that lie wholly between 0.3 and 10 mm of the "
-                           "lever; shorter slips are left out. The converter's noise alone has a share of 0.05 and 1.7 counts above 8 Hz.")
+                      note="Medians over slips, for C_N - C_S in windows of 0.5 s, minus the least-squares line, Hamming, which lie wholly between 0.3 and "
+                           "10 mm of the lever; shorter slips are omitted. The noise of the converter alone has a share of 0.05 and 1.7 counts above 8 Hz.")
     figures: dict[str, Any] = {"signature": [], "laws": {}}
     for k, (name, law) in enumerate(LAWS.items()):
         rows, numbers = signature_rows(law.text, [one for _, one in found[k]])
@@ -195,9 +196,9 @@ def study(options: Options) -> Result:
         figures=figures,
         setup=[
             f"{SCENE}, seed {options.draws_seed}, {counted(trials, 'run')} of each of its surfaces and pulls.",
-            "Paper: M 9, alpha 10, windows of 500 ms a 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of the noise: "
-            "detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates but the soaped one, which were moved once in a dry run after the published "
-            "errors had been seen, the plates' patches and waves, masses and damping of the lever.",
+            "Paper: M 9, alpha 10, windows of 500 ms every 100 ms, 0.03 mm/s. Not in the paper, assumed: SLIP_THRES 25 counts (a bound of the noise: "
+            "detectors/nib/README.md), TIME_THRES 0.5 s, mu_s of all plates except the soaped one (changed once in a dry run, when the published errors "
+            "were known), the patches and waves of the plates, masses and damping of the lever.",
             "F_S/F_N is a ratio of counts, as in equations 1, 2 and 4; a ratio of newtons, which the text of the paper would allow, is a separate row.",
             "The soaped plate is pulled with up to 1 N: 5 N would need 71 N of grasp.",
         ],

@@ -215,7 +215,8 @@ def study(options: Options) -> Result:
     runs = run_grid(cells, options, lambda _, trial: run_of(trial, target))
 
     success = Table("Success, by cell", ["cell", "published", "here (95 %)", "turned up", "dropped", "tilt at the end, median", "least tilt, median",
-                                         "peak grip force, median"], note="Rows without a published figure change one number in the first cell, 200 g on paper.")
+                                         "peak grip force, median"], note="Rows without a published figure differ from the first cell, 200 g on paper, in "
+                                                                          "one number.")
     ends = Table("What became of the boxes, by cell", ["cell", *ENDS.values(), "tilt when released, median", "grip force then, median"])
     figures, real, ours, theirs = [], [], [], []
     for cell, (name, row), of_cell in zip(cells, rows.items(), runs, strict=True):
@@ -239,25 +240,25 @@ def study(options: Options) -> Result:
         source='Table III and section VI of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation", IEEE RA-L 2020',
         figures={"cells": figures},
         setup=[
-            f"{SCENE}, seed {seed}, {counted(trials, 'trial')} a cell, which differ by what `scatter` draws, the patches and the noise.",
-            "Success: at the trial's end the box is upright to 5 degrees, the table carries it and no pad touches it.",
-            "Turned up: at some time nearer than 20 degrees to upright, whatever came after.",
-            "The paper's row of weights, of centres of mass and of surfaces share one cell, 200 g in the middle with paper: 10 of 11.",
+            f"{SCENE}, seed {seed}, {counted(trials, 'trial')} per cell, which differ by the draws of `scatter`, the patches and the noise.",
+            "Success: at the end of the trial the box is upright to 5 degrees, the table carries it, and no pad touches it.",
+            "Turned up: at some time the box was less than 20 degrees from upright, whatever followed.",
+            "The paper's rows of weights, of centres of mass and of surfaces share one cell, 200 g in the middle on paper: 10 of 11.",
             "Intervals: 95 %, exact (Clopper and Pearson).",
         ],
         charts=[Chart("Success, by cell", "", "boxes turned up and released, %", [row.text for row in rows.values()], [Curve("here (95 %)", ours), Curve("paper", theirs)],
                       joined=False)],
         tables=[success, ends],
         remarks=[
-            "The height of the grip over the edge is l sin(theta): it no longer grows once theta is 90 degrees, when a box of 54 mm, held in its middle "
-            "137.5 mm from the end, still leans by 11 degrees. What stands it up from there is its weight, which is beyond the edge from 19 degrees on with "
-            "the centre of mass in the middle, 28 at L/3, 15 at 2L/3.",
-            "Lost: no pad touched the box any more before the release began. Released early: the release began below TargetPoint, and the box was never nearer "
-            "than 20 degrees to upright. Not turned: the same at TargetPoint. Fell: nearer than that at some time, and not upright at the end. Not "
-            "detached: upright, but a pad touched it. Not released: the arm rose to the end of the trial.",
-            "The paper prints no threshold; slipbench describe reorient says where each of the controller's comes from, and the last rows what halving or "
-            "doubling it does.",
-            "Both fingers of the paper are read until both touch; here only one finger's pad has electronics.",
+            "The height of the grip above the edge is l sin(theta). It stops growing at theta = 90 degrees, when a box of 54 mm, held in its middle 137.5 "
+            "mm from the end, still leans by 11 degrees. From there its weight turns it upright: the weight is beyond the edge from 19 degrees on with the "
+            "centre of mass in the middle, from 28 at L/3, from 15 at 2L/3.",
+            "Lost: no pad touched the box any more before the release began. Released early: the release began below TargetPoint, and the box was never "
+            "less than 20 degrees from upright. Not turned: the same at TargetPoint. Fell: less than 20 degrees at some time, but not upright at the end. "
+            "Not detached: upright, but a pad touched the box. Not released: the arm rose to the end of the trial.",
+            "The paper gives no thresholds; `slipbench describe reorient` states the source of each parameter of the controller, and the last rows show the"
+            " effect of halving or doubling it.",
+            "In the paper both fingers have sensors, and the controller waits until both touch; here only the pad of one finger has electronics.",
         ],
         real=real,
     )

@@ -189,9 +189,9 @@ def study(options: Options) -> Result:
         ["learnt by", "counted from", "first alarm", "early", "missed", "alarm at or after", "mean +- sd, greatest",
          "none"],
         [["paper", "position label", "-", "-", "-", "-", "8.5 +- 23.7, 58", "7 of 3,200 recordings"]],
-        note="First alarm: the first frame of a recording that is called slip decides; where it is before the instant "
-        "counted from, it is early and has no delay. Alarm at or after: the beginning of the alarm that is on at that "
-        "instant, which is negative, or of the first after it.",
+        note="First alarm: the first frame of a recording that is classified as slip decides. If it is before the instant from which the delay counts, it "
+             "is early and has no delay. Alarm at or after: the beginning of the alarm that is active at that instant, which gives a negative delay, or of "
+             "the first alarm after it.",
     )
     frames = Table("The same networks by frame", [
         "learnt and judged by", "all recordings", "with contact", "motors alone, % right", "motors alone, false alarms"
@@ -211,14 +211,14 @@ def study(options: Options) -> Result:
         }
     label, figures["label"] = label_table(recordings)
     return Result(
-        title="When the FFT-GRU notices a slip of the piezoelectric skin",
+        title="Delay with which the FFT-GRU detects a slip of the piezoelectric skin",
         source=f"Section V.E of {SOURCE}",
         figures=figures,
         tables=[delays, label, frames],
         setup=setup_of(options, size, len(recordings)),
         remarks=[
-            "The paper's delay is from its own label, which says slip as soon as the bench moves by more than 10 um in "
-            "10 ms: the layer shears before it slips. A detector that follows this label is before the slip.",
-            "A frame is complete every 10 ms, so a delay is 5 ms late in the mean whatever the network.",
+            "The paper's delay counts from its own label, which reports slip as soon as the bench moves by more than 10 um in 10 ms, while the layer still "
+            "shears before it slips. A detector that follows this label reports slip too early.",
+            "A frame is complete every 10 ms, so a delay is 5 ms longer on average for any network.",
         ],
     )

@@ -141,7 +141,7 @@ def size_of(options: Options, usual: int) -> Size:
         InputError: --trials with --data, an odd number of recordings, or too few for the folds
     """
     if options.data and options.trials:
-        raise InputError("reproduce: --trials is for recordings that are made; allowed: --data alone")
+        raise InputError("reproduce: --trials applies to simulated recordings; use --data without --trials")
     size = Size(options.trials or (PUBLISHED_RECORDINGS if options.full else usual), options.full)
     if size.recordings < 2 * FOLDS or size.recordings % 2:
         raise InputError(
@@ -178,7 +178,7 @@ def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs
             bool(one.inputs[0].labels[rule].any()) for one in recordings)
     for what, count in counts.items():
         if count < FOLDS:
-            raise InputError(f"{count} recordings {what} make no {FOLDS} folds; allowed: {FOLDS} or more")
+            raise InputError(f"{count} recordings {what} are too few for {FOLDS} folds; allowed: {FOLDS} or more")
     return recordings
 
 
@@ -410,14 +410,12 @@ def setup_of(options: Options, size: Size, recordings: int) -> list[str]:
     """
     source = options.data or (f"{SCENE} (paper: {PUBLISHED_RECORDINGS}), half with contact, "
                               f"seed {options.draws_seed}")
-    trained = "Learnt as the recipes say (`slipbench describe piezo_fft_gru`); the last state is judged."
+    trained = "Training as in the recipes (`slipbench describe piezo_fft_gru`); the last state is evaluated."
     if size.full:
-        trained = ("200 epochs of 32 clips of 128 frames a step by RMSProp; a fifth of the recordings learnt from "
-                   "chooses the state.")
+        trained = ("200 epochs of 32 clips of 128 frames per step by RMSProp; a fifth of the training recordings selects the state.")
     return [
         f"{counted(recordings, 'recording')} of {source}.",
-        "Frames of 20 ms every 10 ms, log power in bins of 50 Hz, standardised on the recordings that are learnt.",
+        "Frames of 20 ms every 10 ms, log power in bins of 50 Hz, standardised on the training recordings.",
         f"{FOLDS} folds by recording; mean and standard deviation of the folds. {trained}",
-        "Labels: position, that the bench's 100 Hz position has changed since its last reading; true, that a part of "
-        "the contact slips.",
+        "Labels: position: the 100 Hz position of the bench has changed since its last reading; true: a part of the contact slips.",
     ]

@@ -1,4 +1,4 @@
-"""Slip against hold by the loudness of one frame, by the motors' level: the area under the curve,
+"""Slip against hold by the power of one frame, by the motors' level: the area under the curve,
 and the frames that are confused."""
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SPECTRA = ("plain", "detrended", "hann")
 
 # Benches that differ in one setting, without motors: text and overrides.
 BENCHES = {
-    "deaf_direction": ("slides along 135 deg, whose shear makes no charge", {"motion.direction": "135 deg"}),
+    "deaf_direction": ("slides along 135 deg, whose shear generates no charge", {"motion.direction": "135 deg"}),
     "fast_press": ("pressed on at 2 mm/s instead of 0.7", {
         "sweep.motion": "[{clearance: 0 mm, approach_speed: 2 mm/s}, {clearance: 5 mm, approach_speed: 20 mm/s, strokes: 10}]"}),
 }
@@ -68,26 +68,26 @@ class Reading:
 
 # The paper's spectrum first, then the others in SPECTRA, then other labels.
 READINGS = {
-    "paper": Reading("as the paper: mean off, no taper named; true label"),
+    "paper": Reading("as in the paper: mean subtracted, no taper named; true label"),
     "detrended": Reading("straight line of each frame off", "detrended"),
     "hann": Reading("Hann's taper", "hann"),
     "one_label": Reading("mean off; frames of one label only", one_label=True),
     "hann_one_label": Reading("Hann's taper; frames of one label only", "hann", one_label=True),
-    "position": Reading("as the paper, label by the 100 Hz position", by_position=True),
-    "detrended_position": Reading("straight line off, label by the 100 Hz position", "detrended", by_position=True),
+    "position": Reading("as in the paper, label by the 100 Hz position", by_position=True),
+    "detrended_position": Reading("straight line subtracted, label by the 100 Hz position", "detrended", by_position=True),
     "hann_position": Reading("Hann's taper, label by the 100 Hz position", "hann", by_position=True),
 }
 
 # A frame has the first cause in the list that applies.
 HOLD_CAUSES = {
-    "stick_between_slips": ("a part slipped within the frame, at its end all sticks", lambda frames: frames["slipped"]),
+    "stick_between_slips": ("a part slipped within the frame, all sticks at its end", lambda frames: frames["slipped"]),
     "press": ("the tip is pressed on", lambda frames: frames["pressed"]),
-    "shear": ("the bench moves, shear is built up before the slip", lambda frames: frames["slid"]),
-    "settling": ("at rest for less than 159 ms, the amplifier settles", lambda frames: frames["still"] < SETTLING_TIME),
+    "shear": ("the bench moves, and shear builds up before the slip", lambda frames: frames["slid"]),
+    "settling": ("at rest for less than 159 ms, while the amplifier settles", lambda frames: frames["still"] < SETTLING_TIME),
     "rest": ("at rest for longer", lambda frames: frames["still"] > -1.0),
 }
 SLIP_CAUSES = {
-    "starts_or_stops": ("the bench speeds up, brakes or stands (below 0.9 of its speed)", lambda frames: ~frames["at_speed"]),
+    "starts_or_stops": ("the bench accelerates, brakes or stands (below 0.9 of its speed)", lambda frames: ~frames["at_speed"]),
     "slow_and_light": ("slower than 10 mm/s and below 4 N", lambda frames: (frames["speed"] < SLOW_SLIDE) & (frames["force"] < LIGHT_PRESS)),
     "slow": ("slower than 10 mm/s", lambda frames: frames["speed"] < SLOW_SLIDE),
     "light": ("below 4 N", lambda frames: frames["force"] < LIGHT_PRESS),
@@ -291,11 +291,11 @@ def cause_table(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) 
     Returns:
         both
     """
-    table = Table("Slip that is taken for hold in contact, no motors" if of_slip else "Hold in contact that is taken for slip, no motors",
+    table = Table("Slip that is classified as hold in contact, without motors" if of_slip else "Hold in contact that is classified as slip, without motors",
                   ["frames in which", "frames", "share", "rms, counts, median", "AUC", "of what is missing from 1", "line off: AUC", "of what is missing",
                    "Hann: AUC", "of what is missing"],
-                  note="" if of_slip else "A frame has the first cause that fits. The area is a mean over the frames, so that the causes' parts of what it "
-                  "lacks of 1 add up. No slide of the published ranges is deaf: all go along X.")
+                  note="" if of_slip else "A frame has the first cause that applies. The area is a mean over frames, so the contributions of the causes to "
+                                          "its deficit from 1 add up. In the published ranges no slide is without a signal, because all slides are along X.")
     figures = {}
     for name, cause in cause_figures(frames, causes, of_slip).items():
         cells = [cell for spectrum in SPECTRA for cell in (area_cell(cause.area[spectrum]), f"{100.0 * cause.missing[spectrum]:.0f} %")]
@@ -331,14 +331,13 @@ def remarks_on(curve: Mapping[str, Any], causes: Mapping[str, Any]) -> list[str]
         return ", ".join(text(causes[cause][reading]["auc"]) for reading in _reading_names().values())
 
     return [
-        "The motors run while the tip slides; in half of the recordings one that does not move the tip runs from a random instant on. From level "
-        f"{LEVELS[0]:g} to {LEVELS[-1]:g} the area is {along('contact')} against hold in contact alone and {along('air')} against hold in the air alone.",
-        "A steady press is a constant behind the amplifier; where it begins and ends the signal decays with "
-        f"{1e3 * SETTLING_TIME / 3.0:.0f} ms, over 20 ms nearly a straight line, which leaks into all bins of a window without a taper. Without motors "
-        f"pressing on and settling are {missing('press'):.0f} and {missing('settling'):.0f} % of what hold in contact lacks of 1; their areas as the "
-        f"paper, with the line off, with Hann's taper: {areas('press')}; {areas('settling')}.",
-        f"Instants of a slide at which all sticks lie within frames of its vibration: {missing('stick_between_slips'):.0f} % of what is missing, areas "
-        f"{areas('stick_between_slips')}. By the position label they are slip, and so is the shear before the first slip.",
+        "The motors run while the tip slides. In half of the recordings another motor, which does not move the tip, runs from a random instant on. From "
+        f"level {LEVELS[0]:g} to {LEVELS[-1]:g} the area is {along('contact')} against hold in contact, and {along('air')} against hold in the air.",
+        f"A steady press is a constant after the amplifier. When it begins and ends, the signal decays with {1000.0 * SETTLING_TIME / 3.0:.0f} ms: over 20 ms nearly a straight line, which"
+        f" leaks into all bins of a window without a taper. Without motors, pressing and settling are {missing('press'):.0f} and {missing('settling'):.0f} % of the deficit of hold in contact; their"
+        f" areas as in the paper, with the line subtracted and with Hann's taper: {areas('press')}; {areas('settling')}.",
+        f"Instants of a slide at which all sticks lie within frames of its vibration: {missing('stick_between_slips'):.0f} % of the deficit, areas {areas('stick_between_slips')}. By the position label they are slip, "
+        "and so is the shear before the first slip.",
     ]
 
 
@@ -375,15 +374,16 @@ def study(options: Options) -> Result:
 
     areas = {reading: {f"{level:g}": separations(frames, one) for level, frames in zip(LEVELS, runs, strict=False)} for reading, one in READINGS.items()}
     curve = area_table("Area under the curve against the motors' level", "motor level",
-                       f"The bar is {WANTED_AREA} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.")
+                       f"The line is at {WANTED_AREA}, the required area at level 0. Intervals are by recording (Obuchowski), because the frames of one recording "
+                       "depend on each other.")
     curve.rows = [one.row(level) for level, one in areas["paper"].items()]
     chart = Chart("Slip against hold by one frame", "level of the motors' vibration (motion.vibration, without a unit)", "area under the ROC curve", list(areas["paper"]),
                   [Curve(name, [point_of(one[k]) for one in areas["paper"].values()])
                    for k, name in enumerate(("all hold", "in contact alone", "in the air alone"))], bar=WANTED_AREA, bar_name="bar at level 0")
     readings = area_table("Other readings of the paper, no motors", "reading of a frame",
-                          "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with the true "
-                          "label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of one label only "
-                          "leave out those within which contact or slip begins or ends.")
+                          "The curve shows the first row: the spectrum of the paper, which states that the mean is subtracted and names no taper, with the "
+                          "true label. The row with the position label is the reading of the paper. The others are alternatives. \"Frames of one label\" "
+                          "omits frames within which contact or slip begins or ends.")
     readings.rows = [areas[name]["0"].row(one.text) for name, one in READINGS.items()]
     hold, hold_figures = cause_table(silent, HOLD_CAUSES, False)
     slip, slip_figures = cause_table(silent, SLIP_CAUSES, True)
@@ -398,16 +398,16 @@ def study(options: Options) -> Result:
             benches.rows.append(found.row(text + suffix))
     curves = {reading: {level: one.figures() for level, one in by_level.items()} for reading, by_level in areas.items()}
     return Result(
-        title="Slip against hold by the loudness of one frame of the piezoelectric skin",
+        title="Slip against hold by the power of one frame of the piezoelectric skin",
         source='The frames of "Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor", section IV-A: 20 ms '
         "every 10 ms at 10 kHz, 50 to 600 Hz. The paper prints no such curve.",
         figures={"curve": curves, "hold_causes": hold_figures, "slip_causes": slip_figures, "bench": bench_figures},
         charts=[chart],
         tables=[curve, readings, hold, slip, benches],
         setup=[
-            f"{count} recordings a level from {SCENE}, half with a slip, seed {options.draws_seed}: the same draws at every level.",
-            "Loudness: power within 50 to 600 Hz, both included, of the frame less its mean. A frame's label is that of its last sample; slip is that a part of "
-            "the contact slips (rule micro), so that a frame of partial slip is one of slip.",
+            f"{count} recordings per level from {SCENE}, half of them with a slip, seed {options.draws_seed}: the same draws at every level.",
+            "Power: within 50 to 600 Hz, both included, of the frame minus its mean. The label of a frame is that of its last sample; slip means that a "
+            "part of the contact slips (rule micro), so that a frame of partial slip is slip.",
         ],
         remarks=remarks_on(curves["paper"], hold_figures),
     )

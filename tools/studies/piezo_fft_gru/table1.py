@@ -149,16 +149,15 @@ def study(options: Options) -> Result:
             tables.append(table)
     if shortcuts:
         tables[-1].note = (
-            "The network sees only this input, not the signal. Speed of the motors: the sum over all that run, those that "
-            "do not move the tip among them. A bench whose motor moves a tip that touches does slip but for the shear "
-            "before it: contact and motors together are a definition more than a shortcut.")
+            "The network receives only this input, not the signal. Speed of the motors: the sum over all running motors, including those that do not move "
+            "the tip. If a motor moves a touching tip, the bench slips except for the shear before it: so contact and motors together are a definition "
+            "rather than a shortcut.")
     setup = [
         *setup_of(options, size, len(recordings)),
-        "A convolution looks back, before a recording begins, to its first frame: all frames are judged. The paper "
-        "pads, too."
+        "Before the beginning of a recording, a convolution gets copies of its first frame, so that all frames are evaluated. The paper pads, too."
     ]
     if not options.full:
-        setup.append("By the true label GRU 32, MLP 32 and the shortcuts learn; all networks with `--full`.")
+        setup.append("With the true label GRU 32, MLP 32 and the shortcuts are trained; with `--full` all networks.")
     return Result(
         title="Networks that distinguish slip and hold on the piezoelectric skin",
         source=f"Table I of {SOURCE}",
@@ -166,10 +165,8 @@ def study(options: Options) -> Result:
         tables=tables,
         setup=setup,
         remarks=[
-            "The paper keeps the state of the best validation result, from the recordings that also judge; here "
-            "recordings that judge choose nothing.",
-            "Neither the paper's motors nor the size of its signal are printed: their level 2 is an assumption. table4 "
-            "has the others.",
+            "The paper keeps the state with the best validation result, where the validation set is the test set; here test recordings select nothing.",
+            "The paper states neither the vibration of its motors nor the size of its signal: level 2 is assumed. table4 has the others.",
         ],
         real=[
             RealFigure(f"{row.text}, balanced accuracy of frames, %", row.accuracy,

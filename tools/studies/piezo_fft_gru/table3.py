@@ -46,8 +46,7 @@ def study(options: Options) -> Result:
     table = Table(
         "Table III: all recordings of the tip, with contact and motors alone",
         ["network", "label", "none left out", *(f"tip {number + 1}" for number in range(len(tips)))],
-        note="Tips are numbered in the order of what the sweep says of them; the paper's are not described, so that "
-        "the numbers do not match.",
+        note="Tips are numbered in the order of their swept values; the paper does not describe its tips, so the numbers do not correspond.",
     )
     published = ["paper, GRU 32", "position", *PUBLISHED, *["-"] * len(tips)]
     table.rows.append(published[:len(table.head)])
@@ -67,7 +66,6 @@ def study(options: Options) -> Result:
             *(f"Tip {number + 1}: {tip_of.count(number)} recordings, {tip}" for number, tip in enumerate(tips))
         ],
         remarks=[
-            "The scene's tips differ in friction, stiffness, roundness, resonance and roughness; what they have in "
-            "common is the sensor and its motors."
+            "The tips of the scene differ in friction, stiffness, roundness, resonance and roughness; they share the sensor and its motors."
         ],
     )

@@ -133,21 +133,20 @@ def study(options: Options) -> Result:
         of_row = figures.setdefault(RULES[point.rule], {}).setdefault(point.row.name, {})
         of_row[point.level] = {"slip_and_noise": both, "slip": alone}
     heard = (
-        "In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip "
-        "alone has heard motors without a slip, too.")
+        "In half of the recordings with contact a motor runs that does not move the tip, so the training set of a network trained only on slip also "
+        "contains motors without a slip.")
     return Result(
-        title="Networks of the piezoelectric skin that learn with and without recordings of motors alone",
+        title="Networks of the piezoelectric skin trained with and without recordings of motors alone",
         source=f"Table IV of {SOURCE}",
         figures=figures,
         tables=[table, curve] if curve.rows else [table],
         setup=[
             *setup_of(options, size, len(levels[bench])),
             f"The number of recordings is that of each level; the MLP has {STEPS} steps.",
-            *([] if options.full else ["By the true label it learns at one level; at all with `--full`."])
+            *([] if options.full else ["With the true label it is trained at one level; with `--full` at all levels."])
         ],
         remarks=[
-            "The paper's tip is moved by the motors that make the noise, as here; how loud they were is not printed, "
-            "and the curve shows what it decides.",
-            heard + (' The row "no motor but the tip\'s" is without it.' if tip else "")
+            "As here, the noise in the paper comes from the motors that move its tip. It does not state their level; the curve shows its effect.",
+            heard + (' The row "no motor but the tip\'s" does not contain it.' if tip else "")
         ],
     )

@@ -1,4 +1,4 @@
-"""How near the bench is to real devices: figures that others measured on one, ours beside them."""
+"""Accuracy of the bench: figures that others measured on real devices, compared with ours."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from slipbench_studies.grid import check_only
 from slipbench_studies.realism import biotac_19, fabric, hexapod, myrmex, papillarray, piezo_skin, uskin
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
-GRASPS_A_BOX = 40  # of which the median's scatter is some 10 %
+GRASPS_A_BOX = 40  # the median of so many grasps scatters by some 10 %
 
 
 @dataclass(frozen=True)
 class Device:
-    """A device of which no paper's table has figures.
+    """A device whose figures are not from a reproduced table of a paper.
 
     Attributes:
         figures: computes ours beside the real ones
@@ -45,7 +45,7 @@ OWN = {
 
 @dataclass(frozen=True)
 class Source:
-    """A study that holds a published figure of a real device against ours.
+    """A study that compares a published figure of a real device with ours.
 
     Attributes:
         quick: whether it takes some minutes of CPU
@@ -81,7 +81,7 @@ SOURCES = {
 
 
 def figures_of(name: str, options: Options) -> tuple[list[RealFigure], list[str]]:
-    """The figures of one of SOURCES, and how they were measured.
+    """Figures of one of SOURCES, and their setup.
 
     Args:
         name: a key of SOURCES
@@ -147,15 +147,15 @@ def study(options: Options) -> Result:
     """
     truth = ""
     if options.real:
-        slipbench.open(options.real).close()  # which refuses what is no dataset
+        slipbench.open(options.real).close()  # rejects a file that is not a dataset
         with h5py.File(options.real) as file:
             truth = str(file.attrs.get("truth", ""))
     asked, left_out = asked_for(options, truth)
     table = Table("Real and simulated", ["row", "study", "figure", "real", "ours", "ours/real", "note"])
     figures: list[dict[str, Any]] = []
     charts = []
-    setup = ["Seed 1; hexapod and uskin have their scenes' own." if options.seed is None else f"Seed {options.seed}.",
-             f"Table II of hd-papillarray with {GRASPS_A_BOX} grasps a box, unless --trials says how many."]
+    setup = ["Seed 1; hexapod and uskin use the seeds of their scenes." if options.seed is None else f"Seed {options.seed}.",
+             f"Table II of hd-papillarray with {GRASPS_A_BOX} grasps per box, unless --trials sets another number."]
     for name in asked:
         options.say(name)
         places, points = list[str](), list[tuple[float, float, float]]()
@@ -178,6 +178,5 @@ def study(options: Options) -> Result:
         setup=setup,
         tables=[table],
         charts=charts,
-        remarks=[f"Left out: {', '.join(left_out)}. --full runs the studies that train for a quarter of an hour, --real FILE the study that needs "
-                 f"these recordings."] if left_out else [],
+        remarks=[f"Omitted: {', '.join(left_out)}. --full runs the studies that train for a quarter of an hour, --real FILE the study that needs these recordings."] if left_out else [],
     )

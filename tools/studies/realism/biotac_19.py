@@ -32,9 +32,9 @@ REAL_SPECTRUM = np.array([
     -16.2])  # fmt: skip
 REAL_MATERIALS = 2.6  # dB, rms difference of a slide's log spectrum from that mean, averaged over the 20 slides; range 0.8 to 4.5
 REAL_PAC_SD, REAL_PDC_SD = 92.0, 24.0  # counts, median of the slides
-SETUP = ("Real: a BioTac with 19 electrodes, two slides at 25 mm/s over each of ten materials, pac at 2.2 kHz, pdc at 100 Hz, rectified about an unknown rest. "
-         f"Ours: {SCENE}, a slide of 8 s, pac at 2.2 kHz, pdc at 100 Hz, rectified about the known rest. Fitted: roughness, how its waves fall off, how far the board is out of flat. "
-         "Assumed: laws and stiffness of the BioTac SP, counts at rest, friction, depth.")
+SETUP = ("Real: a BioTac with 19 electrodes, two slides at 25 mm/s over each of ten materials, pac at 2.2 kHz, pdc at 100 Hz, rectified about an unknown "
+         f"value at rest. Ours: {SCENE}, a slide of 8 s, pac at 2.2 kHz, pdc at 100 Hz, rectified about the known value at rest. Fitted: roughness, the exponent"
+         " of its waves, unevenness of the board. Assumed: laws and stiffness of the BioTac SP, counts at rest, friction, depth.")
 FITTED = "roughness, its exponent and the board's unevenness are fitted"
 
 

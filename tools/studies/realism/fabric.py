@@ -24,7 +24,7 @@ HARMONICS = 6
 HALF_WIDTH = 0.35  # of a harmonic's band, in frequencies of the pattern
 SCENE = "scenes/soft_skin/board.yaml"
 
-SETUP = ("Real: a capacitive finger of 16 taxels at 35.6 Hz over a printed board with bars 20 mm apart, a recording at each of 5, 10, 20 and 30 mm/s. "
+SETUP = ("Real: a capacitive finger of 16 taxels at 35.6 Hz over a printed board with bars 20 mm apart, one recording at each of 5, 10, 20 and 30 mm/s. "
          f"Ours: {SCENE} at the same speeds and 36 Hz. Fitted: height, duty and edge of the bars, waviness. Assumed: stiffness, curve and noise of the taxels, "
          "friction, depth.")
 LEVEL, HARMONIC, SLOW, FREQUENCY = 0.57, 0.063, 0.22, 1.0

@@ -25,9 +25,9 @@ PUBLISHED_RMS = [math.nan, 0.31, 0.12, 0.42, 0.39, 0.22, 0.24, 0.34, 0.16]  # N,
 FITTED = "fitted with this in view"
 PARTS = {"all": 91.8, "without what follows a halt": math.nan, "while the pad moves": math.nan}  # of the frames; published share of right ones, %
 MEMORY = "tests/detectors/hd/data/published"
-SETUP = ("Real: a PapillArray on a hexapod against acrylic at 1 kHz; statistics of its forces and a memory learnt from it are published, the recordings are not. "
-         "Ours: scenes/papillarray/hexapod.yaml, 200 sequences of 4 s at 1 kHz, one device. "
-         "Fitted: tilt, shares of motions, gains, heights, half of the measured coupling. Assumed: directions, accelerations, compressions.")
+SETUP = ("Real: a PapillArray on a hexapod against acrylic at 1 kHz; statistics of its forces and a memory trained on it are published, the recordings are "
+         "not. Ours: scenes/papillarray/hexapod.yaml, 200 sequences of 4 s at 1 kHz, one device. Fitted: tilt, shares of motions, gains, heights, half of "
+         "the measured coupling. Assumed: directions, accelerations, compressions.")
 
 
 @dataclass
@@ -109,7 +109,7 @@ def figures(options: Options) -> list[RealFigure]:
     sizes = np.sqrt(np.diag(sums.products))
     pairs = (sums.products / np.outer(sizes, sizes))[np.tril_indices(PILLARS, -1)]
     return [
-        *(RealFigure(f"published memory, frames with contact that are right, {text}, %", real, float(ours), FITTED)
+        *(RealFigure(f"published memory, correctly classified frames in contact, {text}, %", real, float(ours), FITTED)
           for (text, real), ours in zip(PARTS.items(), right, strict=True)),
         *(RealFigure(f"force of an axis of pillar {p}, rms, N", PUBLISHED_RMS[p], float(rms[p]), FITTED) for p in range(1, PILLARS)),
         RealFigure("that of the edges over the centre's", 0.82, float(rms[EDGES].mean() / rms[CENTRE]), FITTED),

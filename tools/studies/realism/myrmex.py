@@ -17,9 +17,8 @@ LOADED = 100.0  # counts below rest, minimum for a loaded taxel
 HELD_FROM = 10.0  # s in SCENE, start of the noise interval: creep per sample is negligible then
 GROWS_FROM, GROWS_TO = 0.3, 4.0  # s after contact
 REAL_NOISE = 0.11  # % of the range: Weiss arrays, loaded cells, 0.07 to 0.15
-SETUP = ("Real: industrial foam arrays (Weiss) that a hand or a gripper holds; of the Myrmex nothing is published. "
-         f"Ours: {SCENE}, a block held for half a minute on 16 x 16 taxels at 100 Hz, with the scene's noise and creep. "
-         "Assumed: creep of 10 % a decade, stiffness and thickness of the foam.")
+SETUP = (f"Real: industrial foam arrays (Weiss) held by a hand or a gripper; for the Myrmex nothing is published. Ours: {SCENE}, a block held for half a minute "
+         "on 16 x 16 taxels at 100 Hz, with the noise and creep of the scene. Assumed: creep of 10 % per decade, stiffness and thickness of the foam.")
 REAL_GROWTH = 80.0  # %: held Weiss arrays, 29 to 180; the geometric middle of their factors
 
 
@@ -70,7 +69,7 @@ def figures(options: Options) -> list[RealFigure]:
     """
     [[(noise, growth)]] = run_grid([Cell("creep.yaml", SCENE)], options, lambda _, trial: _read(trial))
     return [
-        RealFigure("noise of a loaded taxel, % of the range", REAL_NOISE, noise, "the scene names it; by default 0.88, a comparable cell at rest"),
+        RealFigure("noise of a loaded taxel, % of the range", REAL_NOISE, noise, "set by the scene; the default is 0.88, that of a comparable cell at rest"),
         RealFigure("growth of a held array's sum, 0.3 to 4 s, %", REAL_GROWTH, growth,
                    "creep of 10 % a decade, assumed; the real figure includes hand and grip, and is 29 to 180"),
     ]

@@ -25,7 +25,7 @@ REAL_SHEAR_TO_NORMAL, REAL_NORMAL_TO_SHEAR, REAL_SHEAR_TO_SHEAR = 2.19, 0.45, 0.
 REAL_RESIDUAL, REAL_MATRIX_RESIDUAL = 35.0, 12.0  # %
 REAL_NORMAL_SCATTER, REAL_TANGENTIAL_SCATTER = 20.0, 23.0  # %
 SNAPSHOTS = "scenes/papillarray/snapshots.yaml"
-FORCE_CARRIES = "whether force or displacement carries it is open"
+FORCE_CARRIES = "unknown whether force or displacement carries it"
 FEW_PILLARS = "four real pillars: known to 40 %"
 
 CORNER = 235.0  # Hz, data sheet of version 2.1
@@ -223,8 +223,8 @@ def figures(options: Options) -> list[RealFigure]:
     real = [REAL_SHEAR_TO_NORMAL, REAL_NORMAL_TO_SHEAR, REAL_SHEAR_TO_SHEAR, REAL_RESIDUAL, REAL_MATRIX_RESIDUAL, REAL_NORMAL_SCATTER,
             REAL_TANGENTIAL_SCATTER]
     what = [("coupling of shear to FZ, rms over the pillars, N/mm", FORCE_CARRIES), ("coupling of DZ to FX and FY, rms, N/mm", FORCE_CARRIES),
-            ("coupling between X and Y, rms, N/mm", FORCE_CARRIES), ("residual of FZ by one stiffness a pillar and axis, %", "fitted by the coupling alone"),
-            ("residual of FZ by a 3 x 3 matrix a pillar, %", "not modelled: stiffness that depends on the load"),
+            ("coupling between X and Y, rms, N/mm", FORCE_CARRIES), ("residual of FZ with one stiffness per pillar and axis, %", "fitted by the coupling alone"),
+            ("residual of FZ with a 3 x 3 matrix per pillar, %", "not modelled: stiffness that depends on the load"),
             ("scatter of the normal stiffness over the pillars, %", FEW_PILLARS), ("scatter of the tangential stiffness over the pillars, %", FEW_PILLARS)]
     return [
         *(RealFigure(text, its, float(value), note) for (text, note), its, value in zip(what, real, ours, strict=True)),

@@ -1,4 +1,4 @@
-"""A real piezoelectric skin's spectra over slip and hold beside scenes/piezo_skin."""
+"""Spectra of a real piezoelectric skin over slip and hold, compared with scenes/piezo_skin."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ RATE, WINDOW, HOP = 10e3, 256, 100  # Hz, samples: 129 bins, a frame every 10 ms
 TRIALS = 12
 SCENES = {"scenes/piezo_skin/slide.yaml": "typical", "scenes/piezo_skin/humming.yaml": "motors hum at rest, too"}
 SETUP = (f"Real: a piezoelectric skin at 10 kHz, mean and sd over frames of {WINDOW} samples, slip and hold together, of 129 bins in dB with an unknown offset. "
-         f"Ours: {' and '.join(SCENES)}, {TRIALS} trials each at 10 kHz, a frame every 10 ms. Fitted: the noise, by its ratio to slip. "
-         "Assumed: how loud slip is in newtons; for the bounds on slip, that half of the frames slip.")
+         f"Ours: {' and '.join(SCENES)}, {TRIALS} trials each at 10 kHz, a frame every 10 ms. Fitted: the noise, by its ratio to slip. Assumed: the amplitude of slip in newtons; "
+         "for the bounds on slip, that half of the frames slip.")
 # dB, standard deviation over frames of slip and hold together, mean over the bins from the first to before the second: thayral/tactile-slip-demo,
 # by an author of the paper, whose levels carry an unknown offset.
 REAL_SD = {(1, 17): 8.01, (17, 65): 6.10, (65, 128): 5.90}
@@ -43,7 +43,7 @@ def log_spectra(signal: Floats) -> Floats:
 
 
 def bound_on_slip(sd: float) -> float:
-    """The most by which slip can lie above hold where a bin varies by `sd` [dB] over frames of which half slip.
+    """Upper bound of the level of slip above that of hold, if a bin varies by `sd` [dB] over frames of which half slip.
 
     Levels of two kinds D apart vary by D/2, and each frame by NOISE_SD.
 
@@ -76,7 +76,7 @@ def slip_and_hold(trial: Trial) -> tuple[Floats, Floats]:
 
 
 def figures_of(kinds: Sequence[tuple[Floats, Floats]], text: str) -> list[RealFigure]:
-    """Figures of log spectra of slip and hold.
+    """Computes figures from the log spectra of slip and hold.
 
     Args:
         kinds: of each recording, as slip_and_hold() returns them

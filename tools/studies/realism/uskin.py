@@ -1,7 +1,7 @@
-"""Public recordings of a uSkin on a gripper beside scenes/magnetic_skin/creep.yaml.
+"""Public recordings of a uSkin on a gripper, compared with scenes/magnetic_skin/creep.yaml.
 
 Source: github.com/yinzhaodong/tactile_prediction, a Xela uSkin of 4 x 4 x 3 at some 38 Hz, 11 recordings of boxes that are held, moved or lost. They are
-running means of 6 samples and begin at 0. The constants are what the functions here give of them; the program holds none of the recordings.
+running means of 6 samples and begin at 0. The constants are results of the functions in this file; the program does not contain the recordings.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from slipbench_studies.result import Options, RealFigure
 Doubles = NDArray[np.float64]
 
 TAXELS, AXES = 16, 3
-SMOOTHED = 6  # samples of the running mean that the recordings are
-BEFORE_THE_END = (1.5, 0.5)  # s, before a box was last held: what follows is the release
+SMOOTHED = 6  # samples of the running mean in the recordings
+BEFORE_THE_END = (1.5, 0.5)  # s, before the end of the hold, which the release follows
 GROSS = 3  # label of a pad that slips as a whole
 SCENE = "scenes/magnetic_skin/creep.yaml"
-SCENE_SEED = 3  # of creep.yaml: it draws the device
+SCENE_SEED = 3  # of creep.yaml; determines the device
 REST = {"sensors": "{skin: {type: magnetic_skin, rate: 40 Hz, noise: 2.2, noise_ratio: 2.2}}", "motion": "{kind: stage, gap: 100 mm, speed: 0, start: 30 s}",
         "duration": "20 s"}  # the pad would touch after 25 s
 
@@ -65,13 +65,13 @@ def smoothed(values: Doubles, samples: int = SMOOTHED) -> Doubles:
 
 
 def held(recording: Recording) -> NDArray[np.bool_]:
-    """[T] when the sum of z is above half of its level, the median of what is above 30 % of its greatest value."""
+    """[T] True if the sum of z is above half of its level: the median of the values above 30 % of the greatest."""
     total = recording.counts[:, :, 2].sum(axis=1)
     return np.asarray(total > 0.5 * np.median(total[total > 0.3 * total.max()]))
 
 
 def last_second(recording: Recording) -> NDArray[np.bool_]:
-    """[T] the second that ends half a second before the box was last held."""
+    """[T] True in the second that ends half a second before the end of the hold."""
     holds = held(recording)
     left = recording.time[holds][-1] - recording.time
     return np.asarray(holds & (left <= BEFORE_THE_END[0]) & (left >= BEFORE_THE_END[1]))
@@ -84,7 +84,7 @@ def normal_over_shear(recording: Recording) -> float:
 
 
 def common_share(recordings: Sequence[Recording]) -> float:
-    """The share of the power of all shear channels, while held, in the one pattern of them that has most: the square of the first singular value."""
+    """Share of the strongest common pattern in the power of all shear channels while held: the square of the first singular value."""
     shear = np.concatenate([one.counts[held(one)][:, :, :2].reshape(-1, 2 * TAXELS) for one in recordings])
     powers = np.linalg.svd(shear, compute_uv=False) ** 2
     return float(powers[0] / powers.sum())
@@ -124,7 +124,7 @@ def counts_of(trial: Trial) -> Doubles:
 
 
 def recording_of(trial: Trial) -> Recording | None:
-    """A trial of creep.yaml as the recordings are: smoothed, and less the counts before contact; None where the box was never lifted."""
+    """A trial of creep.yaml processed like the recordings: smoothed, minus the counts before contact; None if the box was not lifted."""
     if not trial.outcome["lifted"]:
         return None
     counts, [skin], [labels] = counts_of(trial), trial.sensors.values(), trial.labels.values()
@@ -135,7 +135,7 @@ def recording_of(trial: Trial) -> Recording | None:
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """The recordings' figures beside those of creep.yaml.
+    """Figures of the recordings, compared with those of creep.yaml.
 
     Args:
         options: seed (default: creep.yaml's own), jobs

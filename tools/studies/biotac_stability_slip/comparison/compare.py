@@ -152,8 +152,8 @@ def main():
     outside = print_table(rows)
     print_summary(rows, outside)
     print_windows(real, synthetic)
-    print("\nThe contact sites, depths and spreads of scenes/biotac_sp/slip.yaml were read from the recordings that this table compares with: it "
-          "shows\nhow well the model can be fitted, not how well it predicts.")
+    print("\nThe contact sites, depths and spreads of scenes/biotac_sp/slip.yaml are fitted to these real recordings. The table therefore shows\nhow "
+          "well the model can be fitted, not how well it predicts.")
     if options.output:
         with open(options.output, "w", encoding="utf-8") as file:
             file.write(page.drawn(real, synthetic, rows, bars(rows)))

@@ -130,8 +130,8 @@ def drawn(real, synthetic, rows, bars):
                       {"xlim": (1, 3), "ylim": (0, 1), "xlabel": "principal component", "ylabel": "share"}, "variance of the smoothed signals")
     return composed("BioTac SP: real and synthetic", f"""<header class="plain"><h1>BioTac SP: real and synthetic recordings</h1>
 <p class="note">{len(real)} recordings {key.split(" and ")[0]}, {len(synthetic)} {key.split(" and ")[1]}. Thick lines are medians (of correlations:
-means), thin ones quartiles. The contact sites, depths and spreads of the synthetic ones were read from these same real ones: this shows how well
-the model can be made to agree, not how well it foretells.</p></header>
+means), thin ones quartiles. The contact sites, depths and spreads of the synthetic recordings are fitted to these real ones. The page therefore
+shows how well the model can be fitted, not how well it predicts.</p></header>
 <section><h2>Time series, 24 electrodes in 24 colours</h2>{time_series(real, synthetic)}</section>
 <section><h2>Spectra</h2>{spectra}</section>
 <section><h2>Correlation against distance</h2>{correlations}</section>
