@@ -22,7 +22,7 @@
 #include "sim/mujoco/mjcf.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "sim/mujoco/pads/implicit.h"
-#include "sim/mujoco/pads/pad_instance.h"
+#include "sim/mujoco/pads/pad_config.h"
 #include "sim/mujoco/pads/register_plugin.h"
 
 namespace slipbench {

@@ -34,7 +34,7 @@
 
 namespace slipbench {
 
-class HandedLayouts;  // pad_instance.h
+class HandedLayouts;  // pad_config.h
 
 // At the middle of the box, with its axes: the pad frame of its corners, which are elements of a
 // field on the table. So the table's friction is Coulomb's, and needs no solver.

@@ -14,6 +14,7 @@
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/install.h"
 #include "sim/mujoco/pads/geom_surface.h"
+#include "sim/mujoco/pads/pad_field.h"
 #include "sim/stage/step_plan.h"
 
 namespace slipbench {

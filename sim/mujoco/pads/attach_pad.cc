@@ -87,7 +87,7 @@ mjsElement* look_up(const mjSpec* spec, const std::string& instance, const std::
   return find(name);
 }
 
-// Returns the bodies of the geoms that the words of `touch` name (pad_instance.h), each once.
+// Returns the bodies of the geoms that the words of `touch` name (pad_config.h), each once.
 std::vector<mjsBody*> touched_bodies(const mjSpec* spec, const std::string& instance, const AttachedPad& pad, mjsBody* carrier) {
   std::vector<mjsBody*> bodies;
   const auto take = [&](mjsBody* body) {

@@ -1,7 +1,7 @@
 // Adds pads to a model under construction by MuJoCo's mjSpec: the C++ counterpart of
 // slipbench.mujoco.attach_pad() in python. README.md shows a call; MuJoCo must know the
 // plugin before (mj_loadPluginLibrary() or register_field_plugin()). The sensor has the pad's
-// name; pad_instance.h describes its sensordata.
+// name; pad_readout.h describes its sensordata.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct mjSpec_;
 
 namespace slipbench {
 
-// Settings of a pad, in the syntax of pad_instance.h.
+// Settings of a pad, in the syntax of pad_config.h.
 struct PadOptions {
   // A sensor's name, one with parameters ({type: papillarray, bristles: 6}), or elements ([[x, y,
   // z, k_n, k_t], ...]).

@@ -36,7 +36,7 @@ namespace slipbench {
 //   material, friction, effects, seed  as in a scene
 //   trial     keys the random draws together with the seed; default 0
 //   damping   time tau of a dashpot tau*k parallel to each spring; default 1 ms (assumed)
-//   truth     true: the sensor's values are followed by the truth (pad_instance.h)
+//   truth     true: the sensor's values are followed by the truth (pad_readout.h)
 //   solver    explicit or implicit
 //   unloaded  margin of separated units, and stuck_fraction without contact: 1 (default) or nan
 //   check     treatment of a mistake (possible_contact): error (default), warn, which prints it

@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "sim/api/pad_layout.h"
+#include "sim/contact/surface/surface.h"
 #include "sim/core/error.h"
+#include "sim/core/pose.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/linear/stability.h"
 
@@ -24,6 +27,58 @@ std::string names_of(const std::vector<PadInstance*>& pads) {
   std::string names;
   for (const PadInstance* pad : pads) names += (names.empty() ? "'" : ", '") + pad->config().name + "'";
   return names;
+}
+
+// After PadInstance::add_force(): adds, for every touched geom, the tangent of the pad's elements
+// that touch in the trial, taken as stuck.
+void add_touching_tangents(const mjModel* model, const mjData* data, const PadInstance& pad, PadTangents& pads) {
+  if (pad.idle()) return;
+  const PadKinematics& kinematics = pad.kinematics();
+  const Pose pose = kinematics.pad_pose(data);
+  for (std::size_t k = 0; k < pad.fields().size(); ++k) {
+    const Field& field = pad.fields()[k];
+    PadLayout touching;
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      if (!field.bears(i)) continue;
+      touching.elements.push_back(field.layout().elements[i]);
+      touching.elements.back().k_tangential += field.stop_stiffness();
+    }
+    if (touching.elements.empty()) continue;
+    pads.bodies.push_back({kinematics.pad_body(model), kinematics.touched()[k].body, pose.position});
+    pads.tangents.push_back(stuck_tangent(touching, pose, pose.position, pad.config().damping));
+  }
+}
+
+// Adds the pad's tangent with all elements stuck on the touched body on which it vibrates fastest,
+// moved onto that body if it is separated.
+void add_stuck_tangent(const mjModel* model, mjData* data, const PadInstance& pad, PadTangents& pads) {
+  const PadKinematics& kinematics = pad.kinematics();
+  const Pose pose = kinematics.pad_pose(data);
+  PadOnBodies on{};
+  PadTangent tangent;
+  double fastest = -1.0;
+  for (std::size_t k = 0; k < pad.fields().size(); ++k) {
+    const Field& field = pad.fields()[k];
+    const TouchedGeom& touched = kinematics.touched()[k];
+    const Pose placed = kinematics.surface_pose(data, k);
+    const Eigen::Vector3d origin = placed.inverse() * pose.position, axis = -(placed.rotation.transpose() * pose.rotation.col(2));
+    const SurfacePoint met =
+        std::visit([&](const auto& shape) { return shape.at(origin.x(), origin.y(), origin.z(), axis.x(), axis.y(), axis.z()); },
+                   touched.shape);
+    Pose there = pose;  // at its present distance it would have a lever that never occurs
+    if (met.gap > 0.0) there.position -= met.gap * (placed.rotation * Eigen::Vector3d(met.nx, met.ny, met.nz));
+    PadLayout layout = field.layout();
+    for (Element& element : layout.elements) element.k_tangential += field.stop_stiffness();
+    const PadOnBodies candidate{kinematics.pad_body(model), touched.body, there.position};
+    const PadTangent stuck = stuck_tangent(layout, there, there.position, pad.config().damping);
+    const double omega = fastest_vibration(model, data, {&candidate, 1}, {&stuck, 1}).omega;
+    if (omega <= fastest) continue;
+    fastest = omega;
+    on = candidate;
+    tangent = stuck;
+  }
+  pads.bodies.push_back(on);
+  pads.tangents.push_back(tangent);
 }
 
 }  // namespace
@@ -116,7 +171,7 @@ void PadGroup::copy_from(const PadGroup& other) {
 
 double PadGroup::longest_step(const mjModel* model, mjData* data) const {
   PadTangents pads;
-  for (const PadInstance* pad : explicit_) pad->add_stuck_tangent(model, data, pads);
+  for (const PadInstance* pad : explicit_) add_stuck_tangent(model, data, *pad, pads);
   return bearable * longest_explicit_step(fastest_vibration(model, data, pads.bodies, pads.tangents));
 }
 
@@ -141,7 +196,7 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
   }
   if (more) {
     PadTangents pads;
-    for (const PadInstance* pad : explicit_) pad->add_touching_tangents(model, data, pads);
+    for (const PadInstance* pad : explicit_) add_touching_tangents(model, data, *pad, pads);
     const Vibration vibration = fastest_vibration(model, data, pads.bodies, pads.tangents);
     const double longest = bearable * longest_explicit_step(vibration);
     if (!(model->opt.timestep <= longest)) {

@@ -1,71 +1,64 @@
 // One pad inside MuJoCo: an instance of the plugin `slipbench.field` in one mjData.
 //
-// All state that outlives a step is in mjData's plugin_state (except after keep_state()), so that
-// mj_getState, mj_setState, mj_copyData and resets handle it. (MuJoCo's keyframes hold no plugin
-// state: they restart the pads.) All other members are recomputed from it and from the kinematics
-// whenever either has changed.
+// All state that outlives a step is in mjData's plugin_state (plugin_state.h; except after
+// keep_state()), so that mj_getState, mj_setState, mj_copyData and resets handle it. (MuJoCo's
+// keyframes hold no plugin state: they restart the pads.) All other members are recomputed from it
+// and from the kinematics (pad_kinematics.h) whenever either has changed.
 //
 // - A force is that of a trial from the last committed anchors (compute PASSIVE). It commits
 //   nothing, so extra mj_forward calls, finite differences and the stages of RK4 do not change the
 //   anchors.
 // - `advance` commits the trial at the kinematics of the step's start: MuJoCo has not computed
 //   newer ones by then.
-// - A pad far from all that it may touch rests: its elements are not evaluated, and its readings do
-//   not change. It stores its last pose, so that the step in which it comes back is bit-identical
-//   to one without rest.
-// - The springs obey the friction law of sim/contact; the dashpots are added to their force, and
-//   the sum is kept inside the friction cone. Labels and sensors read the springs: the force that
+// - A pad far from all that it may touch is idle: its elements are not evaluated, and its readings
+//   (pad_readout.h) do not change. It stores its last pose, so that the step in which it comes back
+//   is bit-identical to one without idling.
+// - The springs obey the friction law of sim/contact; the dashpots are added to their force, and the
+//   sum is kept inside the friction cone. Labels and sensors read the springs: the force that
 //   deflects a unit's tip.
-//
-// sensordata of one instance: the values of the sensor, in the order of its channels. With
-// truth="true" these follow, with N units:
-//   unit_state [N] (0 detached, 1 stick, 2 slip, 3 partial), slip_velocity [N,2] m/s,
-//   slip_distance [N] m, margin [N], contact_force [N,3] N,
-//   state and state_micro (0 none, 1 non-slip, 2 incipient, 3 gross), stuck_fraction
-// The margin of a separated unit and stuck_fraction without contact are 1, or NaN with
-// unloaded="nan". The values are those of the state before the step, like all of MuJoCo's
-// sensordata.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <mujoco/mujoco.h>
-#include <Eigen/Core>
 
 #include "sim/api/contact_frame.h"
-#include "sim/api/pad_layout.h"
 #include "sim/api/sensor.h"
-#include "sim/contact/contact_labels.h"
 #include "sim/contact/field.h"
-#include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-#include "sim/mujoco/linear/stability.h"
 #include "sim/mujoco/pads/implicit.h"
 #include "sim/mujoco/pads/pad_config.h"
-#include "sim/mujoco/pads/site_watch.h"
+#include "sim/mujoco/pads/pad_kinematics.h"
+#include "sim/mujoco/pads/pad_readout.h"
+#include "sim/mujoco/pads/plugin_state.h"
 
 namespace slipbench {
 
-// Number of values of an instance in plugin_state, and in sensordata. MuJoCo asks for them before
-// the model has its meshes. pad_state_size() throws InputError if an effect does not fit a geom.
-std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue);
-std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue);
-
-// Returns a layout without dashpots, which the instance computes itself: it knows the velocities,
-// which a field would have to estimate.
-PadLayout without_dashpots(PadLayout layout);
+// Content of a pad's fields.
+//
+// - evaluate() leads from every phase to `evaluated`. From `committed` it need not load the state.
+// - measure() leads from `evaluated` to `measured`, and commit() from both to `committed`.
+// - New kinematics make a trial `outdated`. Another start of the step or another time are found by
+//   evaluate(), which then repeats the trial.
+// - After keep_state() the fields are the only copy of the state. evaluate() then refuses every
+//   phase but `committed`.
+enum class PadPhase : std::uint8_t {
+  outdated,   // neither the committed state nor a trial of the present kinematics
+  idle,       // likewise, and none is needed: add_force() has found nothing in reach
+  committed,  // the committed state
+  evaluated,  // the trial of the present kinematics
+  measured,   // likewise, and labels and sensor have read it
+};
 
 class PadInstance {
  public:
   // Throws InputError if a geom cannot be touched or an effect does not fit it.
   PadInstance(const mjModel* model, int instance, PadConfig config, const PadCatalogue& catalogue);
 
+  // Callbacks of MuJoCo (field_plugin.cc).
   // Adds the force of the pad's elements on its body and on the touched ones to qfrc_passive. Needs
   // positions and velocities.
   void add_force(const mjModel* model, mjData* data);
@@ -75,142 +68,87 @@ class PadInstance {
   void commit(const mjModel* model, mjData* data);
   // Copies the state that mj_copyData omits: all that a half-done step needs from its first half.
   void copy_from(const PadInstance& other) { computed_at_ = other.computed_at_; }
+  // Draws every element, coloured by its state, with an arrow for the force on it.
+  void draw(const mjModel* model, mjData* data, mjvScene* scene);
 
-  // For the group of all pads (field_plugin.h):
+  // For the group of all pads (pad_group.h):
   // True if a step has been committed since the last reset.
-  [[nodiscard]] bool placed(const mjModel* model, mjData* data) const;
-  // After add_force(): force and torque of the elements of field `k` on the pad, springs and
-  // dashpots, in the frame of its surface.
-  [[nodiscard]] const Wrench& applied(std::size_t k) const { return touched_[k].applied; }
+  [[nodiscard]] bool placed(const mjModel* model, mjData* data) const { return state(model, data).placed(); }
+  // After add_force(): true if nothing is in reach, so that no field was evaluated.
+  [[nodiscard]] bool idle() const { return phase_ == PadPhase::idle; }
   // After add_force(): number of elements that touch the geom of field `k`.
-  [[nodiscard]] std::size_t touching(std::size_t k) const { return rested_ ? 0 : fields_[k].touching(); }
-  // Adds, for every touched geom, the tangent of the elements that touch in the trial, taken as
-  // stuck.
-  void add_touching_tangents(const mjModel* model, const mjData* data, PadTangents& pads) const;
-  // Adds the pad's tangent with all elements stuck on the touched body on which it vibrates
-  // fastest, moved onto that body if it is separated.
-  void add_stuck_tangent(const mjModel* model, mjData* data, PadTangents& pads) const;
+  [[nodiscard]] std::size_t touching(std::size_t k) const { return idle() ? 0 : fields_[k].touching(); }
   // Describes the pad for implicit.h before any motion: one entry per touched geom.
   void describe(const mjModel* model, std::vector<ImplicitPad>& pads) const;
   // Instead of add_force(): starts the trial at the present pose, one entry per touched geom. The
   // solver owns the fields until forget_trial().
   void begin_implicit(const mjModel* model, mjData* data, std::vector<ImplicitContact>& contacts);
-  void forget_trial() { evaluated_ = fields_hold_state_ = false; }
+  void forget_trial() { phase_ = PadPhase::outdated; }
   // The solver's memory of this pad, in plugin_state.
   [[nodiscard]] std::span<double> implicit_memory(const mjModel* model, mjData* data) const {
-    return parts(model, data).implicit;
+    return state(model, data).implicit();
   }
 
-  // Draws every element, coloured by its state, with an arrow for the force on it.
-  void draw(const mjModel* model, mjData* data, mjvScene* scene);
-
+  // For scenes of this program (sim/mujoco/bodies):
   // The last committed contact: at the time of the state before the step. Events are those of that
   // step. Available for pads with a sensor in the model; for others only after watch(), which must
   // be called before the first step, since their contact could not be read.
-  [[nodiscard]] const ContactFrame& truth(FramePart part) { return labels_.fill(fields_, part); }
-  void disable_slip_angle() { labels_.disable_slip_angle(); }
-  void watch() { watched_ = true; }
+  [[nodiscard]] const ContactFrame& truth(FramePart part) { return readout_.truth(fields_, part); }
+  void disable_slip_angle() { readout_.disable_slip_angle(); }
+  void watch() { readout_.watch(); }
   // Excludes the fields' state from plugin_state from here on, which takes a quarter of a large
   // pad's time. For the sole user of an mjData, who steps it in sequence from its start, explicitly
-  // and by a one-stage integrator. mj_setState, mj_copyData and resets then do not include this
-  // state, and a second trial from the same state is refused. The plugin's sensor is then not read,
-  // and its sensordata does not change.
-  void keep_state() {
-    keeps_state_ = true;
-    feels_every_tick_ = false;
-  }
-  [[nodiscard]] Sensor& sensor() { return *sensor_; }
+  // and by a one-stage integrator; call it between two steps. mj_setState, mj_copyData and resets
+  // then do not include this state, and a second trial from the same state is a std::logic_error.
+  // The plugin's sensor is then not read, and its sensordata does not change.
+  void keep_state();
+  [[nodiscard]] Sensor& sensor() { return readout_.sensor(); }
   [[nodiscard]] const PadConfig& config() const { return config_; }
   [[nodiscard]] std::span<const Field> fields() const { return fields_; }
+  [[nodiscard]] const PadKinematics& kinematics() const { return kinematics_; }
+  // After add_force(): force and torque of the elements of field `k` on the pad, springs and
+  // dashpots, in the frame of its surface.
+  [[nodiscard]] const Wrench& applied(std::size_t k) const { return applied_[k]; }
   // After a commit and until the next kinematics: pose and velocity of the pad in the frame of
   // field `k`'s surface.
-  [[nodiscard]] const Pose& pad_in_surface(std::size_t k) const { return touched_[k].pad_in_surface; }
-  [[nodiscard]] const Twist& motion(std::size_t k) const { return touched_[k].motion; }
+  [[nodiscard]] const Pose& pad_in_surface(std::size_t k) const { return kinematics_.touched()[k].pad_in_surface; }
+  [[nodiscard]] const Twist& motion(std::size_t k) const { return kinematics_.touched()[k].motion; }
 
  private:
-  // A touched geom and its surface.
-  struct Touched {
-    int geom;
-    int body;
-    Pose surface_in_geom;
-    Surface shape;
-    SiteWatch watch;
-    // m, distance between the origins of pad and geom beyond which nothing touches; 0: unknown.
-    double reach;
-    Pose pad_in_surface{};
-    Twist motion{};  // of the pad in the surface's frame
-    // of the last add_force()
-    Wrench applied{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  };
-  // Parts of the instance's share of plugin_state. `fields`: the fields' states, the poses of the
-  // pad and its touched geoms when it was last found at rest, and its phase.
-  struct Parts {
-    std::span<double> header, fields, implicit, memory, held, truth;
-  };
-
-  [[nodiscard]] Parts parts(const mjModel* model, mjData* data) const;
-  bool locate(const mjModel* model, const mjData* data);
-  [[nodiscard]] bool sees_the_same(const mjModel* model, const mjData* data);
-  void evaluate(const Parts& state, double time);
-  [[nodiscard]] bool is_idle(const mjModel* model, const mjData* data, const Parts& state, double time);
-  void commit_idle(const mjData* data, const Parts& state, double time);
-  [[nodiscard]] bool sample_is_due(double time, double next) const;
-  [[nodiscard]] bool stays_clear(const mjModel* model, const mjData* data, const Parts& state);
-  void check_site(const mjModel* model, bool placed);
+  [[nodiscard]] PluginState state(const mjModel* model, mjData* data) const;
+  [[nodiscard]] bool holds_trial() const { return phase_ == PadPhase::evaluated || phase_ == PadPhase::measured; }
+  void locate(const mjModel* model, const mjData* data);
+  [[nodiscard]] bool is_idle(const mjModel* model, const mjData* data, const PluginState& state, double time);
+  void evaluate(const PluginState& state, double time);
+  void load(const PluginState& state);
+  void save(const PluginState& state);
+  void step_fields(double dt);
+  void measure(const PluginState& state);
+  void check_model(const mjModel* model) const;
+  void check_site(const mjModel* model, const PluginState& state);
   void refuse_lost(const mjModel* model) const;
-  void judge(const Parts& state);
-  void measure(const Parts& state);
-  void remember_readings(const Parts& state);
-  void refuse_what_cannot_work(const mjModel* model) const;
 
   PadConfig config_;
   int instance_;
-  std::unique_ptr<Sensor> sensor_;
-  std::vector<std::span<double>> sensor_memory_;
-  bool feels_every_tick_;             // the sensor also uses the contact at steps without a sample
-  std::vector<double> first_memory_;  // of a new sensor: meaning of a state of zeros
-  std::vector<Touched> touched_;
-  std::vector<Field> fields_;           // one per touched geom
-  std::vector<Pose> pads_in_surfaces_;  // of the last trial
-  std::vector<Twist> motions_;
-  ContactLabels labels_;
-  std::size_t readings_;      // number of values of the sensor and the truth
-  std::size_t truth_;         // number of values of the truth
-  std::vector<int> outputs_;  // addresses in sensordata
-  bool watched_;              // labels and sensor are read
-  double step_;               // s
-  double sample_time_;        // s, 0: every step
+  double step_;  // s
+  PadReadout readout_;
+  PadKinematics kinematics_;
+  std::vector<Field> fields_;  // one per touched geom
+  PluginStateLayout layout_;
+  bool may_be_idle_;          // readings without contact never change, and only the sensor reads it
+  bool keeps_state_ = false;  // keep_state()
+  bool warned_ = false;       // of the site
 
   // s, time of the kinematics: MuJoCo is at the end of the step when it calls for a commit.
   double computed_at_ = 0.0;
 
-  // The kinematics of the last locate(), and space for those of the next.
-  std::vector<double> seen_, sees_;
-
-  // The trial that the fields hold.
-  // The fields' state after the trial, for the implicit solver.
-  std::vector<double> ended_with_;
-  // The fields' state at the start of the trial.
-  std::vector<double> began_with_;
-  bool warned_ = false;  // of the site
-  bool evaluated_ = false;
-  bool judged_ = false;
-  bool measured_ = false;
-  // Readings without contact never change, and only the sensor reads it.
-  bool may_rest_ = false;
-  bool rested_ = false;  // in the last add_force()
-  // True if the pad is far from all that it may touch, at the pose of locate().
-  std::optional<bool> clear_;
-  // keep_state(); the fields are beyond the last committed state.
-  bool keeps_state_ = false, tried_ = false;
-  // The fields are in the stored state: no load needed.
-  bool fields_hold_state_ = false;
-  double time_ = 0.0;  // s
-  double dt_ = 0.0;    // s, since the commit
-  // The sensor has taken a sample; otherwise its values are in the state.
-  bool sampled_ = false;
-  std::span<const float> sample_;  // valid until the next sample
-  double next_sample_ = 0.0;
+  PadPhase phase_ = PadPhase::outdated;
+  double time_ = 0.0, dt_ = 0.0;    // s, of the last trial: its end, and since the commit
+  std::vector<double> began_with_;  // PluginState::start() of the last trial
+  std::vector<double> ended_with_;  // the fields' state after the trial, for the implicit solver
+  std::vector<Wrench> applied_;     // of the last add_force()
+  std::vector<Pose> poses_;         // space for the pad in each surface, and its motion there
+  std::vector<Twist> motions_;
 };
 
 }  // namespace slipbench

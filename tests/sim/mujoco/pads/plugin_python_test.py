@@ -135,7 +135,7 @@ def run_scene(name, keyframe, seconds):
 
 class Scenes(unittest.TestCase):
     """The scenes of scenes/mujoco, unchanged. A PapillArray's sensordata: 27 forces, 27
-    displacements, then nine unit states (pad_instance.h).
+    displacements, then nine unit states (pad_readout.h).
     """
 
     def test_two_pads_hold_a_box(self):
