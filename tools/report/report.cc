@@ -6,7 +6,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -20,27 +19,16 @@
 #include "tools/dataset/reader.h"
 #include "tools/files/output_file.h"
 #include "tools/registry/program_catalogues.h"
+#include "tools/report/page_budget.h"
 #include "tools/report/report_grasp.h"
 #include "tools/report/report_recordings.h"
 #include "tools/report/report_summary.h"
 #include "tools/report/report_trial.h"
-#include "tools/statistics/descriptive.h"
 #include "tools/trial/recorded_scene.h"
 #include "tools/trial/sweep/warnings.h"
 
 namespace slipbench {
 namespace {
-
-// Maximum size of a page [bytes]: fits into an e-mail and opens at once. Rows and curves share the
-// space left by the scripts.
-constexpr std::size_t page_bytes = 19'000'000;
-constexpr std::size_t script_bytes = 700'000;
-constexpr std::size_t least_curve_bytes = 2'000'000;  // minimum, even with the rows of very many trials
-
-// Maximum number of values of one trial's curves, some 3 MB of noisy data; and the number of rows
-// below which curves show little.
-constexpr std::size_t most_curve_values = 4'000'000;
-constexpr std::size_t least_curve_rows = 24;
 
 constexpr std::string_view generator = "slipbench";
 constexpr const char* title_end = " · slipbench report";
@@ -73,57 +61,21 @@ TrialCurves curves_of(const TrialRecord& record, std::size_t values, const std::
   return curves;
 }
 
-// Divides the space for curves among trials. Embeds as many trials as possible while each has
-// enough rows to show something.
-class CurveShares {
- public:
-  // `first`: a representative trial; `row_bytes`: size of the overview's rows.
-  CurveShares(const TrialRecord& first, const std::string& subject, std::size_t trials, std::size_t row_bytes) {
-    if (first.sensors.empty()) return;
-    const TrialCurves whole = curves_of(first, most_curve_values, subject);
-    const std::size_t samples = std::max<std::size_t>(1, first.num_samples());
-    values_ = std::min(most_curve_values, whole.columns() * samples * first.sensors.size());
-    least_values_ = std::min(values_, whole.columns() * least_curve_rows * first.sensors.size());
-    const std::size_t taken = script_bytes + row_bytes;
-    const std::size_t room = taken + least_curve_bytes < page_bytes ? page_bytes - taken : least_curve_bytes;
-    const std::size_t least = curves_of(first, least_values_, subject).bytes() * 11 / 10;  // other trials may be larger
-    count_ = std::clamp<std::size_t>(room / least, 1, trials);
-    each_ = room / count_;
+// The budget of a page with these trials. `first`: a representative one; `trials`: number of those
+// that may have curves; `row_bytes`: size of the overview's rows.
+report::PageBudget budget_of(const TrialRecord& first, const std::string& subject, std::size_t trials, std::size_t row_bytes) {
+  if (first.sensors.empty()) return {};
+  const std::size_t columns = curves_of(first, report::most_curve_values, subject).columns() * first.sensors.size();
+  const report::CurveRange range = report::curve_range(columns, first.num_samples());
+  return {range, curves_of(first, range.coarsest, subject).bytes(), trials, row_bytes};
+}
+
+// Curves as fine as the budget allows.
+TrialCurves fitted_curves(const TrialRecord& record, const std::string& subject, report::PageBudget& budget) {
+  while (true) {
+    TrialCurves curves = curves_of(record, budget.curve_values(), subject);
+    if (budget.accept(curves.bytes())) return curves;
   }
-
-  // Number of trials with curves in the page.
-  [[nodiscard]] std::size_t count() const { return count_; }
-
-  // Curves as fine as the share allows. Unused space is not passed to other trials, so that all
-  // have the same resolution.
-  TrialCurves take(const TrialRecord& record, const std::string& subject) {
-    while (true) {
-      TrialCurves curves = curves_of(record, values_, subject);
-      const std::size_t bytes = curves.bytes();
-      if (bytes <= each_ || values_ <= least_values_) return curves;
-      const double share = 0.9 * static_cast<double>(each_) / static_cast<double>(bytes);
-      values_ = std::max(least_values_, static_cast<std::size_t>(share * static_cast<double>(values_)));
-    }
-  }
-
- private:
-  std::size_t values_ = 0, least_values_ = 0;
-  std::size_t count_ = 1;
-  std::size_t each_ = 0;  // bytes
-};
-
-// The trials with curves in the page: the requested one and others evenly spaced over the file.
-std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, std::size_t count,
-                                         const std::optional<std::size_t>& asked) {
-  std::vector<std::size_t> chosen;
-  for (const std::size_t k : evenly_spaced(trials.size(), count)) chosen.push_back(trials[k]);
-  if (asked && std::find(chosen.begin(), chosen.end(), *asked) == chosen.end()) {
-    // It replaces the nearest one.
-    const auto distance = [&](std::size_t trial) { return trial > *asked ? trial - *asked : *asked - trial; };
-    *std::min_element(chosen.begin(), chosen.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); }) =
-        *asked;
-  }
-  return chosen;
 }
 
 std::string description_of(const std::string& scene, const std::string& subject) {
@@ -227,15 +179,6 @@ std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<s
   }
 }
 
-// The trials in the overview, ascending: `embedded`, and others evenly spaced.
-std::vector<std::size_t> rows_of(const std::vector<std::size_t>& trials, const std::vector<std::size_t>& embedded,
-                                 std::size_t most) {
-  std::set<std::size_t> chosen(embedded.begin(), embedded.end());
-  const std::size_t count = std::min(most, trials.size());
-  for (std::size_t i = 0; i < count; ++i) chosen.insert(trials[i * trials.size() / count]);
-  return {chosen.begin(), chosen.end()};
-}
-
 // Throws InputError for a dataset without trials, and for a trial that it does not have.
 void check_reportable(const DatasetReader& dataset, const std::string& path, const std::optional<std::size_t>& trial) {
   const std::vector<std::size_t>& trials = dataset.trials();
@@ -275,7 +218,7 @@ struct Gathered {
 };
 
 // Reads the trials `shown`, with curves of those in `embedded`. Marks in `page` which are recorded.
-Gathered gather(const DatasetReader& dataset, const std::string& path, const ReportOptions& options, CurveShares& shares,
+Gathered gather(const DatasetReader& dataset, const std::string& path, const ReportOptions& options, report::PageBudget& budget,
                 const std::vector<std::size_t>& shown, const std::vector<std::size_t>& embedded, Json& page) {
   Gathered gathered;
   for (const std::size_t trial : dataset.trials()) {
@@ -284,7 +227,8 @@ Gathered gather(const DatasetReader& dataset, const std::string& path, const Rep
     const std::string subject = subject_of(path, trial);
     gathered.rows.push_back(trial_row(record, subject));
     if (!record.sensors.empty() && std::ranges::find(embedded, trial) != embedded.end()) {
-      TrialCurves own = trial == options.trial ? curves_of(record, most_curve_values, subject) : shares.take(record, subject);
+      TrialCurves own =
+          trial == options.trial ? curves_of(record, report::most_curve_values, subject) : fitted_curves(record, subject, budget);
       page["recorded"].push_back(trial);
       if (!own.grasp.is_null()) page["grasps"] = true;
       gathered.recordings.emplace_back("recording-" + std::to_string(trial),
@@ -308,13 +252,14 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   const TrialRecord first = dataset.read_trial(trials.front());
   const bool of_grasps = first.outcome.grasp.has_value();
   const std::string first_subject = subject_of(dataset_path, trials.front());
-  CurveShares shares(first, first_subject, std::min(trials.size(), options.max_trials.value_or(trials.size())),
-                     trial_row(first, first_subject).dump().size() * std::min(trials.size(), options.max_rows));
-  const std::vector<std::size_t> embedded = embedded_trials(trials, shares.count(), options.trial);
-  const std::vector<std::size_t> shown = rows_of(trials, embedded, options.max_rows);
+  report::PageBudget budget =
+      budget_of(first, first_subject, std::min(trials.size(), options.max_trials.value_or(trials.size())),
+                trial_row(first, first_subject).dump().size() * std::min(trials.size(), options.max_rows));
+  const std::vector<std::size_t> embedded = report::trials_with_curves(trials, budget.count(), options.trial);
+  const std::vector<std::size_t> shown = report::trials_with_rows(trials, embedded, options.max_rows);
 
   Json page = head_of(dataset, dataset_path, options);
-  Gathered gathered = gather(dataset, dataset_path, options, shares, shown, embedded, page);
+  Gathered gathered = gather(dataset, dataset_path, options, budget, shown, embedded, page);
   std::vector<Warning> warnings = read_scene(dataset.header(), trials, embedded, page);
   page["no_replay"] = no_replay(dataset.header(), page["overrides"], trials.front());
   if (shown.size() < trials.size()) {
