@@ -108,6 +108,28 @@ TrialSummary summary_of(const json& value) {
 
 }  // namespace
 
+FinishedTrial failed_trial(std::size_t trial, std::string why) {
+  FinishedTrial failed;
+  failed.summary.trial = trial;
+  failed.failure = std::move(why);
+  return failed;
+}
+
+TrialSummary summary_of(TrialResult& result) {
+  const TrialRecord& record = result.record;
+  TrialSummary summary{.trial = record.trial, .params = record.params, .outcome = record.outcome, .sensors = {}, .detector = {}};
+  for (std::size_t i = 0; i < record.sensors.size(); ++i) {
+    const SensorRecord& sensor = record.sensors[i];
+    summary.sensors.push_back(
+        {sensor.name, std::move(result.units[i]), sensor.labels.state_count, sensor.labels.state_micro_count});
+  }
+  if (record.control) summary.controller = record.control->controller;
+  if (record.control && !record.control->detector.empty()) {
+    summary.detector = {record.control->detector, record.control->sensor, record.control->confusion};
+  }
+  return summary;
+}
+
 std::string to_message(const FinishedTrial& trial) {
   const json value = {of_summary(trial.summary), trial.duration, trial.computed,
                       trial.time_step,           trial.failure,  trial.encoded ? of_encoded(*trial.encoded) : json()};
