@@ -66,7 +66,7 @@ bool rate_fits(const Input& input, double rate) {
   return std::abs(rate - input.rate) <= tolerance * input.rate;
 }
 
-struct Frames::State {
+struct Frames::State {  // all members are public, for the functions of the class below
   // Median of the latest `length` values, of fewer at the start.
   class Median {
    public:

@@ -147,10 +147,7 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
   }
   if (vectors == 0) return;
   const bool one_field = fields.size() == 1;
-  if (!all && !(one_field && single_)) {
-    feel(fields, vectors);
-    return;
-  }
+  if (!all && !(one_field && single_)) return feel(fields, vectors);
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
   const Field& front = fields.front();

@@ -94,6 +94,32 @@ Entry stage_entry() {
       }};
 }
 
+// Throws SceneValueError if settings of the sideways motion contradict each other.
+void check_sideways(const Parameters& p) {
+  const double stop = p.number("stop"), reverse = p.number("reverse"), travel = p.number("travel"), speed = p.number("speed");
+  if (reverse >= stop && std::isfinite(reverse)) {
+    throw SceneValueError("motion.reverse",
+                          fmt::format("{} comes after motion.stop ({}); it must be earlier",
+                                      format_quantity(reverse, Quantity::time), format_quantity(stop, Quantity::time)));
+  }
+  if (!std::isfinite(travel)) {
+    if (p.integer("strokes") == 1) return;
+    throw SceneValueError("motion.strokes",
+                          fmt::format("{} strokes need a length: set motion.travel, or use 1 stroke", p.integer("strokes")));
+  }
+  if (p.number("rotation") != 0.0) {
+    throw SceneValueError("motion.rotation",
+                          "motion.travel ends the sideways motion but not the rotation; with motion.travel it must be 0 deg/s");
+  }
+  if (std::isfinite(stop) || std::isfinite(reverse) || speed == 0.0) {
+    throw SceneValueError(
+        "motion.travel",
+        format_quantity(travel, Quantity::length) +
+            (speed == 0.0 ? " is never reached at motion.speed 0; set a speed"
+                          : " cannot be combined with motion.stop or motion.reverse, since both end the motion"));
+  }
+}
+
 class Stage final : public Motion {
  public:
   explicit Stage(const Parameters& p)
@@ -113,34 +139,16 @@ class Stage final : public Motion {
       throw SceneValueError("motion.start", fmt::format("{} is too early: pressing ends at {:.6g} s, so it must not be earlier",
                                                         format_quantity(start, Quantity::time), height_.end()));
     }
-    if (reverse >= stop && std::isfinite(reverse)) {
-      throw SceneValueError("motion.reverse",
-                            fmt::format("{} comes after motion.stop ({}); it must be earlier",
-                                        format_quantity(reverse, Quantity::time), format_quantity(stop, Quantity::time)));
-    }
-    const double travel = p.number("travel");
-    if (p.integer("strokes") > 1 && !std::isfinite(travel)) {
-      throw SceneValueError("motion.strokes",
-                            fmt::format("{} strokes need a length: set motion.travel, or use 1 stroke", p.integer("strokes")));
-    }
-    if (std::isfinite(travel) && rate != 0.0) {
-      throw SceneValueError("motion.rotation",
-                            "motion.travel ends the sideways motion but not the rotation; with motion.travel it must be 0 deg/s");
-    }
-    if (std::isfinite(travel)) {
-      if (std::isfinite(stop) || std::isfinite(reverse) || speed == 0.0) {
-        throw SceneValueError(
-            "motion.travel",
-            format_quantity(travel, Quantity::length) +
-                (speed == 0.0 ? " is never reached at motion.speed 0; set a speed"
-                              : " cannot be combined with motion.stop or motion.reverse, since both end the motion"));
-      }
+    check_sideways(p);
+    const bool has_travel = std::isfinite(p.number("travel"));
+    if (has_travel) {
+      const double travel = p.number("travel");
       for (std::int64_t stroke = 0; stroke < p.integer("strokes"); ++stroke) {
         way_.move(stroke == 0 ? start : way_.end(), stroke % 2 == 0 ? travel : -travel, speed, acceleration);
       }
     }
     for (const auto& [profile, top, limit] : {std::tuple{&way_, speed, acceleration}, std::tuple{&turn_, rate, angular}}) {
-      if (profile == &way_ && std::isfinite(travel)) continue;
+      if (profile == &way_ && has_travel) continue;
       profile->change_velocity(start, top, limit);
       if (std::isfinite(reverse)) profile->change_velocity(start + reverse, -top, limit);
       if (std::isfinite(stop)) profile->change_velocity(start + stop, 0.0, limit);

@@ -104,7 +104,7 @@ struct AccuracyScene {
 // grasp the cheaper one.
 enum class FieldSolver : std::uint8_t { automatic, explicit_springs, implicit_springs };
 
-struct Scene {
+struct Scene {  // more than 25 members: one for each key of a scene
   std::string description;
   double duration = 0.0;                       // s
   std::optional<double> time_step;             // s; empty: auto

@@ -213,6 +213,61 @@ constexpr std::array rules{
     "Oracle: reports a slip at its first instant. Signal known: reports a slip when its effect on all values exceeds three standard deviations of the "
     "sensor's noise."};
 
+// Columns of a table, which depend on the track.
+struct BoardColumns {
+  bool grasps, needless, windows;
+  std::vector<std::string> more;  // heads of the columns after those of every track
+};
+
+BoardColumns columns_of(const Json& set) {
+  const Json& rows = set.at("rows");
+  const auto has = [&](const char* key) { return !rows.empty() && rows[0].contains(key); };
+  BoardColumns columns{
+      .grasps = has("grasps"), .needless = has("grasps") && has("needless"), .windows = has("windows"), .more = {}};
+  if (columns.grasps)
+    columns.more = {"credit", "recall", "dropped", "not lifted", "force/least", "slip"};
+  else if (!set.contains("disturbance"))
+    columns.more = {"credit", "recall", "median delay", "median slip", "before gross slip", "early", "missed"};
+  if (columns.needless) columns.more.emplace_back("needless force");
+  if (columns.windows) {
+    const double length = rows[0].at("windows").at("length_s").get<double>();
+    columns.more.push_back(fmt::format("{:g} s windows: recall", length));
+    columns.more.emplace_back("specificity");
+  }
+  return columns;
+}
+
+std::vector<std::string> cells_of(const Json& row, const BoardColumns& columns) {
+  const Json& score = row.at("score");
+  std::vector<std::string> cells{row.at("detector").get<std::string>(),
+                                 row.at("rank").is_null() ? "–" : fmt::format("{}", row.at("rank").get<std::size_t>()),
+                                 row.at("kind").get<std::string>(),
+                                 points(score.at("value")),
+                                 score.at("low").is_null() ? "–" : points(score.at("low")) + " to " + points(score.at("high")),
+                                 shown(row.at("false_alarms_per_minute"), 1.0, "", 1),
+                                 shown(row.at("said"), percent, " %", 1)};
+  if (columns.more.empty()) return cells;
+  cells.push_back(points(row.at("credit")));
+  cells.push_back(share_of(row, "recall_of_slip"));
+  if (columns.grasps) {
+    const Json& grasp = row.at("grasps");
+    for (const char* lost : {"dropped", "not_lifted"})
+      cells.push_back(fmt::format("{} of {}", grasp.at(lost).get<std::size_t>(), grasp.at("trials").get<std::size_t>()));
+    cells.push_back(shown(grasp.at("force_ratio"), 1.0, "", 2));
+    cells.push_back(shown(grasp.at("slip_m"), ms, " mm", 1));
+    if (columns.needless) cells.push_back(points(row.at("needless")));
+    return cells;
+  }
+  const Json& figures = row.at("figures").at("figures");
+  cells.push_back(shown(figures.at("delay_median_s").at("value"), ms, " ms", 0));
+  cells.push_back(shown(figures.at("slip_distance_median_m").at("value"), ms, " mm", 3));
+  for (const char* share : {"before_gross_slip", "early", "missed"}) cells.push_back(share_of(row, share));
+  if (columns.windows) {
+    for (const char* share : {"recall", "specificity"}) cells.push_back(shown(row.at("windows").at(share), percent, " %", 0));
+  }
+  return cells;
+}
+
 }  // namespace
 
 BoardTable board_table(const Json& set) {
@@ -224,53 +279,10 @@ BoardTable board_table(const Json& set) {
                             set.at("sensor").get<std::string>(), counted(trials, "trial"));
   if (!disturbance.empty() && !set.at("rows").empty())
     table.title += fmt::format(", {} of them without slip", set.at("rows")[0].at("judged").get<std::size_t>());
-  const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
-  const bool needless = grasps && set.at("rows")[0].contains("needless");
+  const BoardColumns columns = columns_of(set);
   table.cells.head = {"", "rank", "kind", "score", "95 %", "false alarms/min", "false slip"};
-  std::vector<std::string> more;
-  if (grasps)
-    more = {"credit", "recall", "dropped", "not lifted", "force/least", "slip"};
-  else if (disturbance.empty())
-    more = {"credit", "recall", "median delay", "median slip", "before gross slip", "early", "missed"};
-  if (needless) more.emplace_back("needless force");
-  const bool windows = !set.at("rows").empty() && set.at("rows")[0].contains("windows");
-  if (windows) {
-    const double length = set.at("rows")[0].at("windows").at("length_s").get<double>();
-    more.push_back(fmt::format("{:g} s windows: recall", length));
-    more.emplace_back("specificity");
-  }
-  table.cells.head.insert(table.cells.head.end(), more.begin(), more.end());
-  for (const Json& row : set.at("rows")) {
-    const Json& score = row.at("score");
-    std::vector<std::string> cells{row.at("detector").get<std::string>(),
-                                   row.at("rank").is_null() ? "–" : fmt::format("{}", row.at("rank").get<std::size_t>()),
-                                   row.at("kind").get<std::string>(),
-                                   points(score.at("value")),
-                                   score.at("low").is_null() ? "–" : points(score.at("low")) + " to " + points(score.at("high")),
-                                   shown(row.at("false_alarms_per_minute"), 1.0, "", 1),
-                                   shown(row.at("said"), percent, " %", 1)};
-    if (!more.empty()) {
-      cells.push_back(points(row.at("credit")));
-      cells.push_back(share_of(row, "recall_of_slip"));
-    }
-    if (grasps) {
-      const Json& grasp = row.at("grasps");
-      for (const char* lost : {"dropped", "not_lifted"})
-        cells.push_back(fmt::format("{} of {}", grasp.at(lost).get<std::size_t>(), grasp.at("trials").get<std::size_t>()));
-      cells.push_back(shown(grasp.at("force_ratio"), 1.0, "", 2));
-      cells.push_back(shown(grasp.at("slip_m"), ms, " mm", 1));
-      if (needless) cells.push_back(points(row.at("needless")));
-    } else if (!more.empty()) {
-      const Json& figures = row.at("figures").at("figures");
-      cells.push_back(shown(figures.at("delay_median_s").at("value"), ms, " ms", 0));
-      cells.push_back(shown(figures.at("slip_distance_median_m").at("value"), ms, " mm", 3));
-      for (const char* share : {"before_gross_slip", "early", "missed"}) cells.push_back(share_of(row, share));
-      if (windows) {
-        for (const char* share : {"recall", "specificity"}) cells.push_back(shown(row.at("windows").at(share), percent, " %", 0));
-      }
-    }
-    table.cells.rows.push_back(std::move(cells));
-  }
+  table.cells.head.insert(table.cells.head.end(), columns.more.begin(), columns.more.end());
+  for (const Json& row : set.at("rows")) table.cells.rows.push_back(cells_of(row, columns));
   std::vector<std::string> of_others;
   for (const Json& one : set.at("left_out")) {
     const std::string name = one.at("detector").get<std::string>();

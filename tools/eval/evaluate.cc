@@ -380,6 +380,45 @@ Json training_warnings(const Options& options, std::size_t learnt, std::size_t j
   return warnings;
 }
 
+// The evaluated trials of a dataset.
+struct JudgedTrials {
+  std::vector<Judged> trials;     // at least one
+  Json left_out = Json::array();  // numbers of the trials that were not, since the detector was trained on them
+  std::size_t learnt = 0;         // of `trials`, those on which the detector was trained
+};
+
+JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, TruthRule labels,
+                           const network::Engine* network) {
+  const std::map<std::size_t, std::string> part_of = reader.split();
+  const std::set<std::string> seen = seen_trials(options.detector, options.trained);
+  const Catalogues catalogues = program_catalogues();
+  JudgedTrials judged;
+  for (const std::size_t trial : reader.trials()) {
+    const std::string part = part_of.contains(trial) ? part_of.at(trial) : "none", mask = part == "none" ? "" : part;
+    if (!options.split.empty() && mask != options.split) continue;
+    if (seen.contains(trial_identity(reader, trial))) {
+      if (!options.all) {
+        judged.left_out.push_back(trial);
+        continue;
+      }
+      ++judged.learnt;
+    }
+    try {
+      judged.trials.push_back(judged_trial(reader, trial, options, labels, catalogues,
+                                           network != nullptr ? network->description().alarm : network::Alarm{}));
+    } catch (const InputError& error) {
+      reject("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what());
+    }
+    judged.trials.back().facts.mask = mask;
+  }
+  if (judged.trials.empty()) {
+    reject("{}: no trial is left to evaluate: {}", options.dataset,
+           judged.left_out.empty() ? "its split '" + options.split + "' is empty"
+                                   : "the detector was trained on all of them; use other data, or --all");
+  }
+  return judged;
+}
+
 // Result as UTF-8 text, whatever bytes the file holds.
 std::string evaluated(const Options& options) {
   const DatasetReader reader = whole_dataset(options.dataset);
@@ -388,36 +427,8 @@ std::string evaluated(const Options& options) {
   const TruthRule labels = options.labels.value_or(recordings ? TruthRule::recorded : learnt_labels(options.trained));
   if (labels != TruthRule::recorded)
     reader.check_truth("eval --labels " + label_rule_name(labels), "--labels recorded, the labels of the recordings");
-  const std::map<std::size_t, std::string> part_of = reader.split();
-  const std::set<std::string> seen = seen_trials(options.detector, options.trained);
-  std::size_t learnt = 0;  // judged trials on which it was trained
-  const Catalogues catalogues = program_catalogues();
   const std::unique_ptr<network::Engine> network = network_of(options.detector);
-  std::vector<Judged> trials;
-  Json left_out = Json::array();
-  for (const std::size_t trial : reader.trials()) {
-    const std::string part = part_of.contains(trial) ? part_of.at(trial) : "none", mask = part == "none" ? "" : part;
-    if (!options.split.empty() && mask != options.split) continue;
-    if (seen.contains(trial_identity(reader, trial))) {
-      if (!options.all) {
-        left_out.push_back(trial);
-        continue;
-      }
-      ++learnt;
-    }
-    try {
-      trials.push_back(
-          judged_trial(reader, trial, options, labels, catalogues, network ? network->description().alarm : network::Alarm{}));
-    } catch (const InputError& error) {
-      reject("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what());
-    }
-    trials.back().facts.mask = mask;
-  }
-  if (trials.empty()) {
-    reject("{}: no trial is left to evaluate: {}", options.dataset,
-           left_out.empty() ? "its split '" + options.split + "' is empty"
-                            : "the detector was trained on all of them; use other data, or --all");
-  }
+  const auto [trials, left_out, learnt] = judged_trials(reader, options, labels, network.get());
   std::vector<Judgement> judgements;
   for (const Judged& trial : trials) judgements.push_back(trial.judgement);
   Json json = {{result_key, 1},

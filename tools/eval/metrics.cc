@@ -214,6 +214,37 @@ bool turns(const Scene* scene) {
   return rotation != values.end() && std::get<double>(rotation->second) != 0.0;
 }
 
+// True if an alarm at the time `alarm` is not before the slip, or by less than `grace` [s]. Without
+// slip, first_slip is NaN and no alarm is in time.
+bool in_time(const Truth& truth, double alarm, double grace) {
+  return alarm >= truth.first_slip || alarm > truth.first_slip - grace;
+}
+
+// Compares the alarm of the trial, if any, with the first slip.
+void judge_alarm(const Truth& truth, double grace, Judgement& result) {
+  const auto slipped = [&truth](double t) { return value_at(truth.time, truth.slip_distance, t); };
+  if (result.knows_distance && !std::isnan(truth.first_slip))
+    result.whole_slip_distance = truth.slip_distance.back() - slipped(truth.first_slip);
+  TrialOutcome outcome;
+  if (!std::isnan(result.alarm_time)) {
+    // Without slip it is a false alarm.
+    (in_time(truth, result.alarm_time, grace) ? outcome.detection_time : outcome.false_alarm_time) = result.alarm_time;
+  }
+  settle_detection(outcome, !std::isnan(truth.first_slip));
+  result.detection = *outcome.detection;
+  if (result.detection == Detection::seen && truth.time.size() > 1) {
+    // If both times are equal they may differ in the last digit.
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(truth.first_slip);
+    const double delay = result.alarm_time - truth.first_slip;
+    result.delay = delay <= rounding ? 0.0 : delay;
+    if (result.knows_distance) {
+      result.slip_distance =
+          std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));  // 0 for an alarm within the grace period
+      result.before_gross_slip = result.alarm_time < truth.gross_slip;
+    }
+  }
+}
+
 }  // namespace
 
 double alarm_time(const std::vector<double>& time, const Replayed& replayed, std::size_t row) {
@@ -241,8 +272,6 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   result.trial = trial;
   result.slip_time = truth.first_slip;
   result.knows_distance = !truth.slip_distance.empty();
-  // Without slip, first_slip is NaN and no alarm is in time.
-  const auto in_time = [&truth, grace](double alarm) { return alarm >= truth.first_slip || alarm > truth.first_slip - grace; };
   bool seen_before = false;
   for (std::size_t row = 0; row < rows; ++row) {
     const double time = truth.time[row];
@@ -260,7 +289,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
       }
     }
     const bool begins = !std::exchange(seen_before, slips(seen)) && slips(seen);
-    const bool graced = time < truth.first_slip && in_time(time);
+    const bool graced = time < truth.first_slip && in_time(truth, time, grace);
     if (!truth.counts(time)) continue;
     if (slips(seen) && std::isnan(result.alarm_time)) {
       // An alarm that began before alarms count is dated at the first sample that counts.
@@ -275,27 +304,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
       result.air_alarms += begins && !graced ? 1U : 0U;
     }
   }
-  const auto slipped = [&truth](double t) { return value_at(truth.time, truth.slip_distance, t); };
-  if (result.knows_distance && !std::isnan(truth.first_slip))
-    result.whole_slip_distance = truth.slip_distance.back() - slipped(truth.first_slip);
-  TrialOutcome outcome;
-  if (!std::isnan(result.alarm_time)) {
-    // Without slip it is a false alarm.
-    (in_time(result.alarm_time) ? outcome.detection_time : outcome.false_alarm_time) = result.alarm_time;
-  }
-  settle_detection(outcome, !std::isnan(truth.first_slip));
-  result.detection = *outcome.detection;
-  if (result.detection == Detection::seen && rows > 1) {
-    // If both times are equal they may differ in the last digit.
-    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(truth.first_slip);
-    const double delay = result.alarm_time - truth.first_slip;
-    result.delay = delay <= rounding ? 0.0 : delay;
-    if (result.knows_distance) {
-      result.slip_distance =
-          std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));  // 0 for an alarm within the grace period
-      result.before_gross_slip = result.alarm_time < truth.gross_slip;
-    }
-  }
+  judge_alarm(truth, grace, result);
   return result;
 }
 

@@ -62,6 +62,85 @@ std::string reason_against(const Scene& scene, const SensorScene& sensor, const 
   return {};
 }
 
+// Bodies that the sensor may touch; empty if the shape of one is unknown.
+std::vector<TouchedBody> touched_bodies(const Scene& scene, const SensorScene& sensor, const PadLayout& layout,
+                                        const TrialRecord& record) {
+  std::vector<TouchedBody> bodies;
+  const auto touch = [&](const std::string& name, const std::optional<Surface>& shape) {
+    if (!shape) return false;
+    bodies.push_back({ContactPoints(layout, *shape), &record.body(name)});
+    return true;
+  };
+  bool known = true;
+  if (scene.grasp) {
+    const std::vector<double>& size = record.body("box").size;
+    known = size.size() == 3 && touch("box", Box{0.5 * Eigen::Vector3d::Map(size.data())});
+  }
+  for (const std::string& name : sensor.touches) {
+    const auto body = std::ranges::find(scene.bodies, name, &BodyScene::name);
+    known = known && body != scene.bodies.end() && touch(name, surface_of(body->shape));
+  }
+  if (!known) bodies.clear();
+  return bodies;
+}
+
+// Depth of each element in the touched bodies [m] at a row of the record; 0: outside.
+void find_depths(const PadLayout& layout, const std::vector<TouchedBody>& bodies, const BodyRecord& pad, std::size_t row,
+                 std::vector<double>& depth) {
+  std::ranges::fill(depth, 0.0);
+  const Pose pad_pose = pose_in(pad, row);
+  for (const TouchedBody& body : bodies) {
+    const Pose at = pose_in(*body.motion, row).inverse() * pad_pose;
+    for (std::size_t e = 0; e < layout.elements.size(); ++e) {
+      const Element& element = layout.elements[e];
+      depth[e] = std::max(depth[e], -body.surface.at(at * element.tip, at.rotation * element.axis).gap);
+    }
+  }
+}
+
+// Checks one unit at one row. `depth`: of the elements [m]; `before`: at the previous row.
+class UnitCheck {
+ public:
+  UnitCheck(const PadLayout& layout, const TrialRecord& record, const SensorRecord& sensor, Verification& verification)
+      : layout_(layout), record_(record), sensor_(sensor), verification_(verification) {}
+
+  void check(std::size_t unit, std::size_t row, const std::vector<double>& depth, const std::vector<double>& before) {
+    const LabelRecord& labels = sensor_.labels;
+    const std::size_t units = labels.units(), i = row * units + unit;
+    const std::size_t first = layout_.units[unit].first, end = first + layout_.units[unit].count;
+    verification_.count(Check::contact, 1);
+    double most = 0.0, deepest = 0.0;
+    for (std::size_t e = first; e < end; ++e) {
+      most += layout_.elements[e].k_normal * (depth[e] + slack);
+      deepest = std::max(deepest, depth[e]);
+    }
+    const double normal = labels.force[3 * i + 2];
+    if (normal > most * (1.0 + of_force)) {
+      fail(unit, row, "force",
+           fmt::format("presses with {:.6g} N at a depth of {:.4g} mm, where its springs give at most {:.6g} N", normal,
+                       1e3 * deepest, most));
+    }
+    if (row == 0 || labels.unit_state[i] != 0 || labels.unit_state[i - units] == 0) return;
+    for (std::size_t e = first; e < end; ++e) {
+      if (depth[e] < 2.0 * slack || depth[e] < 0.5 * before[e]) continue;
+      fail(unit, row, "unit_state",
+           fmt::format("is detached, but element {} is still {:.4g} mm deep in the touched body", e, 1e3 * depth[e]));
+      return;
+    }
+  }
+
+ private:
+  void fail(std::size_t unit, std::size_t row, const char* array, const std::string& what) {
+    verification_.fail(Check::contact, {record_.trial, fmt::format("{}/{}", label_group(sensor_.name), array), row},
+                       fmt::format("unit {}: {}", unit, what));
+  }
+
+  const PadLayout& layout_;
+  const TrialRecord& record_;
+  const SensorRecord& sensor_;
+  Verification& verification_;
+};
+
 }  // namespace
 
 void check_contact(const Scene& scene, std::size_t index, const TrialRecord& record, const SensorRecord& sensor,
@@ -78,66 +157,19 @@ void check_contact(const Scene& scene, std::size_t index, const TrialRecord& rec
     verification.leave_out(Check::contact, "elements of one unit touch faces with different directions");
     return;
   }
-  std::vector<TouchedBody> bodies;
-  const auto touch = [&](const std::string& name, const std::optional<Surface>& shape) {
-    if (!shape) return false;
-    bodies.push_back({ContactPoints(layout, *shape), &record.body(name)});
-    return true;
-  };
-  bool known = true;
-  if (scene.grasp) {
-    const std::vector<double>& size = record.body("box").size;
-    known = size.size() == 3 && touch("box", Box{0.5 * Eigen::Vector3d::Map(size.data())});
-  }
-  for (const std::string& name : described.touches) {
-    const auto body = std::ranges::find(scene.bodies, name, &BodyScene::name);
-    known = known && body != scene.bodies.end() && touch(name, surface_of(body->shape));
-  }
-  if (!known || bodies.empty()) {
+  const std::vector<TouchedBody> bodies = touched_bodies(scene, described, layout, record);
+  if (bodies.empty()) {
     verification.leave_out(Check::contact, "geoms of a model file");
     return;
   }
 
-  const LabelRecord& labels = sensor.labels;
   const BodyRecord& pad = record.body(sensor.name);
-  const std::size_t units = labels.units();
+  UnitCheck checks(layout, record, sensor, verification);
   std::vector<double> before(layout.elements.size(), 0.0), depth(layout.elements.size(), 0.0);
   for (std::size_t row = 0; row < sensor.time.size(); ++row) {
     depth.swap(before);
-    std::ranges::fill(depth, 0.0);
-    const Pose pad_pose = pose_in(pad, row);
-    for (const TouchedBody& body : bodies) {
-      const Pose at = pose_in(*body.motion, row).inverse() * pad_pose;
-      for (std::size_t e = 0; e < layout.elements.size(); ++e) {
-        const Element& element = layout.elements[e];
-        depth[e] = std::max(depth[e], -body.surface.at(at * element.tip, at.rotation * element.axis).gap);
-      }
-    }
-    for (std::size_t unit = 0; unit < units; ++unit) {
-      const std::size_t first = layout.units[unit].first, end = first + layout.units[unit].count, i = row * units + unit;
-      const auto fail = [&](const char* array, const std::string& what) {
-        verification.fail(Check::contact, {record.trial, fmt::format("{}/{}", label_group(sensor.name), array), row},
-                          fmt::format("unit {}: {}", unit, what));
-      };
-      verification.count(Check::contact, 1);
-      double most = 0.0, deepest = 0.0;
-      for (std::size_t e = first; e < end; ++e) {
-        most += layout.elements[e].k_normal * (depth[e] + slack);
-        deepest = std::max(deepest, depth[e]);
-      }
-      const double normal = labels.force[3 * i + 2];
-      if (normal > most * (1.0 + of_force)) {
-        fail("force", fmt::format("presses with {:.6g} N at a depth of {:.4g} mm, where its springs give at most {:.6g} N",
-                                  normal, 1e3 * deepest, most));
-      }
-      if (row == 0 || labels.unit_state[i] != 0 || labels.unit_state[i - units] == 0) continue;
-      for (std::size_t e = first; e < end; ++e) {
-        if (depth[e] < 2.0 * slack || depth[e] < 0.5 * before[e]) continue;
-        fail("unit_state",
-             fmt::format("is detached, but element {} is still {:.4g} mm deep in the touched body", e, 1e3 * depth[e]));
-        break;
-      }
-    }
+    find_depths(layout, bodies, pad, row, depth);
+    for (std::size_t unit = 0; unit < sensor.labels.units(); ++unit) checks.check(unit, row, depth, before);
   }
 }
 

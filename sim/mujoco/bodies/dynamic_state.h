@@ -32,7 +32,7 @@
 
 namespace slipbench {
 
-struct DynamicSimulation::State {
+struct DynamicSimulation::State {  // all members are public, for the sources that implement the class
   using MjMatrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
   using MjVector = Eigen::Map<const Eigen::Vector3d>;
   static Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {MjMatrix(rotation), MjVector(position)}; }

@@ -104,7 +104,7 @@ double stiffness_of(const PadLayout& pad) {
 
 }  // namespace
 
-struct GraspSimulation::State {
+struct GraspSimulation::State {  // all members are public, for the functions of the class below
   // One finger and its state in MuJoCo.
   struct Finger {
     int qpos, dof;
