@@ -134,7 +134,7 @@ def figures_text(trained: Trained) -> str:
 def next_text(request: Request, trained: Trained) -> str:
     """Command that evaluates the trained detector on data outside of its training."""
     rule: str = trained.description["trained"]["labels"]
-    judged = "masked" if rule == "tightened" else rule
+    judged = "masked" if rule in ("tightened", "moved") else rule
     options = f" --sensor {shlex.quote(trained.sensors[0])} --labels {judged}"
     command = f"{styled(sys.stdout, '2', 'next:')} {os.environ.get('SLIPBENCH_CALLED_AS', 'slipbench')} eval {shlex.quote(request.output)} "
     data, part = trained.judged_from

@@ -477,8 +477,8 @@ TruthRule learnt_labels(const std::string& trained) {
   const Json& labels = said.at("labels");
   try {
     if (labels == "recorded") return TruthRule::strict;  // simulated trials lack the labels of recordings
-    // `tightened` exists in training only and differs from `masked` in grasps only.
-    if (labels == "tightened") return TruthRule::masked;
+    // These two exist in training only.
+    if (labels == "tightened" || labels == "moved") return TruthRule::masked;
     if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
   } catch (const InputError& error) {
     reject("the detector's metadata: trained.labels: {}; choose labels with --labels", error.what());

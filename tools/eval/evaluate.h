@@ -27,7 +27,7 @@ struct Options {
 std::string training_of(const DetectorScene& detector);
 
 // Label rule of a detector's training, from its metadata `trained`; `masked` for
-// `tightened`; `strict` without a rule. Throws InputError for an unknown rule.
+// `tightened` and `moved`; `strict` without a rule. Throws InputError for an unknown rule.
 TruthRule learnt_labels(const std::string& trained);
 // Digests of the trials used for training or for selecting the detector, whatever file they are in.
 // Throws InputError for an invalid list.

@@ -11,6 +11,7 @@
 #include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "sim/motion/motion_catalogue.h"
+#include "tools/dataset/record/slip_path.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
 
@@ -175,28 +176,6 @@ double lift_start(const Scene& scene, const TrialRecord& record) {
     if (arm[2 * row + 1] > 0.0F) return record.control->time[row] + motion.number("latency");
   }
   return std::numeric_limits<double>::infinity();
-}
-
-// Truth::slip_distance; empty for imported labels. It never decreases: a unit that detaches, or one
-// that starts to touch, does not change the path of the object, and without contact the path is
-// constant.
-std::vector<double> slip_distances(const LabelRecord& labels, std::size_t rows) {
-  const std::size_t units = labels.units();
-  if (units == 0 || labels.slip_distance.size() != rows * units) return {};
-  std::vector<double> paths;
-  double path = 0.0;
-  for (std::size_t row = 0; row < rows; ++row) {
-    double sum = 0.0, touching = 0.0;
-    for (std::size_t k = row * units; k < (row + 1) * units; ++k) {
-      if (labels.unit_state[k] == static_cast<std::uint8_t>(UnitState::detached)) continue;
-      sum +=
-          static_cast<double>(labels.slip_distance[k]) - (row == 0 ? 0.0 : static_cast<double>(labels.slip_distance[k - units]));
-      ++touching;
-    }
-    if (touching > 0.0) path += sum / touching;
-    paths.push_back(path);
-  }
-  return paths;
 }
 
 // Linear interpolation between the rows.
@@ -445,7 +424,7 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   }
   if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state, truth.time, truth.judged_from);
   truth.first_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
-  truth.slip_distance = slip_distances(sensor.labels, truth.time.size());
+  truth.slip_distance = slip_path(sensor.labels, truth.time.size());
   for (std::size_t row = 0; row < truth.stuck_fraction.size(); ++row) {
     if (truth.stuck_fraction[row] == 0.0F && truth.time[row] >= truth.first_slip) {
       truth.gross_slip = truth.time[row];

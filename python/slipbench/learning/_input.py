@@ -278,8 +278,8 @@ def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micr
     Args:
         datasets: paths of the first files
         frames: input definition
-        labels: "micro", "strict", "paper", "latched", "masked" or "tightened"; for recordings
-            "recorded"
+        labels: "micro", "strict", "paper", "latched", "masked", "tightened" or "moved"; for
+            recordings "recorded"
         classes: "slip" (hold, slip), "kind" (stable, translation, rotation) or "direction" (t, n,
             e, s, w, cw, aw)
         sensor: name in the scene; empty: every sensor that fits

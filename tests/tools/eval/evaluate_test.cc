@@ -33,6 +33,7 @@ TEST(LearntLabels, AreThoseOfTheTraining) {
   EXPECT_EQ(learnt_labels("not valid JSON"), TruthRule::strict);
   EXPECT_EQ(learnt_labels(R"({"labels": "masked"})"), TruthRule::masked);
   EXPECT_EQ(learnt_labels(R"({"labels": "tightened"})"), TruthRule::masked);
+  EXPECT_EQ(learnt_labels(R"({"labels": "moved"})"), TruthRule::masked);
   EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": "micra"})"); }), mentions({"trained.labels", "micra", "micro"}));
   EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": 1})"); }), mentions({"--labels"}));
 }

@@ -23,6 +23,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
+#include "tools/dataset/record/slip_path.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/myrmex_images.h"
 #include "tools/learning_data/samples.h"
@@ -135,9 +136,36 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
   return states;
 }
 
+// Declares the samples of a slip as stick if the object moves by less than moved_distance in this slip.
+void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<double>& path) {
+  for (std::size_t first = 0; first < states.size(); ++first) {
+    if (!slips(states[first])) continue;
+    std::size_t end = first;
+    while (end < states.size() && slips(states[end])) ++end;
+    if (path[end - 1] - (first == 0 ? 0.0 : path[first - 1]) < moved_distance) {
+      std::fill(states.begin() + static_cast<std::ptrdiff_t>(first), states.begin() + static_cast<std::ptrdiff_t>(end),
+                static_cast<std::uint8_t>(PadState::non_slip));
+    }
+    first = end;
+  }
+}
+
+// Masks the samples of each slip before the object has moved by moved_distance.
+void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states,
+                     const std::vector<double>& path) {
+  double begin = 0.0;
+  for (std::size_t row = 0; row < states.size(); ++row) {
+    if (!slips(states[row])) {
+      begin = path[row];
+    } else if (path[row] - begin < moved_distance) {
+      labels[row] = masked;
+    }
+  }
+}
+
 // The class of every sample.
 std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecord& sensor, LabelRule rule, ClassRule classes) {
-  const std::vector<std::uint8_t>& states = states_of(sensor, rule);
+  std::vector<std::uint8_t> states = states_of(sensor, rule);
   std::vector<std::uint8_t> labels;
   if (classes == ClassRule::direction) {
     const std::uint8_t direction = direction_of(record.params);
@@ -152,7 +180,13 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
     }
     return labels;
   }
-  const bool clear = rule != LabelRule::masked && (rule != LabelRule::tightened || record.outcome.grasp);
+  const std::vector<double> path = rule == LabelRule::moved ? slip_path(sensor.labels, states.size()) : std::vector<double>();
+  if (rule == LabelRule::moved) {
+    if (path.empty()) reject("the labels have no slip distance; expected those of `slipbench sweep`");
+    drop_small_slips(states, path);
+  }
+  const bool tightens = rule == LabelRule::tightened || rule == LabelRule::moved;
+  const bool clear = rule != LabelRule::masked && (!tightens || record.outcome.grasp);
   bool slipped = false;          // in this contact
   std::uint8_t latest = masked;  // class of its latest slip
   for (std::size_t row = 0; row < states.size(); ++row) {
@@ -168,6 +202,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
       labels.push_back(slipped && !clear ? masked : std::uint8_t{0});
     }
   }
+  if (rule == LabelRule::moved) mask_beginnings(labels, states, path);
   return labels;
 }
 

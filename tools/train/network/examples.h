@@ -33,13 +33,19 @@ enum class LabelRule {
   latched,  // micro, and from the first slip until contact is lost
   masked,  // micro; frames that stick again after a slip, before contact is lost, are masked: they still bear the shear that caused the slip
   tightened,  // on a stage masked, in a grasp micro, where frames that stick again are held, since the grip has tightened
-  recorded,   // no truth: the labels of an imported recording
+  // tightened for slips in which the object moves by moved_distance over the pad, masked until it has;
+  // a slip with less is stick
+  moved,
+  recorded,  // no truth: the labels of an imported recording
 };
 inline constexpr std::array label_words{
-    Choice<LabelRule>{"micro", LabelRule::micro},      Choice<LabelRule>{"strict", LabelRule::strict},
-    Choice<LabelRule>{"paper", LabelRule::paper},      Choice<LabelRule>{"latched", LabelRule::latched},
-    Choice<LabelRule>{"masked", LabelRule::masked},    Choice<LabelRule>{"tightened", LabelRule::tightened},
-    Choice<LabelRule>{"recorded", LabelRule::recorded}};
+    Choice<LabelRule>{"micro", LabelRule::micro},   Choice<LabelRule>{"strict", LabelRule::strict},
+    Choice<LabelRule>{"paper", LabelRule::paper},   Choice<LabelRule>{"latched", LabelRule::latched},
+    Choice<LabelRule>{"masked", LabelRule::masked}, Choice<LabelRule>{"tightened", LabelRule::tightened},
+    Choice<LabelRule>{"moved", LabelRule::moved},   Choice<LabelRule>{"recorded", LabelRule::recorded}};
+
+// m, least slip that slip-3 counts (least_slip_distance of tools/benchmark/protocol.h)
+inline constexpr double moved_distance = 0.05e-3;
 
 // Classes of slip.
 enum class ClassRule {

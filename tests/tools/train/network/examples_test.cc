@@ -1,5 +1,6 @@
 #include "tools/train/network/examples.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -108,6 +109,32 @@ TEST(Example, LatchesOrMasksRestAfterASlip) {
   grasp.outcome.grasp.emplace();
   EXPECT_THAT(example(sensor, LabelRule::masked, grasp).frames.label, ElementsAre(1, masked, 0));
   EXPECT_THAT(example(sensor, LabelRule::tightened, grasp).frames.label, ElementsAre(1, 0, 0));
+}
+
+// A slip of one unit from sample 150 to 350 by `step` m a sample; the frames end after 50 and 150
+// samples of slip, and after its end.
+SensorRecord slipping_skin(double step) {
+  SensorRecord sensor = skin();
+  set(sensor.labels.state_micro, 150, 350, PadState::gross);
+  sensor.labels.k_normal = {1.0};
+  sensor.labels.unit_state.assign(450, static_cast<std::uint8_t>(UnitState::stick));
+  for (int row = 0; row < 450; ++row)
+    sensor.labels.slip_distance.push_back(static_cast<float>(step * std::clamp(row - 149, 0, 200)));
+  return sensor;
+}
+
+// 0.5 um a sample: 25 um in the first frame, 75 um in the second.
+TEST(Example, CountsASlipOnceTheObjectHasMoved) {
+  TrialRecord grasp;
+  grasp.outcome.grasp.emplace();
+  EXPECT_THAT(example(slipping_skin(0.5e-6), LabelRule::tightened).frames.label, ElementsAre(1, 1, masked));
+  EXPECT_THAT(example(slipping_skin(0.5e-6), LabelRule::moved).frames.label, ElementsAre(masked, 1, masked));
+  EXPECT_THAT(example(slipping_skin(0.5e-6), LabelRule::moved, grasp).frames.label, ElementsAre(masked, 1, 0));
+  EXPECT_THAT(example(slipping_skin(0.2e-6), LabelRule::moved).frames.label, ElementsAre(0, 0, 0)) << "40 um";
+}
+
+TEST(Example, NeedsAPathForTheRuleMoved) {
+  EXPECT_THAT(refusal_of([] { example(skin(), LabelRule::moved); }), mentions({"slip distance"}));
 }
 
 // Four units at the corners of a square of 2 mm: all translate, turn about the middle, or do both,

@@ -83,8 +83,9 @@ continues a killed training with a bit-identical result.
 Labels: strict and micro are the truth (a unit slips as a whole, or a part of it slips), paper is the
 rule of the sensor's paper. Networks: latched is micro, and slip lasts until contact is lost; masked
 is micro without frames that stick again after a slip; tightened is masked on a stage and micro in a
-grasp. gst_hd: with has_slipped a pillar that slipped by the paper's rule counts as slipping until it
-loses contact.
+grasp; moved is tightened, but only slips in which the object moves by 0.05 mm or more count.
+gst_hd: with has_slipped a pillar that slipped by the paper's rule counts as slipping until it loses
+contact.
 
 Examples:
   slipbench train hexapod.h5 -o memories
@@ -98,7 +99,7 @@ Examples:
       .offers(train::recipe_names);
   arguments.text(
       "--labels RULE", labels_,
-      "Labels. gst_hd: paper, has_slipped, strict, micro (default: paper). Network: micro, strict, paper, latched, masked, tightened, recorded "
+      "Labels. gst_hd: paper, has_slipped, strict, micro (default: paper). Network: micro, strict, paper, latched, masked, tightened, moved, recorded "
       "(default: of the recipe)");
   arguments.text("--sensor NAME", options.sequences.sensor,
                  "Name of the sensor in the scene (default: the only one; network: every sensor that fits)");
