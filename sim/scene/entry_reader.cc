@@ -80,8 +80,9 @@ std::string json_text(const std::string& text) { return nlohmann::json(text).dum
 
 std::string json_number(double value) { return std::isfinite(value) ? format_number(value) : json_text(format_number(value)); }
 
-const std::string& text_of(const YamlNode& node, const std::string& path, const std::string& allowed) {
-  if (node.kind != YamlNode::Kind::scalar) fail(node.origin, path + " is " + described(node) + "; allowed: " + allowed);
+const std::string& text_of(const YamlNode& node, std::string_view path, std::string_view allowed) {
+  if (node.kind != YamlNode::Kind::scalar)
+    fail(node.origin, std::string(path) + " is " + described(node) + "; allowed: " + std::string(allowed));
   return node.text;
 }
 

@@ -48,14 +48,14 @@ std::vector<std::string_view> names_of(const Items& items) {
 
 // Returns the item called `name`. `noun`: the kind of item, for messages.
 template <class Item>
-const Item& named(const std::vector<Item>& items, const std::string& name, const Origin& origin, const std::string& noun) {
+const Item& named(const std::vector<Item>& items, const std::string& name, const Origin& origin, std::string_view noun) {
   const auto found = std::ranges::find(items, name, &Item::name);
-  if (found == items.end()) fail(origin, "unknown " + noun + " " + quote(name) + allowed_names(name, names_of(items)));
+  if (found == items.end()) fail(origin, "unknown " + std::string(noun) + " " + quote(name) + allowed_names(name, names_of(items)));
   return *found;
 }
 
 // Returns the text of a scalar. `path`: such as "motion.tilt.0".
-const std::string& text_of(const YamlNode& node, const std::string& path, const std::string& allowed);
+const std::string& text_of(const YamlNode& node, std::string_view path, std::string_view allowed);
 
 void require_map(const YamlNode& node, const std::string& where, const std::string& allowed);
 

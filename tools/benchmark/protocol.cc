@@ -219,13 +219,13 @@ const std::vector<Protocol>& protocols() {
   return all;
 }
 
-const Protocol& find_protocol(const std::string& name, const std::string& subject) {
+const Protocol& find_protocol(std::string_view name, std::string_view subject) {
   std::vector<std::string> names;
   for (const Protocol& protocol : protocols()) {
     if (protocol.name == name) return protocol;
     names.push_back(protocol.name);
   }
-  throw InputError(subject + ": unknown protocol " + quote(name) + allowed_names(name, names));
+  throw InputError(std::string(subject) + ": unknown protocol " + quote(name) + allowed_names(name, names));
 }
 
 std::string protocol_sha256(const Protocol& protocol) {

@@ -79,7 +79,7 @@ inline constexpr const char* default_protocol = "slip-2";
 // All protocols, the oldest first.
 const std::vector<Protocol>& protocols();
 // Returns the protocol of this name. Throws InputError, beginning with `subject`, if there is none.
-const Protocol& find_protocol(const std::string& name, const std::string& subject);
+const Protocol& find_protocol(std::string_view name, std::string_view subject);
 
 // Returns the SHA-256 (64 hexadecimal digits) of name, constants, both tables, and the bytes of
 // every scene and model in them. Throws InputError if a file cannot be read.
