@@ -33,8 +33,8 @@ enum class LabelRule {
   latched,  // micro, and from the first slip until contact is lost
   masked,  // micro; frames that stick again after a slip, before contact is lost, are masked: they still bear the shear that caused the slip
   tightened,  // on a stage masked, in a grasp micro, where frames that stick again are held, since the grip has tightened
-  // tightened for slips in which the object moves by moved_distance over the pad, masked until it has;
-  // a slip with less is stick
+  // As tightened, except that a slip which moves the object by less than moved_distance is stick.
+  // The frames of a larger slip are masked until the object has moved that far.
   moved,
   recorded,  // no truth: the labels of an imported recording
 };
