@@ -39,10 +39,10 @@ eval::Truth truth_of(const TrialRecord& record) {
 
 // A step of half a deviation adds 1/4 a sample, so the 9 of three deviations are reached by 36
 // samples. Both estimates scatter. The deviation of n independent values scatters by 1.17/sqrt(n)
-// [rousseeuw1993]; 1,500 second differences, which correlate by
-// -2/3 and 1/6, by some sqrt(1 + 2 (4/9 + 1/36)) times that, which is 4.2 %. The correlation of 500
-// samples, which is 0, scatters by 0.045, so that up to (1 - 0.09)^2 of the energy is left: 36 (1 -
-// 0.084) to 36 (1 + 0.084)/0.83, which are 33 to 47 samples.
+// [rousseeuw1993]; 1,500 second differences, which correlate by -2/3 and 1/6, by some
+// sqrt(1 + 2 (4/9 + 1/36)) times that, which is 4.2 %. The correlation of 500 samples, which is 0,
+// scatters by 0.045, so that up to (1 - 0.09)^2 of the energy is left: 36 (1 - 0.084) to
+// 36 (1 + 0.084)/0.83, which are 33 to 47 samples.
 TEST(SignalKnown, SeesAStepWhenItsEnergyIsThatOfThreeDeviations) {
   const TrialRecord record = recorded(0.5 * deviation), stuck = recorded(0.0);
   const eval::Truth truth = truth_of(record);
