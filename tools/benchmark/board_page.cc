@@ -203,13 +203,13 @@ constexpr std::array rules{
     "Open recordings: score = credit × min(1, limit / false alarms per minute) − share of the time without slip in which slip is reported. Early alarms count "
     "as false alarms.",
     "The credit of a recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at "
-    "the alarm; before slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. In slip-3 a recording is judged from the start of "
+    "the alarm; before slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. In slip-3 a recording is evaluated from the start of "
     "its motion; a recording that slips by less than least_slip_distance has no credit and is not counted in the columns after the score.",
     "Disturbed recordings: the score is the share of the recordings without an alarm. They have no ranks.",
-    "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 with the least force "
-    "that holds the box, and 0 from force_ratio times that force on or if the box is dropped or not lifted.",
-    "Boxes that the preset force holds have no credit; from slip-2 on the mean needless force on them is subtracted: 0 for the force without tightening, 1 "
-    "from force_ratio times that force on.",
+    "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 for the smallest "
+    "force that holds the box. It is 0 for force_ratio times this force or more, and if the box is dropped or not lifted.",
+    "Boxes that the preset force holds have no credit. From slip-2 on, the mean needless force on these boxes is subtracted: 0 for the force of a controller "
+    "that never tightens, 1 for force_ratio times this force or more.",
     "Oracle: reports a slip at its first instant. Signal known: reports a slip when its effect on all values exceeds three standard deviations of the "
     "sensor's noise."};
 
@@ -297,9 +297,8 @@ BoardTable board_table(const Json& set) {
 
 std::string board_page(const Json& result) {
   const Json& protocol = result.at("protocol");
-  const std::string name = protocol.at("name").get<std::string>(),
-                    part = protocol.at("whole").get<bool>() ? "" : ", a part of it";
-  std::string body = page::head_html(page_kind.generator, "Slip detectors on " + name + part, {opening});
+  const std::string name = protocol.at("name").get<std::string>(), part = protocol.at("whole").get<bool>() ? "" : "a part of ";
+  std::string body = page::head_html(page_kind.generator, "Slip detectors on " + part + name, {opening});
   body += overview_html(result.at("sets"));
   for (const Json& set : result.at("sets")) body += set_html(set);
   if (result.contains("transfer")) body += page::section_html("transfer", result.at("transfer").get<std::string>(), "");

@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::array<MeasureInfo, num_measures> measures{{
     {Measure::onset, "onset", "slip onset", "%", 100.0,
-     "by unit, difference of the times at which the unit begins to slip as a whole, divided by the time from first load to slip in the reference (at least 10 ms); if it slips in only one run, the time until the end of the trial, divided likewise; units whose first slips are different events (one ends before the other begins) are not counted"},
+     "by unit, difference of the times at which the unit begins to slip as a whole, divided by the time from the first load to the slip in the reference (at least 10 ms). If a unit slips in only one run, the difference is the time from its slip to the end of the trial. A unit is not counted if its first slip in one run ends before its first slip in the other run begins"},
     {Measure::micro_onset, "micro_onset", "first micro-slip", "%", 100.0,
      "as onset, for the time at which a first part of the unit begins to slip"},
     {Measure::slip_distance, "slip_distance", "slipped distance", "%", 100.0,
      "by slipping unit, difference of the slip distances at the last common time, divided by the largest slip distance of any unit in the reference (at least 1 um)"},
     {Measure::force, "force", "force", "%", 100.0,
-     "by sensor, root mean square of the difference of the units' contact forces at all common times, divided by the root mean square of the forces in the reference; if the runs have different units, of the pad's force"},
+     "by sensor, root mean square of the difference of the units' contact forces at all common times, divided by the root mean square of the forces in the reference. If the runs have different units, the forces of the pads are compared"},
     {Measure::creep, "creep", "creep", "um/s", 1e6,
      "by held body, difference of its drift speeds over its pad during the longest interval (at least 100 ms) in which the pad touches and no unit slips in the reference"},
     {Measure::label, "label", "labels", "%", 100.0,
@@ -31,11 +31,11 @@ constexpr std::array<MeasureInfo, num_measures> measures{{
     {Measure::label_micro, "label_micro", "pad state", "%", 100.0,
      "by sensor, share of the pad's states by the rule micro that differ at common times, among those with contact in either run"},
     {Measure::outcome, "outcome", "outcome", "%", 100.0,
-     "share of the trial's results that differ: whether the pad touches, slips partially, by a unit and as a whole; the result of the detector; whether the box is dropped, the grip reacts and the box stands"},
+     "share of the results of the trial that differ: whether the pad touches; whether a part of a unit, a whole unit and the whole pad slip; the result of the detector; whether the box is dropped, the grip reacts and the box stands"},
     {Measure::detector, "detector", "detector", "%", 100.0,
      "share of the loop's samples at common times at which the detector's class differs"},
     {Measure::signal, "signal", "signal", "%", 100.0,
-     "by channel of a sensor, root mean square of the difference of the readings at common times, divided by the standard deviation of the reference; noise is drawn once per sample, so it is equal in both runs only at the same output rate"},
+     "by channel of a sensor, root mean square of the difference of the readings at common times, divided by the standard deviation of the reference. Noise is drawn once per sample, so it is equal in both runs only at the same output rate"},
 }};
 
 constexpr double time_rounding = 1e-9;  // s, for times that are sums of decimal steps

@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/api/pad_state.h"
+#include "sim/core/counted.h"
 #include "tools/dataset/reader.h"
 #include "tools/files/reject.h"
 #include "tools/page/page.h"
@@ -90,13 +91,27 @@ void add_rows(page::TextTable& table, const TrialRecord& record) {
 }
 
 page::TextTable sensors_table(const TrialRecord& record) {
-  page::TextTable table{{"sensor", "type", "channel", "unit", "values per sample", "axes"}, {}};
+  page::TextTable table{{"sensor", "type", "channel", "unit", "values per sample"}, {}};
   for (const SensorRecord& sensor : record.sensors) {
     for (const SensorColumn& channel : sensor.channels)
-      table.rows.push_back(
-          {sensor.name, sensor.type, channel.name, channel.unit, fmt::format("{}", channel.row_size()), sensor.frame});
+      table.rows.push_back({sensor.name, sensor.type, channel.name, channel.unit, fmt::format("{}", channel.row_size())});
   }
   return table;
+}
+
+// Below the table: a column of sentences would make it wider than the page.
+std::string axes_html(const TrialRecord& record) {
+  std::vector<std::string> lines;
+  for (const SensorRecord& sensor : record.sensors) {
+    if (!sensor.frame.empty()) lines.push_back(fmt::format("Axes of {}: {}", sensor.name, sensor.frame));
+  }
+  return lines.empty() ? "" : page::list_html(lines);
+}
+
+// "imported from bts3v2", of the attribute "none: imported from bts3v2".
+std::string_view origin_of(std::string_view truth) {
+  constexpr std::string_view before = "none: ";
+  return truth.starts_with(before) ? truth.substr(before.size()) : truth;
 }
 
 // Properties that the import recorded, except the object, which is in the title.
@@ -147,7 +162,7 @@ std::string recordings_body(const DatasetReader& dataset, const std::string& fil
   std::string drawings, sensors;
   for (const std::size_t number : read) {
     const TrialRecord record = dataset.read_trial(number);
-    if (sensors.empty()) sensors = page::table_html(sensors_table(record));
+    if (sensors.empty()) sensors = page::table_html(sensors_table(record)) + axes_html(record);
     add_rows(table, record);
     for (const SensorRecord& sensor : record.sensors) {
       if (!sensor.labels.state_paper.empty()) rules.insert(sensor.labels.rule);
@@ -156,11 +171,10 @@ std::string recordings_body(const DatasetReader& dataset, const std::string& fil
       drawings += drawn(record, file, options.trial ? std::numeric_limits<std::size_t>::max() : first_channels);
   }
   std::vector<std::string> notes{
-      fmt::format("{} {}, written by slipbench {}", trials.size(), trials.size() == 1 ? "recording" : "recordings",
-                  header.version),
+      fmt::format("{}, written by slipbench {}", counted(trials.size(), "recording"), header.version),
       fmt::format(
-          "This dataset has no truth ({}), so the page shows signals, times and recorded labels. Contact, forces and slip of the units are not known.",
-          header.truth),
+          "The recordings were {}. They contain no truth, so the page shows signals, times and recorded labels. Contact, forces and slip of the units are not known.",
+          origin_of(header.truth)),
       rules.empty() ? "There are no recorded labels." : fmt::format("Recorded labels: {}", fmt::join(rules, "; "))};
   if (shown.size() < trials.size())
     notes.push_back(fmt::format("The signals of {} of the {} recordings are drawn; --trial K draws recording K.", shown.size(),

@@ -44,9 +44,9 @@ struct Recordings : slipbench::testing::FolderTest {
 TEST_F(Recordings, ShowsWhatThereIsAndSaysWhatThereIsNot) {
   const std::string page = page_of({recording(0, {})});
   EXPECT_TRUE(begins_as_report(page));
-  for (const char* text :
-       {"no truth (none: imported by a map)", "There are no recorded labels.", "force [N] over time [s]", ">left</text>",
-        "set/&lt;log&gt;.csv", "x along the finger", "<h2>Trial 0, cup</h2>", "id=\"trial-0\""})
+  for (const char* text : {"The recordings were imported by a map. They contain no truth", "There are no recorded labels.",
+                           "force [N] over time [s]", ">left</text>", "set/&lt;log&gt;.csv", "x along the finger",
+                           "<h2>Trial 0, cup</h2>", "id=\"trial-0\""})
     EXPECT_THAT(page, HasSubstr(text));
   // 5 samples in 1 s: 4 steps a second; the longest is 0.7 s and begins at 0.3 s. One value is
   // missing.

@@ -120,7 +120,7 @@ class TrainedOn(unittest.TestCase):
 class Refusals(unittest.TestCase):
     def test_what_cannot_be_is_refused(self):
         for table in (table1, fig12, table2, table3):
-            with self.assertRaisesRegex(InputError, "--trials.*--data alone"):
+            with self.assertRaisesRegex(InputError, "--trials.*use --data without --trials"):
                 table.study(Options(data="a.h5", trials=3))
             with self.assertRaisesRegex(InputError, "nowhere.h5"):
                 table.study(Options(real="nowhere.h5"))

@@ -271,7 +271,7 @@ Examples:
   arguments.number("--seed N", options.seed, "Seed of the split into train, valid and test (default: 1)", 0);
   arguments.then([this] {
     if (options.format == nullptr && options.map.empty())
-      reject("import: --map MAP, which describes the recordings, or --format {} is required",
+      reject("import: give --map MAP, a description of the recordings, or --format NAME; names: {}",
              fmt::join(import_format_names(), ", "));
     if (options.format != nullptr && !options.map.empty())
       reject("import: --map {}: the format {} has no map; give either --map or --format", options.map,

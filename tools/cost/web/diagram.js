@@ -338,7 +338,7 @@ class Diagram {
       measure.floor && 'The error of the reference is about ' + sb.measured(measure, measure.floor) +
           (visible ? '; errors in the hatched band are meaningless.' : ', below this diagram.'),
       choice.statistic !== 'worst' && 'The Pareto front is that of the worst error and is not drawn here.',
-      shown > drawn && (shown - drawn) + ' of ' + shown + ' runs have no value of this measure.'
+      shown > drawn && (shown - drawn) + ' of ' + shown + ' runs without a value of this measure.'
     ];
     const title = measure.title[0].toUpperCase() + measure.title.slice(1);
     return [title + ': ' + measure.definition + '.', parts.filter(part => part).join(' ')];

@@ -28,7 +28,7 @@ function reference() {
   return el(
       reference.converged ? 'p.note' : 'p.warning', {},
       !reference.converged && el('b', {}, 'The reference has not converged. '), reference.text,
-      ' (' + reference.kind + ': ' + reference.settings + ') ', sb.copyButton(reference.command));
+      ' ', sb.copyButton(reference.command));
 }
 
 const remarks = texts => texts.length ? sb.section('Remarks', '', el('ul', {}, texts.map(text => el('li', {}, text)))) : null;

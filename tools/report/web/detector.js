@@ -68,7 +68,7 @@ sb.detectorSection = trials => {
   const {type, sensor} = trials[0].detector;
   return sb.section(
       'Detector ' + sb.detectorName(type) + ' against the truth',
-      'Delays are of detected slips, without an alarm before the slip. Early: with an alarm before it. Shares are of the samples in contact. Recall of ' +
+      'Delays are those of detected slips. Early: slips with an alarm before them, which have no delay. Shares refer to the samples in contact. Recall of ' +
           'slip: share of the slipping samples that are detected as incipient or gross. Balanced accuracy: mean of the recalls.',
       figuresTable(trials, counts),
       type === 'truth' && sb.detections(trials).missed > 0 &&

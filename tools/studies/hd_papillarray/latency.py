@@ -94,7 +94,7 @@ def study(options: Options) -> Result:
     cycles = PUBLISHED_CYCLES | {f"ours: RTL core, {one.name}": one.cycles for one in unrollings}
     seconds = {PAPER_CPU: PUBLISHED[PAPER_CPU], **dict(software(options)), PAPER_FPGA: PUBLISHED[PAPER_FPGA], GRIPPER_CORE: PUBLISHED[GRIPPER_CORE],
                **{f"ours: RTL core, {one.name}": one.cycles / CLOCK for one in unrollings}}
-    table = Table("From a frame to its class", ["what", "cycles", "a sample", "faster than the published CPU", "than the published FPGA"],
+    table = Table("From a frame to its class", ["what", "cycles", "time per sample", "faster than the published CPU", "than the published FPGA"],
                   note="Software from levels to class unless the row says otherwise; medians. Cycles at 100 MHz.")
     for what, time in seconds.items():
         factors = [factor_text(PUBLISHED[name] / time) for name in (PAPER_CPU, PAPER_FPGA)]

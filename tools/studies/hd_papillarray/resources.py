@@ -69,7 +69,7 @@ def study(options: Options) -> Result:
         ModuleNotFoundError, InputError: as synthesise() and stored_figures()
     """
     core = synthesise(options) if options.synthesise else stored_figures()
-    table = Table("Latency against area", ["what", "cycles", "at 100 MHz", "cycles a sample", "LUT", "of the device", "FF", "of the device", "BRAM",
+    table = Table("Latency against area", ["what", "cycles", "at 100 MHz", "cycles per sample", "LUT", "of the device", "FF", "of the device", "BRAM",
                                            "of the device", "DSP", "levels"])
     table.rows = [
         ["paper", "42", "0.42 us", "-", "-", "28.1 %", "-", "14.9 %", "-", "19.2 %", "-", "-"],

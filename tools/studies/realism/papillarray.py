@@ -39,7 +39,7 @@ FILTER = "[low_pass]"
 CENTRE = 4
 SETUP = ("Real: a PapillArray of version 2.1 on a finger, 1,635 shuffled snapshots of a pulled cable, pillars 0, 3, 6 and 7; the filter's figures follow from the "
          f"data sheet. Ours: {SNAPSHOTS}, {DEVICES} devices of 40 loads each at 100 Hz; the filter: scenes/papillarray/stage.yaml with low_pass alone at 1 kHz. "
-         "Assumed: coupling in force and uniform within its limits, loads of like size, friction that holds every shear.")
+         "Assumed: coupling in force and uniform within its limits, loads of similar size, friction that holds every shear.")
 
 
 @dataclass

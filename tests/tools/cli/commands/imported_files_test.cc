@@ -80,8 +80,8 @@ TEST_F(ImportedFiles, ReadingsAreExported) {
 TEST_F(ImportedFiles, ReportAndViewShowTheReadings) {
   const std::string page = folder_ / "a.html";
   EXPECT_EQ(run_program_file({"report", data_}).status, 0);
-  EXPECT_THAT(bytes_of(page), AllOf(HasSubstr("no truth (none: imported from biotacsp-dos)"), HasSubstr("n/pen2.csv"),
-                                    HasSubstr("over time [s]"), HasSubstr("<h2>Trial 2, case</h2>")));
+  EXPECT_THAT(bytes_of(page), AllOf(HasSubstr("The recordings were imported from biotacsp-dos. They contain no truth"),
+                                    HasSubstr("n/pen2.csv"), HasSubstr("over time [s]"), HasSubstr("<h2>Trial 2, case</h2>")));
   std::filesystem::remove(page);
   const ChildResult viewed = run_program_file({"view", data_, "--trial", "1", "--json"});
   EXPECT_EQ(viewed.status, 0) << viewed.err;
