@@ -31,7 +31,7 @@ class PresetGrip final : public GripController {
 
 ControllerKind constant_force() {
   return {
-      {"constant_force", "Baseline: closes once to a grip force and then never moves, whatever force and slip do.",
+      {"constant_force", "Baseline: closes once to a grip force and then never moves; force and slip are ignored.",
        "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
        "F: sum of the pillars' normal forces. The position ends at 255 and stays there; fingers that touched nothing are then closed.",
        "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},

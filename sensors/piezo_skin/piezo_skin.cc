@@ -159,7 +159,7 @@ Entry piezo_skin_entry() {
           number_spec("rate", Quantity::frequency, "10 kHz", positive, "Sampling rate.", paper + ": 10 kHz"),
           integer_spec(
               "elements", "20", {1.0, 1000.0}, "Friction points of the contact, on Vogel's spiral, each of the same area.",
-              "assumed: a dry run had 20 to 100. The spectrum keeps its shape, but more elements average out: from 20 to 100 the signal of stick-slip falls by a third"),
+              "assumed; 20 to 100 elements were tried. The spectrum keeps its shape, but the signals of more elements average out: from 20 to 100 elements the signal of stick-slip falls by a third"),
           number_spec("radius", Quantity::length, "5 mm", positive_up_to(piezo::patch_half_width),
                       "Radius of the disc that a tip can touch.", "half the patch's width of 10 mm, " + paper),
           number_spec("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the touching tip; inf: flat.",

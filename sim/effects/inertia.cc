@@ -216,7 +216,7 @@ class Inertia final : public TipEffect {
 EffectKind inertia() {
   return {
       {"inertia",
-       "The tips have mass: elements ring, and stick and slip by themselves.",
+       "The tips have mass: elements ring, and alternate between stick and slip spontaneously.",
        "m a'' = k u + c u' - F in the plane; a: position of the tip on the surface, u = r - a: stretch, r: root, k: the sensor's tangential stiffness,\n"
        "m = k/(2 pi f)^2, c = 2 damping sqrt(k m), f = frequency exp(scatter g), g normal, drawn for each element\n"
        "stick: a is constant, F = k u + c r' up to mu_s f_n; slip: F = mu_k f_n along a', until a' is zero; integrated exactly at any step\n"

@@ -119,7 +119,7 @@ void refuse_unordered(double shortest, double longest) {
 EffectKind roughness() {
   return {
       {"roughness",
-       "A surface that is rough on many length scales, so a sliding tip feels noise.",
+       "A surface that is rough on many length scales: sliding causes noise in the forces.",
        "gap shrinks by h(x, y) = sum_j h_j(x cos a_j + y sin a_j), a_j = angle + pi j/directions\n"
        "h_j(s) = sum_n a n^-exponent cos(2 pi n s/L + phase), waves L/n from longest to shortest, L = 8 longest, random phases; rms of h: height\n"
        "directions 1: a ground surface with ridges across `angle`; 2: rms of height and slope are the same in all directions; 3: rms of curvature, too\n"
@@ -128,9 +128,10 @@ EffectKind roughness() {
        {number_spec("height", Quantity::length, "5 um", {0.0, 1e-3}, "Root mean square height.", "assumed: 2 to 10 um"),
         number_spec("exponent", Quantity::none, "2", {0.0, 5.0}, "Exponent with which the amplitude falls with the wave number.",
                     "assumed: 1.3 is a self-affine surface of H = 0.8; a rounded tip does not follow the short waves"),
-        number_spec("shortest", Quantity::length, "60 um", positive,
-                    "Shortest wave; a step must not move a root by more than a sixteenth of it.",
-                    "assumed: what 10 kHz resolves at 33 mm/s; a finer surface needs a shorter time_step"),
+        number_spec(
+            "shortest", Quantity::length, "60 um", positive,
+            "Shortest wave; a step must not move a root by more than a sixteenth of it.",
+            "assumed: the shortest wave that a rate of 10 kHz resolves at 33 mm/s; a finer surface needs a shorter time_step"),
         number_spec("longest", Quantity::length, "3 mm", positive, "Longest wave, at most 1000 times `shortest`.",
                     "assumed: the size of a contact patch"),
         integer_spec("directions", "3", {1.0, 8.0}, "Number of profiles that cross each other at equal angles.",

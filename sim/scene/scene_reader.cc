@@ -37,7 +37,7 @@ constexpr std::array<SceneKey, 28> keys{{
     {"friction", "Coefficients of friction that replace the material's, and a factor on both."},
     {"gravity", "Acceleration of gravity, downwards."},
     {"grip", "How a grasp's fingers close and hold."},
-    {"hold", "A body that must not move relative to what holds it."},
+    {"hold", "Condition that a body does not move relative to the sensor or body that holds it."},
     {"integrator", "How MuJoCo steps the bodies."},
     {"model", "Path of an MJCF file with bodies and actuators, relative to the scene's folder."},
     {"motion", "How the pad or the arm moves."},

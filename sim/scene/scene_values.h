@@ -80,10 +80,10 @@ inline const Entry split_entry{"split",
                                             "Shares of train, valid and test; they sum to 1.", "set for each scene")}};
 
 inline const ParameterSpec hold_from_spec =
-    number_spec("from", Quantity::time, "0 s", non_negative,
-                "Time from which on the body must not move relative to what holds it.", "set for each scene");
+    number_spec("from", Quantity::time, "0 s", non_negative, "Time from which on the body must not move relative to `against`.",
+                "set for each scene");
 inline const ParameterSpec hold_within_spec =
-    number_spec("within", Quantity::length, "10 mm", positive, "Distance that the body may move and still counts as held.",
+    number_spec("within", Quantity::length, "10 mm", positive, "Largest motion with which the body still counts as held.",
                 "10 mm: more than a finger's rolling and a skin's give, less than a fall");
 
 inline const ParameterSpec confidence_spec =

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::array all{
     RecipeLine{"gst_hd", "The hyperdimensional detector of a PapillArray, trained in one pass; writes a folder"},
-    RecipeLine{"piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32"},
-    RecipeLine{"piezo_mlp_128", "Spectra of 20 ms, each by itself, through four layers of 128"},
+    RecipeLine{"piezo_mlp", "Single spectra of 20 ms through four layers of 32"},
+    RecipeLine{"piezo_mlp_128", "Single spectra of 20 ms through four layers of 128"},
     RecipeLine{"piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8"},
     RecipeLine{"piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32"},
     RecipeLine{"piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32"},

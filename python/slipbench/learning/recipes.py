@@ -85,8 +85,8 @@ def _piezo() -> list[Recipe]:
             frames, network, Training(steps=steps, batch=batch, clip=128, learning_rate=rate, final_rate=0.02, validate_every=steps // 20), labels="paper")
 
     return [
-        recipe("piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32", "MLP 32", partial(networks.PiezoMlp, width=32), 1000, 64, 1e-2),
-        recipe("piezo_mlp_128", "Spectra of 20 ms, each by itself, through four layers of 128", "MLP 128", partial(networks.PiezoMlp, width=128), 500, 64, 3e-3),
+        recipe("piezo_mlp", "Single spectra of 20 ms through four layers of 32", "MLP 32", partial(networks.PiezoMlp, width=32), 1000, 64, 1e-2),
+        recipe("piezo_mlp_128", "Single spectra of 20 ms through four layers of 128", "MLP 128", partial(networks.PiezoMlp, width=128), 500, 64, 3e-3),
         recipe("piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8", "TCN 128, kernel 8", networks.PiezoTcn, 800, 16, 1e-3),
         recipe("piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32", "FFT GRU 32", networks.PiezoGru, 300, 64, 4e-3),
         recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", networks.PiezoGru, 300, 64, 4e-3, signal),

@@ -160,9 +160,11 @@ void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Compare slip detectors by one protocol", R"(
 Ranks detectors on a board: the included detectors, those that the protocol trains, the given
 DETECTORs, and negative controls. The controls do not read the sensor: they always or never report
-slip, report it from a fixed time on, or know the commanded motion. A protocol consists of fixed recordings and grasps (scenes/benchmark/PROTOCOL), which share no
-seed with the training data, and of a score that false alarms lower
-(tools/benchmark/README.md).
+slip, report it from a fixed time on, or know the commanded motion.
+
+A protocol consists of fixed recordings and grasps (scenes/benchmark/PROTOCOL) and of a score
+(tools/benchmark/README.md). The seeds of recordings and grasps differ from those of the training
+data. False alarms lower the score.
 
 The board has three tracks: open recordings; closed loop, where a gripper tightens when the detector
 reports slip; and transfer (--real), where detectors trained on simulations are evaluated on
@@ -173,8 +175,8 @@ DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a fo
 
 --verify recomputes a submission. It prints the first difference and exits with status 1 if a number
 differs by more than 1e-9 (the rounding of MuJoCo, FFTW and networks on other processors), or if
-anything else differs. A plugin is other people's code; its library runs only if
---set library=PATH names it.
+anything else differs. The library of a plugin in the submission is loaded only if
+--set library=PATH names it, because a plugin may contain foreign code.
 
 Examples:
   slipbench benchmark -o board.html

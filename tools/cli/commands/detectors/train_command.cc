@@ -65,12 +65,13 @@ or with --all, a fifth of the trials is held out for the test of a network, and 
 for validation. With --split, a fifth of the materials, objects or octaves of speed is held out.
 
 gst_hd makes one pass over the data. It first draws six random partitions by sequence and, for
-comparison, by frame: within each compression and speed, as many sequences as there are, drawn with
-replacement; sequences that are never drawn are the test. Draw 0 serves to choose options, draws 1 to
-5 give the printed figures. The saved classifier is trained on all sequences. --epochs adds passes
-that correct misclassified frames; the paper has no such passes. --encoder: shdc encodes the pillars
-of one frame, sthdc those of a window, gsthdc graphs of the pillars over a window. --compat: paper
-bundles each frame anew, published_core keeps the counts of the pillars over a window.
+comparison, six by frame. A draw takes from each combination of compression and speed as many
+sequences as there are, with replacement; sequences that are not drawn are the test set. Use draw 0
+to choose options; draws 1 to 5 give the printed figures. The saved classifier is trained on all
+sequences. --epochs adds passes that correct misclassified frames; the paper has no such passes.
+--encoder: shdc encodes the pillars of one frame, sthdc the pillars of a window, gsthdc graphs of
+the pillars over a window. --compat: paper bundles each frame anew, published_core keeps the counts
+of the pillars over a window.
 
 The output of a network is an ONNX file with the complete detector, including its operating point:
 the threshold, the consecutive frames that begin and end an alarm, and the minimum duration of an
@@ -83,7 +84,7 @@ continues a killed training with a bit-identical result.
 Labels: strict and micro are the truth (a unit slips as a whole, or a part of it slips), paper is the
 rule of the sensor's paper. Networks: latched is micro, and slip lasts until contact is lost; masked
 is micro without frames that stick again after a slip; tightened is masked on a stage and micro in a
-grasp; moved is tightened, but only slips in which the object moves by 0.05 mm or more count.
+grasp; moved is tightened without slips in which the object moves by less than 0.05 mm.
 gst_hd: with has_slipped a pillar that slipped by the paper's rule counts as slipping until it loses
 contact.
 
