@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/counted.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/dataset/record/json.h"

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/dataset/finished_dataset.h"
@@ -26,8 +27,8 @@ std::string keep_finished(SweepWriter& writer, std::size_t planned) {
     // The disk may still be full. Batches finished earlier exist.
   }
   if (writer.finished() == 0) return "";
-  return fmt::format("; {} contains {} of {} trials; continue by the same command with --resume", writer.folder(),
-                     writer.finished(), planned);
+  return fmt::format("; {} contains {} of {}; continue by the same command with --resume", writer.folder(), writer.finished(),
+                     counted(planned, "trial"));
 }
 
 // Summary of a trial that an earlier run finished. A dataset does not contain the outcome of each
