@@ -50,7 +50,7 @@ ControllerKind force_ratio() {
       {"force_ratio", "Keeps the ratio of tangential to normal force below an assumed friction coefficient with a margin.",
        "target = max(preset, sum |f_t| / (mu margin)), or max(preset, F max(|f_t|/f_n) / (mu margin))\n"
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
-       "f_t, f_n: tangential and normal force of a pillar; F: sum of f_n. The position ends at 255 and stays there.",
+       "f_t, f_n: tangential and normal force of a pillar; F: sum of f_n. The position stops at 255.",
        "Coulomb's law; grip force kept in proportion to the load: Westling and Johansson, Exp. Brain Res. 53 (1984) 277",
        with_registers(
            {number_spec("mu", Quantity::none, "0.35", positive,

@@ -95,7 +95,8 @@ ParameterSpec force_per_count_spec() {
 
 ParameterSpec ceiling_spec() {
   return number_spec("ceiling", Quantity::force, "inf", positive_or_infinite,
-                     "Grip force above which no count is added; a stronger grip is not loosened.", "published: no limit");
+                     "Grip force above which no count is added; a stronger grip is not loosened.",
+                     "the published controller has none");
 }
 
 ParameterSpec loosen_spec() {

@@ -30,21 +30,20 @@ class PresetGrip final : public GripController {
 }  // namespace
 
 ControllerKind constant_force() {
-  return {
-      {"constant_force", "Baseline: closes once to a grip force and then never moves; force and slip are ignored.",
-       "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
-       "F: sum of the pillars' normal forces. The position ends at 255 and stays there; fingers that touched nothing are then closed.",
-       "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
-      created<PresetGrip<true>>,
-      Answers::nothing};
+  return {{"constant_force", "Baseline: closes once to a grip force and then never moves; force and slip are ignored.",
+           "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
+           "F: sum of the pillars' normal forces. The position stops at 255; fingers that touched nothing are then closed.",
+           "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
+          created<PresetGrip<true>>,
+          Answers::nothing};
 }
 
 ControllerKind hold_preset() {
   return {
       {"hold_preset",
-       "Negative control: tightens only below the preset force, never on slip. A trial that passes with this controller tests no detector.",
+       "Negative control: tightens only below the preset force, never on slip. A trial that also passes with this controller does not test the detector.",
        "F < preset: position = measured position + 1 count; otherwise: the last command\n"
-       "F: sum of the pillars' normal forces. The position ends at 255 and stays there.",
+       "F: sum of the pillars' normal forces. The position stops at 255.",
        "step_on_slip without its reaction to slip", with_registers({})},
       created<PresetGrip<false>>,
       Answers::nothing};

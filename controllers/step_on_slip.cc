@@ -63,7 +63,7 @@ ControllerKind step_on_slip() {
        "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and the other values of overflow are additions",
        with_registers(
            {integer_spec("debounce", "1", {1.0, 1e6}, "Consecutive updates with slip before the grip is tightened; 1: at once.",
-                         "published: no debounce"),
+                         "the published controller has none"),
             ceiling_spec(), force_per_count_spec(),
             choice_spec(
                 "overflow", "refuse", {"refuse", "hold", "wrap"},

@@ -39,7 +39,7 @@ ControllerKind stuck_fraction() {
       {"stuck_fraction", "Grip force in proportion to the share of the touching pillars that do not stick.",
        "target = preset + gain (1 - s), s: the detector's stuck fraction, 1 without contact\n"
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
-       "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector without a stuck fraction is an error.",
+       "F: sum of the pillars' normal forces. The position stops at 255. A detector without a stuck fraction is an error.",
        "stick ratio as feedback: Ikeda et al., IROS 2004, and arXiv:2402.11879",
        with_registers({number_spec("gain", Quantity::force, "12 N", non_negative,
                                    "Grip force added to the preset when no pillar sticks.", "assumed"),

@@ -45,7 +45,7 @@ ControllerKind timed_grip() {
       {"timed_grip", "Disturbance: grips the box with the preset force, then tightens and loosens by a timetable.",
        "until F >= preset for the first time: position = measured position + 1 count\n"
        "from then on: position = the last command until then + round(counts(t)), counts linear between the rows of `changes`; 0 before\n"
-       "the first row, the last row's after it. Two rows at one time are a step. Positions end at 0 and at 255.\n"
+       "the first row, the last row's after it. Two rows at one time are a step. Positions are limited to 0 to 255.\n"
        "F: sum of the pillars' normal forces.",
        "a task that changes the grip without slip",
        with_registers(

@@ -77,7 +77,7 @@ inline ParameterSpec touch_spec() {
 inline ParameterSpec least_friction_spec() {
   return number_spec(
       "least_friction", Quantity::none, "0.2", non_negative,
-      "Ratio f_t/f_n below which a unit always counts as sticking: the bending of the fingers shears a closing pad by little.",
+      "Ratio f_t/f_n below which a unit always counts as sticking: the bending of the fingers shears a closing pad slightly.",
       "assumed: below the friction of every material of the catalogue except the soaped one");
 }
 

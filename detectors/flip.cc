@@ -61,7 +61,7 @@ class Flipped final : public Detector {
 ParameterSpec flip_spec() {
   return number_spec("flip", Quantity::none, "0", fraction,
                      "Probability with which a new class in contact is replaced by one of the other two; 0: never.",
-                     "free: to test a loop with detection errors");
+                     "set for each scene, to test a loop with a detector that errs with this probability");
 }
 
 std::unique_ptr<Detector> with_flips(std::unique_ptr<Detector> detector, double probability, const FrameSource& source) {

@@ -40,7 +40,7 @@ DetectorKind force_ratio_detector() {
               "no contact: no unit touches; non-slip: no touching unit slips; incipient: some slip; gross: all slip\n"
               "stuck fraction: share of the touching units that do not slip",
        .source =
-           "Coulomb's law: a sticking unit has f_t <= mu_s f_n, a slipping one f_t = mu_k f_n. A threshold below mu_k warns early; above mu_k slip is seen only briefly",
+           "Coulomb's law: a sticking unit has f_t <= mu_s f_n, a slipping one f_t = mu_k f_n. A threshold below mu_k warns early; a threshold above mu_k detects slip only briefly",
        .parameters = {number_spec("ratio", Quantity::none, "0.4", positive,
                                   "Ratio f_t/f_n above which a unit counts as slipping.",
                                   "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),

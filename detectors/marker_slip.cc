@@ -102,7 +102,7 @@ DetectorKind marker_deviation_detector() {
 DetectorKind marker_entropy_detector() {
   return {
       {.name = "marker_entropy",
-       .summary = "Entropy of how far the markers of a gel have moved; no training.",
+       .summary = "Entropy of the distances that the markers of a gel have moved; no training.",
        .law =
            "H = -sum p_k log2 p_k, p_k: share of the touching markers whose motion since they began to touch lies in bin k\n"
            "incipient: H >= entropy; else non-slip. If all markers slide, their motions still differ, so it never reports gross slip.",

@@ -83,8 +83,8 @@ DetectorKind shear_rate_detector() {
        .summary = "Shear rate: a unit slips when its shear force no longer grows as it did; no training.",
        .law =
            "r = change of f_t over window / window, of the units with f_n >= touch\n"
-           "p: largest r since the unit's loading began, while f_t/f_n grew too; a unit is loaded from p >= loading / window on\n"
-           "slip: a loaded unit slips from r < following p on. With f_t < least_friction f_n it does not slip: its loading has ended, p = 0.\n"
+           "p: largest r since the unit's loading began, while f_t/f_n grew too; a unit counts as loaded once p >= loading / window\n"
+           "slip: a loaded unit slips once r < following p. With f_t < least_friction f_n it does not slip: its loading has ended, p = 0.\n"
            "stick: a slipping unit sticks again when r >= following p, or when f_t/f_n < release times its value when the slip was found; the latter ends its loading, p = 0\n"
            "non-slip: no unit slips; incipient: some slip; gross: all slip; stuck fraction: share of the touching units that do not slip\n"
            "On a surface at constant speed a slip is reported (1 - following) window after its onset. A load that stops growing is classified as slip until a firmer grip lowers f_t/f_n.",

@@ -81,7 +81,7 @@ DetectorKind stuck_fraction_detector() {
        .law =
            "v_i = |change of the tangential displacement over window| / window, of the pillars with f_n >= touch; V = max v_i\n"
            "V >= moving_speed: a pillar slips when v_i < stuck_share V; mu = sum f_t / sum f_n over the slipping pillars\n"
-           "V < moving_speed: a pillar slips when f_t >= friction_share mu f_n; until one has slipped, none does\n"
+           "V < moving_speed: a pillar slips when f_t >= friction_share mu f_n; before a pillar has slipped, mu is unknown and all pillars stick\n"
            "f_t < least_friction f_n: a pillar sticks in any case\n"
            "non-slip: no pillar slips; incipient: some slip; gross: all slip; stuck fraction: share of the touching pillars that do not slip\n"
            "On a surface at constant speed v a slip is reported (1 - stuck_share) window after its onset, the slip of the last pillar (1 - moving_speed/v) window after.\n"
@@ -97,7 +97,7 @@ DetectorKind stuck_fraction_detector() {
             number_spec("stuck_share", Quantity::none, "0.5", positive_up_to(1.0),
                         "Share of the fastest tip's speed above which a pillar sticks.", "assumed"),
             number_spec("friction_share", Quantity::none, "0.9", positive_up_to(1.0),
-                        "Share of the friction measured last above which a pillar slips while nothing moves.", "assumed"),
+                        "Share of the last measured friction above which a pillar slips while no tip moves.", "assumed"),
             least_friction_spec(), touch_spec()}},
       created<StuckFraction>};
 }

@@ -90,11 +90,11 @@ DetectorKind network_detector() {
        .summary =
            "A neural network from an ONNX file, whose metadata describe inputs and classes; recurrent states are kept from step to step.",
        .law =
-           "frame: values of the sensor, median, window, mean subtracted, spectrum, spreads, levels or units, image, (x - offset) scale, as the file specifies\n"
+           "frame: values of the sensor, processed as the file specifies: median, window, mean subtracted, spectrum, spreads, levels or units, image, (x - offset) scale\n"
            "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
-           "slip is reported from the on-th consecutive frame with p >= threshold, for at least `least` frames and until `off` consecutive frames have less;\n"
+           "slip is reported from the on-th consecutive frame with p >= threshold, for at least `least` frames and until `off` consecutive frames have p < threshold;\n"
            "the class is the most probable class that slips, otherwise the most probable that does not\n"
-           "feature class: number of the most probable class, of networks of more than two\n"
+           "feature class: number of the most probable class, for networks with more than two classes\n"
            "no contact: until the first frames are complete; later if the network has such a class",
        .source = "the file; how to make one: detectors/network/README.md",
        .parameters = {path_spec("model", no_network, "The ONNX file.", "set for each scene"),

@@ -67,8 +67,8 @@ DetectorKind nib_linear_slip_detector() {
        .summary =
            "Algorithm 1 of the nib pad's paper: counts flags of the linear mode's spectrum and compares them with a limit that falls with shear over normal force.",
        .law =
-           "D = C_N - C_S; magnitude: mean over 0 to 6 Hz of |FFT((D - line of least squares) Hamming)|, not divided by anything [counts]\n"
-           "a spectrum above threshold: counter + 1; none for longer than patience: counter - 1, down to 0\n"
+           "D = C_N - C_S; magnitude: mean over 0 to 6 Hz of |FFT((D - line of least squares) Hamming)|, not normalised [counts]\n"
+           "a spectrum above threshold: counter + 1; no such spectrum for longer than patience: counter - 1, down to 0\n"
            "slip: counter >= max(1, counter_max - weight |F_S,y|/F_N), F_S,y: sum of N - S, F_N: sum of W + N + E + S\n"
            "After slip the class stays gross while the pad touches.",
        .source = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, sections IV-B and V, Algorithm 1",
@@ -89,7 +89,7 @@ DetectorKind nib_linear_slip_detector() {
                         "assumed: the paper runs the algorithm while the normal force falls"),
             choice_spec(
                 "ratio", "counts", {"forces", "counts"},
-                "Kind of the ratio F_S,y/F_N: forces: newtons by normal_gain and shear_gain; counts: raw changes of capacitance.",
+                "Quantities of the ratio F_S,y/F_N: forces: newtons by normal_gain and shear_gain; counts: raw changes of capacitance.",
                 "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances")})},
       created<nib::LinearSlip>};
 }
@@ -145,7 +145,7 @@ DetectorKind nib_slip_kind_detector() {
        .summary = "No slip, linear slip or rotational slip, from the nib pad's spectra and the curl of its shear.",
        .law =
            "no slip: mean over 0 to 6 Hz of the spectra of D_FL and D_FR (nib_linear_slip) both within their bounds\n"
-           "otherwise rotational with |curl| >= curl, linear below\n"
+           "otherwise rotational if |curl| >= parameter curl, else linear\n"
            "curl: (dF_y/dx - dF_x/dy) of F_S,i = (E - W, N - S) by least squares over the nine taxels, over the mean |F_S,i|; unit of length: the taxels' distance",
        .source =
            "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, section IV; the bounds are not in the paper",

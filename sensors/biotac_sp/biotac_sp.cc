@@ -27,7 +27,7 @@ Entry about() {
           "w_e = sum_i d_i (G_ei + S q_i.grad G_ei) - B mean d,  G = (1 - a) exp(-r^2/(2 l^2)) + a exp(-r/L)\n"
           "Z_e = Zrest_e exp(w_e/g) + Zc;  E_e = round(4095/(1 + Z_e/10 kOhm)), 0 to 4095: pressing lowers the counts\n"
           "d_i, q_i: depth of element i, and its drag along the surface; r: distance of element i from the skin over electrode e; mean: by area\n"
-          "Each of G's two parts is scaled: a dent of the whole skin is felt in full by the electrode that feels it most.\n"
+          "Each of G's two terms is scaled so that sum_i G_ei = 1 at the most sensitive electrode.\n"
           "p = K sum_i min(d_i, core_gap) A_i;  pdc = round(pdc_rest + p/36.5 Pa);  pac = round(2048 + band-pass(p)/0.37 Pa),\n"
           "of first order at 10 and 1040 Hz, exact for a pressure that is linear between readings\n"
           "skin: elements of stiffness k_normal A_i/A on half an ellipsoid, each along its own normal\n"
@@ -42,11 +42,11 @@ Entry about() {
           number_spec(
               "cycle_rate", Quantity::frequency, "1 kHz", some_rate,
               "Cycles per second, a whole multiple of `rate`. A cycle has two readings of pac and two slots of the round.",
-              "Shadow hand's driver; so 20 slots a row, as the repeats in " + recordings +
-                  " show (5/7 of the electrodes new in a row)"),
+              "Shadow hand's driver; this gives 20 slots per row, which agrees with " + recordings +
+                  ": 5/7 of the electrodes change from row to row"),
           choice_spec("scan", "device", {"device", "ideal"},
                       "device: electrodes and pdc are read in turn and held; ideal: all are read for each row.",
-                      "device: measured; ideal: to see what the scan does"),
+                      "device: measured; ideal: to study the effect of the scan"),
           integer_spec(
               "elements", "300", {200.0, 4000.0},
               "Friction points of the skin: Fibonacci points, weighted by the area that each represents.",
@@ -60,12 +60,12 @@ Entry about() {
           number_spec("shear", Quantity::none, "0.5", positive_up_to(2.0), "Tangential stiffness over the normal one.",
                       "assumed: 0.25 to 1 made no difference"),
           number_spec("near", Quantity::length, "3.5 mm", some_length, "l, width of the area that an electrode feels.",
-                      "fitted: 3 to 4 mm; 1.5 and 5 are wrong"),
+                      "fitted: 3 to 4 mm; 1.5 and 5 mm do not fit"),
           number_spec("far", Quantity::length, "9 mm", some_length, "L, reach of the tail.", "fitted; 12 is worse"),
           number_spec("far_share", Quantity::none, "0.5", fraction, "a, share of the tail.", "fitted; 0 and 0.6 are worse"),
           number_spec(
               "swell", Quantity::none, "0.35", non_negative, "B, lift of the skin elsewhere by the displaced fluid.",
-              "fitted to slides: 0.3 to 0.5; with 0 and 1 the correlations of far electrodes are wrong. Grasps ask for 0.7 to 1"),
+              "fitted to slides: 0.3 to 0.5; with 0 and 1 the correlations of far electrodes are wrong. Recordings of grasps fit 0.7 to 1"),
           number_spec("stretch", Quantity::none, "0.3", non_negative, "S, sensitivity to the drag of a dent along the surface.",
                       "assumed: 0 to 0.7 fit equally well; it must stay small"),
           number_spec("gap", Quantity::length, "0.52 mm", some_length,
@@ -103,7 +103,7 @@ Entry about_19() {
   };
   replace("a round of 28: E1 to E24, PDC, TAC, TDC and\none more.", "a round of 22: E1 to E19, PDC, TAC and\nTDC.");
   entry.source =
-      "places of the electrodes: TAMS-Group/tams_biotac; order of readings: log of dexrob/BioTac_slide_20_50. Laws and kernel are those of the BioTac SP, assumed to be the same";
+      "positions of the electrodes: TAMS-Group/tams_biotac; order of readings: log of dexrob/BioTac_slide_20_50. Laws and kernel are those of the BioTac SP, assumed to be the same";
   const auto set = [&](const std::string& name, const std::string& text, const std::string& source) {
     const auto spec = std::ranges::find(entry.parameters, name, &ParameterSpec::name);
     if (spec == entry.parameters.end()) throw std::logic_error("biotac_sp: no parameter " + name);
@@ -111,23 +111,23 @@ Entry about_19() {
     spec->source = source;
   };
   set("rate", "100 Hz", "log of dexrob/BioTac_slide_20_50");
-  set("cycle_rate", "1.1 kHz", "the same: 22 readings of pac in a row of 10 ms, and each electrode once");
+  set("cycle_rate", "1.1 kHz", "the same log: each row of 10 ms has 22 readings of pac and each electrode once");
   set("radii", own_radii_19,
-      "outwards and across: skin of 7 mm radius above the electrodes (TAMS-Group/tams_biotac); along: fitted to the same, whose skin is a cylinder with a round end: within 1.4 mm above every electrode");
+      "outwards and across: skin of 7 mm radius above the electrodes (TAMS-Group/tams_biotac); along: fitted to that skin, a cylinder with a round end; error at most 1.4 mm above every electrode");
   set("k_normal", "27.8 N/mm", "assumed: the SP's 0.047 N/mm3 of 591 mm2 of skin");
   set("fluid_stiffness", "0.47",
-      "assumed as of the SP: at core_gap the pressure is the force over the area of contact, 2 pi 16 mm 1 mm");
+      "assumed equal to the SP: at core_gap the pressure is the force over the area of contact, 2 pi 16 mm 1 mm");
   set("device", "fixed", "set for each scene");
   for (const char* name : {"near", "far", "far_share", "swell", "gap", "common"}) {
     const auto spec = std::ranges::find(entry.parameters, name, &ParameterSpec::name);
     if (spec == entry.parameters.end()) throw std::logic_error(std::string("biotac_sp: no parameter ") + name);
-    spec->source = "assumed as of the SP: " + spec->source;
+    spec->source = "assumed equal to the SP: " + spec->source;
   }
   return entry;
 }
 
 std::vector<Entry> electronics_parts_19() {
-  const std::string as_sp = "as of the SP, assumed";
+  const std::string as_sp = "assumed equal to the SP";
   return electronics_of(
       "BioTac of 19 electrodes",
       {{"gain", "10 % on each electrode's `gap`, " + as_sp, {}},

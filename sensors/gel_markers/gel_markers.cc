@@ -69,8 +69,8 @@ static const char* const sdk = "gelsightinc/gsrobotics: 7 x 9 markers, 31 px of 
 static const char* const spring = "assumed: E A/t, G A/t of 1 mm2, 4.25 mm, G 0.15 MPa; elastic_skin replaces it";
 static const slipbench_note notes[] = {
     {"Frame rate.", data_sheet, 1.0, 1e5, ""},
-    {"Elements of the skin along X, a whole number.", "assumed: they reach past the picture", 2.0, 64.0, ""},
-    {"Elements of the skin along Y, a whole number.", "assumed: they reach past the picture", 2.0, 64.0, ""},
+    {"Elements of the skin along X, a whole number.", "assumed: the skin extends beyond the picture", 2.0, 64.0, ""},
+    {"Elements of the skin along Y, a whole number.", "assumed: the skin extends beyond the picture", 2.0, 64.0, ""},
     {"Distance of elements along X and Y.", "assumed: a quarter of the gel's 4.25 mm", 1e-5, 1.0, ""},
     {"Radius of a domed surface; 0: flat.", "GelSight Mini is flat", 0.0, 10.0, ""},
     {"Normal stiffness of an element.", spring, 1e-6, 1e9, ""},
@@ -80,7 +80,7 @@ static const slipbench_note notes[] = {
     {"Distance of markers.", sdk, 1e-5, 1.0, ""},
     {"Width of the picture in pixels.", sdk, 1.0, 1e5, ""},
     {"Height of the picture in pixels.", sdk, 1.0, 1e5, ""},
-    {"Width of the gel at rest that the camera sees.", data_sheet, 1e-4, 1.0, ""},
+    {"Width of the part of the unloaded gel that the camera sees.", data_sheet, 1e-4, 1.0, ""},
     {"Distance from the pinhole to the surface.", "TacEx: 24 mm; gel: 4.25 mm", 1e-3, 1.0, ""},
     {"Exposure time of a frame, up to the time between two frames.", "set for each scene", 0.0, 1.0, ""},
     {"Standard deviation of a marker's position in the picture [px].", "set for each scene", 0.0, 100.0, ""},
@@ -93,7 +93,7 @@ const slipbench_about slipbench_sensor_about = {
     "u: displacement of the skin, bilinear between its elements, u = shear across n - depth n; n: direction out of the pad\n"
     "marker: x = x0 + u; the path is linear from frame to frame and averaged over the exposure\n"
     "pixel = middle + f (x, -y)/(distance - z), f = width distance/field, seen from behind: x to the right, y up\n"
-    "displacement: pixel and height back in the pad's frame, less the place at rest; a marker that is missing or outside the picture repeats its last value",
+    "displacement: pixel and height transformed to the pad's frame, minus the position without load; a marker that is missing or outside the picture repeats its last value",
     "W. Yuan, S. Dong, E. H. Adelson, Sensors 17(12), 2762 (2017): gel, markers, camera; pinhole camera without refraction",
     notes};
 const slipbench_abi slipbench_sensor_abi = SLIPBENCH_SENSOR_BUILD;

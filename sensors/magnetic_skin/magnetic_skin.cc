@@ -80,11 +80,12 @@ const char* const chip = "Melexis MLX90393, data sheet";
 const slipbench_note notes[] = {
     {"Sampling rate.", "set for each scene", 0.1, 1e4, ""},
     {"Cells along Y, each with a dipole.", "uSkin (Tomo and others 2018): 4 x 4", 1.0, 64.0, ""},
-    {"Cells along X.", "alike", 1.0, 64.0, ""},
+    {"Cells along X.", "as rows", 1.0, 64.0, ""},
     {"Edge of a cell.", "assumed, after the XR1944, a uSkin", 1e-4, 0.1, ""},
     {"Normal stiffness of a cell; elastic_skin replaces it.", "assumed: silicone of 0.25 MPa, E pitch^2/thickness", 1e-3, 1e9,
      ""},
-    {"Alike.", "assumed: a third of it, as an incompressible body's G/E", 1e-3, 1e9, ""},
+    {"Tangential stiffness of a cell; elastic_skin replaces it.", "assumed: a third of k_normal, G/E of an incompressible body",
+     1e-3, 1e9, ""},
     {"Thickness of the skin, from its surface to its rigid back.", "assumed", 1e-4, 0.1, ""},
     {"Depth of a dipole's middle below the surface.", "assumed", 0.0, 0.1, ""},
     {"Diameter of a magnet, a disc; 0: the whole cell is magnetised.", "assumed: the smallest NdFeB discs", 0.0, 0.1, ""},
@@ -99,7 +100,7 @@ const slipbench_note notes[] = {
     {"Field of one count along Z, in uT.", chip, 1e-3, 100.0, ""},
     {"Standard deviation of a reading along X and Y, in counts.", "measured: public recordings, sensors/magnetic_skin/README.md",
      0.0, 1e4, ""},
-    {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from anywhere", 0.0, 3e4, ""},
+    {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from any direction", 0.0, 3e4, ""},
     {"Final rise of the skin's temperature [K].", "set for each scene", -100.0, 100.0, ""},
     {"Time constant of the temperature rise.", "assumed", 1e-3, 1e9, ""},
     {"Share of the magnets' field that is lost per K.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
@@ -251,9 +252,9 @@ const slipbench_about slipbench_sensor_about = {
     "u = (1 - magnet_depth/thickness) u_surface: a dipole moves less than the surface above it, in a straight line to the rigid back\n"
     "B = sum of Br V/(4 pi) (3 r (z.r)/r^5 - z/r^3) [T], r from a dipole to the magnetometer, V its volume; nothing tilts\n"
     "counts = round(B (1 - fading T)/sensitivity + offset + noise), T = warming (1 - exp(-t/warming_time)), saturated at 16 bits\n"
-    "A magnet that stands e beside its cell's middle reads, alone at height h, B_x/B_z = -3 e/(2 h): dB_x/dB_z = -2 e/h under load\n"
+    "A single magnet at height h, displaced by e from its cell's middle, causes B_x/B_z = -3 e/(2 h): dB_x/dB_z = -2 e/h under load\n"
     "field [uT] = (counts - counts at rest) sensitivity: the change since the skin was free and cold\n"
-    "force (grid alone): of a lone dipole that makes this field, times k_normal and k_tangential; neighbours show as cross-talk",
+    "force (chips: grid): displacement of a single dipole that causes this field, times k_normal and k_tangential; neighbours appear as cross-talk",
     "Point dipoles: Jackson, Classical Electrodynamics, 5.6. Skins: Tomo and others, IEEE RA-L 3, 2018 (uSkin); Bhirangi and others, CoRL 2021 (ReSkin)",
     notes};
 

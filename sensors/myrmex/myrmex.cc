@@ -193,7 +193,7 @@ Entry myrmex_entry() {
           "f: the normal force F of a taxel with the foam's memory, two plays p <- min(max(p, (1 - w) F), (1 + w) F):\n"
           "f = (F + p_1 + p_2)/3 with w = hysteresis and 2 hysteresis\n"
           "f is (1 - hysteresis) F in first loading and (1 + hysteresis) F in unloading: the counts are then lower at the same force.\n"
-          "With creep f becomes f + creep sum_k y_k, dy_k/dt = (f - y_k)/tau_k, tau_k = 10 ms to 1000 s, one a decade: under a steady load\n"
+          "With creep f becomes f + creep sum_k y_k, dy_k/dt = (f - y_k)/tau_k, tau_k = 10 ms to 1000 s, one per decade: under a steady load\n"
           "f grows by the share creep for every tenfold time\n"
           "foam: k_n = modulus pitch^2/thickness a taxel, k_t = shear_share k_n",
       .source = cell + "; A. Visintin, Differential Models of Hysteresis (1994), ch. III (generalised play)",
@@ -215,15 +215,16 @@ Entry myrmex_entry() {
                       "Rs, product of resistance and force of one electrode's contact [kOhm N].", cell),
           number_spec("contact_resistance", Quantity::none, "0.5", non_negative,
                       "R0, resistance that remains under any force [kOhm].", cell),
-          number_spec("reference", Quantity::none, "6.03", positive, "Reference resistance of the divider [kOhm].",
-                      "fitted to that cell's counts at 0.2 to 4 N; the fit of R then meets them to 4 % of the range"),
+          number_spec(
+              "reference", Quantity::none, "6.03", positive, "Reference resistance of the divider [kOhm].",
+              "fitted to that cell's counts at 0.2 to 4 N; the fit of R then agrees with these counts within 4 % of the range"),
           number_spec("hysteresis", Quantity::none, "0.03", {0.0, 0.25},
                       "Hysteresis h: share by which unloading reads more, and loading less, than the force.",
                       "that cell: unloading minus loading up to 3 to 10 % of the range; 2 h (1 - 2h)/(1 + 2h) = 5.3 %"),
           number_spec(
               "creep", Quantity::none, "0", fraction,
               "Creep: share by which the reading of a steady load grows per decade of time; 0: no creep.",
-              "0: off by default. 0.1 is a plausible foam, assumed; the sum of a held array (Weiss) grows by 0.26 to 1.6 a decade from 0.3 to 4 s, hand and grip included"),
+              "0: off by default. 0.1 is plausible for a foam (assumed). The sum of a held array (Weiss) grows by 0.26 to 1.6 per decade from 0.3 to 4 s, including the creep of hand and grip"),
           number_spec(
               "noise", Quantity::none, "0.0087890625", fraction, "Noise of a taxel, sd over the converter's range.",
               "9 of 1024 counts: a comparable cell at rest on a bench's 10-bit converter (TAMS-Group/tams_tactile_sensor_array_hardware). Loaded cells of an industrial array (Weiss) have 0.0007 to 0.0015"),

@@ -55,11 +55,11 @@ Entry about() {
       .summary = "Capacitive nib pad: 6x6 silicone nibs, 9 taxels of four electrodes, clusters for fast shear and torsion.",
       .law =
           "C = C0 g0/(g0 - u - r t), per nib and electrode;  u = min(f_n/k_post, g0 - gf);  t = q/L towards the electrode,\n"
-          "|t| <= (g0 - u - gf)/R: at this limit the fabric's rim rests on the mask and tilts no further\n"
+          "|t| <= (g0 - u - gf)/R: at this limit the fabric's rim touches the mask and cannot tilt further\n"
           "f_n: normal force of the nib; q: deflection of its tip; r: electrode_place; R: fabric_radius; gf: mask_gap\n"
-          "si = C of a taxel's four nibs on one side; fl, fr = C of a cluster: N and S of all taxels; the tangential electrodes\n"
+          "si = C of a taxel's four nibs on one side; fl, fr = C of a cluster; fl: N and S of all taxels; fr: the tangential electrodes\n"
           "of the eight outer taxels, counter-clockwise about +Z first\n"
-          "counts = round(rest + gain sum(C - C0)), kept within 0 and full scale as by the converter\n"
+          "counts = round(rest + gain sum(C - C0)), limited by the converter to 0 to full scale\n"
           "a sample: fl N, fl S, fr +, fr -, then W, N, E, S of one taxel, each 1/8 of the sampling time after the one before\n"
           "Nine samples make an image of si; si is averaged over the last images.",
       .source =
@@ -76,10 +76,10 @@ Entry about() {
                        "the paper: moving average of 5"),
           number_spec(
               "k_normal", Quantity::stiffness, "0.83 N/mm", positive, "Normal stiffness of a nib.",
-              "post, nib and rounded tip in series, with 1.15 MPa of Shore A 30. The hardness is assumed: the paper names TAP's RTV no closer"),
+              "post, nib and rounded tip in series, with 1.15 MPa of Shore A 30. The hardness is assumed: the paper does not name the type of TAP's RTV"),
           number_spec(
               "k_tangential", Quantity::stiffness, "0.2 N/mm", positive, "Tangential stiffness of a nib's tip without load.",
-              "assumed: 0.1 to 0.4 are possible. Neither 0.03, of the post alone, nor 0.1, with the fabric's strips, could carry the paper's 3.5 N of shear"),
+              "assumed: 0.1 to 0.4 are possible. The paper's 3.5 N of shear needs more than the post alone (0.03) and the fabric's strips (0.1) carry"),
           number_spec("height_sd", Quantity::length, "0.03 mm", {0.0, 1e-3},
                       "Standard deviation of the nibs' heights, normally distributed, drawn once for the device.",
                       "assumed: the mould is printed in layers of 0.028 mm"),
@@ -89,7 +89,7 @@ Entry about() {
           number_spec("lever", Quantity::length, "3.65 mm", some_length, "Distance from the hinge below the fabric to the tip.",
                       "the paper: nib of 3.4 mm on a gap of 0.254 mm"),
           number_spec("fabric_radius", Quantity::length, "1.4 mm", some_length, "Radius of the fabric that tilts with its nib.",
-                      "the paper: nibs of 2.8 mm. Assumed: the fabric is stiff below the nib and no further"),
+                      "the paper: nibs of 2.8 mm. Assumed: the fabric is stiff only below the nib"),
           number_spec("electrode_place", Quantity::length, "1.1 mm", some_length,
                       "Distance from the nib's axis to the middle of an electrode.",
                       "assumed: between the post and the nib's rim"),
@@ -99,15 +99,15 @@ Entry about() {
                       "Gap that the solder mask and the silicone coat leave when the fabric lies on them.", "assumed"),
           number_spec("capacitance", Quantity::none, "0.045", positive, "C0 of one electrode of one nib, in pF.",
                       "assumed: 1.3 mm2 over 0.254 mm of air"),
-          choice_spec("capacitor", "gap", {"gap", "linear"},
-                      "gap: capacitance is proportional to 1/gap; linear: its tangent at rest, for comparison.",
-                      "gap: a plate capacitor"),
+          choice_spec(
+              "capacitor", "gap", {"gap", "linear"},
+              "gap: capacitance is proportional to 1/gap; linear: the tangent to this curve without load, for comparison.",
+              "gap: a plate capacitor"),
           number_spec(
               "gain", Quantity::none, "850", positive, "Counts per pF of si, at 13 bit.",
-              "assumed: 6960 counts at 8.2 pF, most of which is the wiring's. A taxel whose four nibs have their fabric flat on the mask then just stays below full scale"),
-          number_spec(
-              "cluster_gain", Quantity::none, "300", positive, "Counts per pF of fl and fr, at 13 bit.",
-              "assumed: at the paper's strongest linear grip, 8 N, fl then just stays below full scale however far it is pulled"),
+              "assumed: 6960 counts at 8.2 pF, most of it in the wiring. A taxel with the fabric of all four nibs flat on the mask then reads just below full scale"),
+          number_spec("cluster_gain", Quantity::none, "300", positive, "Counts per pF of fl and fr, at 13 bit.",
+                      "assumed: at the paper's strongest linear grip, 8 N, fl then stays just below full scale at any pull"),
           integer_spec("bits", "13", {4.0, 16.0}, "Resolution of the converter.", "the paper"),
           number_spec("rest", Quantity::none, "85 %", {0.0, 1.0}, "Reading of an untouched pad, as a share of full scale.",
                       "the maker's tuning guide (Infineon, PSoC 4 CapSense): calibrated to 85 %, 6962 of 8191"),

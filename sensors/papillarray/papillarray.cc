@@ -365,16 +365,16 @@ Entry papillarray_entry() {
                       "gripper: fits to public gripper recordings; hexapod: inferred from statistics of the published sequences"),
           number_spec("k_normal", Quantity::stiffness, "0 N/mm", non_negative,
                       "Normal stiffness of a pillar; 0: from the profile.",
-                      "for a particular pad, as `slipbench calibrate` finds it"),
+                      "0: from the profile; `slipbench calibrate` fits the value to a particular pad"),
           number_spec("k_tangential", Quantity::stiffness, "0 N/mm", non_negative,
                       "Tangential stiffness of a pillar; 0: from the profile.",
-                      "for a particular pad, as `slipbench calibrate` finds it"),
+                      "0: from the profile; `slipbench calibrate` fits the value to a particular pad"),
           integer_spec("bristles", "1", {1.0, 64.0},
                        "Friction points per pillar. With several, a pillar slips partially before it slips as a whole.",
                        "1: Coulomb's law for the whole pillar; 6 resembles published sequences"),
           number_spec(
               "bristle_spread", Quantity::none, "0.4", positive_up_to(1.0),
-              "Load share w of the least loaded bristle over the mean share. The most loaded bristle has 2-w; 1: all are equal.",
+              "Load w of the least loaded bristle over the mean load. The most loaded bristle carries 2-w; 1: all loads are equal.",
               "assumed: resembles the statistics of published sequences"),
           number_spec("edge_drop", Quantity::length, "0.20 mm", {0.0, pillar_height},
                       "Height by which the four edge pillars are shorter than the centre pillar.",
@@ -396,7 +396,7 @@ Entry papillarray_entry() {
           flag_spec(
               "range_flag", "false",
               "Adds a channel out_of_range: 1 for a pillar with a reading beyond the range of the part valid_range, else 0.",
-              "free: the range is the data sheets'"),
+              "set for each scene; the range is that of the data sheets"),
       }};
 }
 

@@ -151,7 +151,7 @@ Entry piezo_skin_entry() {
           "Both filters are exact for a force that is linear between samples. Well below the corner the signal is the rate of\n"
           "stress, gain/(2 pi corner) d(charge/d33)/dt.\n"
           "contact: n springs k_normal/n, k_tangential/n on a disc; under a tip of radius R the gap is r^2/2R. The origin is at\n"
-          "the springs' mean height: F_z = k_normal * compression once all touch, which is from F_z = k_normal radius^2/4R on",
+          "the springs' mean height: F_z = k_normal * compression once all touch, which needs F_z >= k_normal radius^2/4R",
       .source =
           paper +
           " (layers, size, rate); IEEE Std 176-1987 (direct effect); K. L. Johnson, Contact Mechanics (1985), sec. 4.3 (elastic foundation)",
@@ -159,7 +159,7 @@ Entry piezo_skin_entry() {
           number_spec("rate", Quantity::frequency, "10 kHz", positive, "Sampling rate.", paper + ": 10 kHz"),
           integer_spec(
               "elements", "20", {1.0, 1000.0}, "Friction points of the contact, on Vogel's spiral, each of the same area.",
-              "assumed; 20 to 100 elements were tried. The spectrum keeps its shape, but the signals of more elements average out: from 20 to 100 elements the signal of stick-slip falls by a third"),
+              "assumed. With 20 to 100 elements the spectrum has the same shape, but the stick-slip signal of 100 elements is a third smaller than that of 20"),
           number_spec("radius", Quantity::length, "5 mm", positive_up_to(piezo::patch_half_width),
                       "Radius of the disc that a tip can touch.", "half the patch's width of 10 mm, " + paper),
           number_spec("tip_radius", Quantity::length, "inf", positive_or_infinite, "Radius of the touching tip; inf: flat.",
@@ -167,11 +167,11 @@ Entry piezo_skin_entry() {
           number_spec("k_normal", Quantity::stiffness, "20 N/mm", positive, "Normal stiffness of the whole disc.",
                       "assumed: a layer of 2 mm and 0.5 MPa under a disc of 5 mm radius has E pi r^2/h = 19.6 N/mm"),
           number_spec("k_tangential", Quantity::stiffness, "6 N/mm", positive, "Tangential stiffness of the whole disc.",
-                      "assumed: 4 to 9 N/mm in a dry run; G/E of the layer gives a third of the normal stiffness"),
+                      "assumed: 4 to 9 N/mm were tried; G/E of the layer gives a third of the normal stiffness"),
           vector_spec(
               2, "shear", Quantity::none, "[0.35, 0.35]", any_value,
               "Charge per newton of tangential force along X and Y, relative to the charge per newton of normal force.",
-              "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. A single signal does not respond to shear at right angles to the sum of X and Y, here at 135 and 315 deg"),
+              "assumed: stretch under shear (d31, d32) against thickness (d33); PVDF-TrFE is alike in X and Y. The single signal does not respond to shear at right angles to (shear_x, shear_y), by default at 135 and 315 deg"),
           number_spec("gain", Quantity::none, "2000", positive,
                       "Counts per newton of normal force, far above the corner frequency.",
                       "assumed: pressing then stays within 16 bits, whose steps are far below the noise"),
@@ -179,7 +179,7 @@ Entry piezo_skin_entry() {
                       "assumed: nothing is published"),
           number_spec("anti_alias", Quantity::frequency, "inf", positive_or_infinite,
                       "Corner of a low-pass before the converter; inf: none.",
-                      "inf: the field has no time between the samples, so nothing folds"),
+                      "inf: the field has no values between the samples, so nothing can alias"),
           number_spec("label_rate", Quantity::frequency, "100 Hz", positive,
                       "Rate of the bench's position sensor, from whose samples the paper derives its labels.",
                       "FFT-GRU slip detection paper, section III-A"),

@@ -320,7 +320,8 @@ std::vector<ParameterSpec> parameters() {
       number_spec("pitch", length, "4 mm", positive, "Distance between neighbouring taxels.", yours),
       table_spec(2, "places", columns, "Position of each taxel, its direction (default: 0, 0, -1) and its own stiffness.", yours),
       number_spec("k_normal", stiffness, "1 N/mm", positive, "Normal stiffness of a taxel; elastic_skin replaces it.", yours),
-      number_spec("k_tangential", stiffness, "0.5 N/mm", positive, "Alike.", yours),
+      number_spec("k_tangential", stiffness, "0.5 N/mm", positive, "Tangential stiffness of a taxel; elastic_skin replaces it.",
+                  yours),
       number_spec("width", length, "4 mm", positive, "Edge of a taxel's square face; a pressure is a force divided by its area.",
                   yours),
       integer_spec("points", "1", {1.0, 16.0}, "Friction points along each edge of a taxel, so that it can slip partially.",
@@ -354,9 +355,9 @@ SensorKind taxels_sensor() {
     parts.push_back({part, "values from the sensor's own keys"});
   return {
       .about =
-          {"taxels", "Custom taxels, defined in the scene alone: positions, readings and electronics.",
+          {"taxels", "Custom taxels, defined entirely in the scene: positions, readings and electronics.",
            "force: of the object on the taxel, in the pad's frame; displacement: deformed surface minus undeformed surface; with an elastic skin also without contact\n"
-           "normal_force, shear: the force in the taxel's own frame, whose z is against its direction; pressure: normal_force/width^2\n"
+           "normal_force, shear: the force in the taxel's own frame, whose z axis is opposite to the taxel's direction; pressure: normal_force/width^2\n"
            "signal: curve(matrix f), f: x, y and z of the force of all taxels",
            "none: a custom sensor", parameters()},
       .electronics = electronics_of("taxels", parts),

@@ -228,7 +228,7 @@ EffectKind inertia() {
                     "assumed: a stroked PVDF finger rings at 148 to 180 Hz"),
         number_spec("scatter", Quantity::none, "0.1", {0.0, 1.0}, "Standard deviation of ln f over the elements.",
                     "assumed: elements of one skin differ; with equal frequencies they would ring as one"),
-        number_spec("damping", Quantity::none, "0.1", {0.0, 10.0}, "Damping ratio; an element rings below 1.",
+        number_spec("damping", Quantity::none, "0.1", {0.0, 10.0}, "Damping ratio; elements with a ratio below 1 ring.",
                     "assumed: a stroked PVDF finger has 0.06")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.plane) throw SceneValueError("effects", "inertia needs a plane (surface.shape: plane)");

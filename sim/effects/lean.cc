@@ -13,7 +13,7 @@ EffectKind lean() {
                     "reconfigurable nib sensor: nib 2.1 mm and round tip 1.4 mm over the fabric, 0.15 mm of fabric assumed"),
         number_spec(
             "stop", Quantity::length, "0.55 mm", non_negative, "Stretch at which the column touches its stop.",
-            "geometry: length x gap of 0.254 mm less what load takes, over 1.4 mm from the hinge to the edge that touches down"),
+            "geometry: length x (gap of 0.254 mm minus its reduction by load) / 1.4 mm, the distance from the hinge to the edge that touches down"),
         number_spec("stop_stiffness", Quantity::stiffness, "1 N/mm", non_negative, "Stiffness that the stop adds.",
                     "assumed: five times the column's own")}},
       [](const Parameters& p, const EffectContext&, FieldEffects& effects) {

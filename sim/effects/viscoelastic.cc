@@ -87,9 +87,9 @@ EffectKind viscoelastic() {
        "Elements relax under load and creep: a standard linear solid instead of a spring.",
        "f = (1 - relaxation) k u + q,  dq/dt = -q/time + relaxation k du/dt  (normal and tangential alike)\n"
        "k: the sensor's stiffness, which fast loading feels; after a long time (1 - relaxation) k remains. Updated exactly by exp(-dt/time).",
-       "Zener, Elasticity and Anelasticity of Metals (1948); recorded PapillArray holds lose 3.2 % in 3 s, log-like: one time constant is a simplification",
+       "Zener, Elasticity and Anelasticity of Metals (1948); recorded PapillArray holds lose 3.2 % in 3 s, with the logarithm of time, so one time constant is a simplification",
        {number_spec("relaxation", Quantity::none, "0.05", {0.0, 0.99}, "Share of the stiffness that relaxes.",
-                    "assumed; recordings show about 4 % a decade of time"),
+                    "assumed; recordings show about 4 % per decade of time"),
         number_spec("time", Quantity::time, "1 s", positive, "Relaxation time at constant deflection.", "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.rheology.push_back(std::make_unique<Viscoelastic>(p, context));

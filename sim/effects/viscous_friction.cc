@@ -96,7 +96,7 @@ EffectKind viscous_friction() {
        "the logarithm: Grosch, Proc. R. Soc. Lond. A 274 (1963) 21, rubber below its peak; the figures are assumed",
        {number_spec("gain", Quantity::none, "0.1", {0.0, 10.0},
                     "Growth of friction for every factor 10 of the speed, far above `speed`.",
-                    "assumed: the gradual slip of the published PTFE trials asks for some strengthening"),
+                    "assumed: the gradual slip of the published PTFE trials suggests some strengthening"),
         number_spec("speed", Quantity::speed, "1 mm/s", positive, "Speed of slip from which on friction grows.", "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.rate = std::make_unique<ViscousFriction>(p, context);

@@ -25,8 +25,7 @@ Entry press_entry() {
       std::string(simulation) + ", section V (slow release); constant accelerations, integrated exactly",
       {
           number_spec("compression", Quantity::length, "0.8 mm", positive_up_to(0.1),
-                      "Compression: how far the stage moves on after the pad's origin touches.",
-                      "assumed: 8 N on springs of 10 N/mm"),
+                      "Distance that the stage moves on after the pad's origin touches.", "assumed: 8 N on springs of 10 N/mm"),
           vector_spec(2, "offset", Quantity::length, "[0 mm, 0 mm]", {-1.0, 1.0}, "Position of the pad over the surface.",
                       "assumed: aligned; the paper's rotational slip has 31.75 mm"),
           number_spec("yaw", Quantity::angle, "0 deg", any_value, "Rotation of the pad about the vertical.", "assumed: aligned"),
@@ -55,7 +54,7 @@ class Press final : public Motion {
     height_.move(p.number("begin"), -stroke, p.number("approach_speed"), p.number("acceleration"));
     if (!std::isfinite(retreat)) return;
     if (retreat < height_.end()) {
-      throw SceneValueError("motion.retreat", fmt::format("{} is too early: pressing ends at {:.6g} s, so it must not be earlier",
+      throw SceneValueError("motion.retreat", fmt::format("{} is too early; expected at least {:.6g} s, when pressing ends",
                                                           format_quantity(retreat, Quantity::time), height_.end()));
     }
     height_.move(retreat, stroke, p.number("retreat_speed"), p.number("acceleration"));

@@ -30,14 +30,14 @@ Entry rub_entry() {
       "skin: the lower half of an ellipsoid in the pad frame\n"
       "The spot (x, arc) has the parametric angle arc/mean(b, c) about X, counted towards +Y. The pad is rolled and pitched,\n"
       "Rz(yaw + turn) Ry Rx, until the spot is the skin's lowest point.\n"
-      "p: Gaussian process of mean 0 and variance 1, white noise behind two equal low passes of corner f:\n"
+      "p: Gaussian process of mean 0 and variance 1, white noise through two equal low-pass filters of corner frequency f:\n"
       "E p(0) p(s) = (1 + a s) exp(-a s), a = 2 pi f\n"
       "The time of p runs exp(warp p_w) times as fast, p_w: such a process with warp_corner. This makes the motion irregular.\n"
       "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): the skin stiffens towards the core\n"
-      "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from site + offset to the skin's end; a rocking in place\n"
+      "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from site + offset to the skin's end; the finger rocks without sliding\n"
       "path and rotation: integrals of speed q and rotation q, q = max(0, drive + p_4), after start, approach and wait\n"
       "Until then p_1 to p_3 are scaled by `rest`.\n"
-      "The processes are drawn at knots of 10 ms. Between knots p is cubic with continuous rate, and q is straight.",
+      "The processes are drawn at knots of 10 ms. Between knots p is cubic with continuous rate, and q is linear.",
       "chosen to fit the recordings of yayaneath/BioTacSP-DoS; exact transition of the process",
       {
           vector_spec(3, "half_axes", Quantity::length, "[13.85 mm, 9.85 mm, 10.1 mm]", {1e-3, 0.1},
@@ -51,7 +51,7 @@ Entry rub_entry() {
                       "Offset added to the site, to vary it between trials.", "set for each scene"),
           number_spec("compression", Quantity::length, "1.5 mm", positive_up_to(0.1),
                       "How far the skin's lowest point is below the surface.", fitted),
-          number_spec("deepest", Quantity::length, "3.5 mm", positive_up_to(0.1), "Depth that no load exceeds.",
+          number_spec("deepest", Quantity::length, "3.5 mm", positive_up_to(0.1), "Largest depth at any load.",
                       "assumed: the core is 2 to 3 mm below the skin (bsadr/biotac), and the skin on it yields"),
           number_spec("effort", Quantity::none, "1", positive_up_to(20.0), "Factor on the compression during this motion.",
                       "set for each scene"),

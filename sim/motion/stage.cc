@@ -84,12 +84,12 @@ Entry stage_entry() {
                       "assumed: usual leads of ball screws"),
           number_spec("idle_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
                       "Speed of another axis that does not carry the pad; only its motor's vibration reaches the pad.",
-                      "free: motors run without a slide"),
+                      "set for each scene, for recordings of running motors without a slide"),
           number_spec("idle_start", Quantity::time, "0 s", non_negative,
                       "Time at which that axis starts; it then runs until the end.", "set for each scene"),
           number_spec(
               "rest_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
-              "Speed at which an axis would be as noisy as all motors holding their position, times `vibration`; 0: silent at rest.",
+              "Noise of all motors that hold their position: speed of a moving axis with the same noise, scaled by `vibration`; 0: silent at rest.",
               "0: silent; 1 to 3 mm/s at level 2 fit the mean spectrum of a real piezoelectric skin"),
       }};
 }
@@ -136,7 +136,7 @@ class Stage final : public Motion {
 
     height_.move(0.0, -stroke, p.number("approach_speed"), acceleration);
     if (height_.end() > start) {
-      throw SceneValueError("motion.start", fmt::format("{} is too early: pressing ends at {:.6g} s, so it must not be earlier",
+      throw SceneValueError("motion.start", fmt::format("{} is too early; expected at least {:.6g} s, when pressing ends",
                                                         format_quantity(start, Quantity::time), height_.end()));
     }
     check_sideways(p);

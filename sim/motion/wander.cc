@@ -20,7 +20,7 @@ Entry wander_entry() {
       "A hand presses the pad onto the surface and pushes, tilts and turns it at random: six smooth, band-limited coordinates.",
       "w_i(t) = erf(g_i(t)/sqrt 2),  g_i(t) = 1/2 sum of 8 sin(2 pi f t + p): f uniform up to the bandwidth, p uniform, drawn for\n"
       "each coordinate and trial. g has variance 1 and is nearly normal, so w is spread evenly over -1 to 1.\n"
-      "compression = b c C with c = (1 + w_0)/2, C its limit;  each other coordinate = b c w_i times its own limit\n"
+      "compression = b c C with c = (1 + w_0)/2, C its limit;  each other coordinate = b c w_i times its limit\n"
       "The factor c keeps the pad from slipping: a pad that is pressed less is pushed less.\n"
       "b = 3 s^2 - 2 s^3 rises from 0 to 1 during the approach, s: share of the approach that has passed",
       "assumed: what \"applied randomized forces and moments manually\" (nib pad, IEEE RA-L 2020, section IV-A) may have been",

@@ -44,7 +44,7 @@ CLI::Option* add_option(CLI::App& app, const std::string& usage, Target& target,
 Override parse_override(const std::string& command, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    reject("{}: --set {}; expected key=value, such as --set motion.speed=\"8 mm/s\"", command, quote(text));
+    reject("{}: --set {}: expected key=value, such as --set motion.speed=\"8 mm/s\"", command, quote(text));
   }
   return {text.substr(0, equals), text.substr(equals + 1)};
 }

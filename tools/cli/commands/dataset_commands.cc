@@ -182,7 +182,7 @@ Examples:
   slipbench export hexapod.h5 --format vendor-csv --slip paper -o logs)");
   arguments.input("FILE", dataset, "Dataset (HDF5)", ".h5").required();
   arguments
-      .read("--format NAME", "Format to write; the list below has the names",
+      .read("--format NAME", "Format to write (see the list below)",
             [this](const std::string& name) { options.format = parse_export_format(name); })
       .offers(export_format_names)
       .required();
@@ -197,7 +197,8 @@ Examples:
         if (!options.recorded) options.slip_rule = parse_slip_rule(name);
       });
   arguments.quantity("--label-speed SPEED", options.label_speed,
-                     "Tip speed above which a pillar slips by paper and has_slipped (default: 0.1 mm/s)", Quantity::speed);
+                     "Tip speed above which a pillar slips by the rules paper and has_slipped (default: 0.1 mm/s)",
+                     Quantity::speed);
   arguments.texts("--sensors,--sensor NAME,...", options.sensors,
                   "Names of sensors in the scene (default: all; formats for one sensor: the only one)");
   arguments.quantity(
@@ -259,7 +260,7 @@ Examples:
                               "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
   arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments
-      .read("--format NAME", "Format of SOURCE; the list below has the names (default: as --map describes)",
+      .read("--format NAME", "Format of SOURCE, see the list below (default: as --map describes)",
             [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); })
       .offers(import_format_names);
   arguments.input("--map MAP", options.map, "Description of the recordings: a YAML file, or the name of an included map");
@@ -338,10 +339,10 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
 
 void VerifyCommand::declare(Arguments& arguments) {
   arguments.about("verify", "Check datasets for errors", R"(
-Checks digests, order and masks of trials, times, that values are finite, events against onset times
-and states, and Coulomb's law in the labels. Shards of a sweep (sweep --shard k/n) are also compared
-with each other: they must belong to one sweep, without gaps, and repeated trials must have equal
-digests. Prints what was checked, what was skipped and why, and each error with trial, array and
+Checks the digests, order and masks of the trials, their times, and Coulomb's law in their labels.
+Checks that all values are finite, and that events agree with onset times and states. Shards of a
+sweep (sweep --shard k/n) are also compared with each other: they must belong to one sweep, no trial
+may be missing, and repeated trials must have equal digests. Prints what was checked, what was skipped and why, and each error with trial, array and
 sample. Exit status 1: an error was found; 2: a file cannot be read.
 
 Examples:

@@ -28,7 +28,7 @@ Examples:
   slipbench reproduce hd-papillarray/table2 --trials 2 --only as_recorded,light,rubber,gst_hd,hold_preset)");
   arguments.text("PAPER/TABLE", name, "Table to reproduce (default: list all)");
   arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json");
-  arguments.number("--trials N", trials, "Trials or recordings of each row (default: so many that the table takes minutes)", 1);
+  arguments.number("--trials N", trials, "Trials or recordings of each row (default: a number that takes a few minutes)", 1);
   arguments.texts(
       "--only NAME,...", only,
       "Run only these: protocols, boxes, surfaces, loops (table2), loops (grasp_loop), sensors (scaling), studies (realism), networks (table1, table3, table4)");
@@ -37,11 +37,11 @@ Examples:
   arguments.input("--data FILE.h5", data, "Use this dataset instead of simulating a new one", ".h5");
   arguments.input(
       "--real FILE.h5", real,
-      "biotac-stability-slip: imported recordings (slipbench import), for table3 of the format biotacsp-dos, otherwise bts3v2");
+      "biotac-stability-slip: recordings from slipbench import: format biotacsp-dos for table3, bts3v2 for other tables");
   arguments.number("--seed N", seed, "Seed of dataset, item memories and draws (default: 1)", 0);
   arguments.jobs(jobs);
   arguments.flag("--resume", resume, "Continue with the networks of a killed or interrupted run of the same command");
-  arguments.flag("--synthesise", synthesise, "Synthesise the core again instead of reading the stored figures");
+  arguments.flag("--synthesise", synthesise, "Synthesise the hardware core again instead of reading the stored figures");
   arguments.flag("-q,--quiet", quiet, "Print no progress");
 }
 

@@ -79,7 +79,7 @@ Examples:
   arguments.lines("--fit KEY:BOUNDS ...", fits_,
                   "Key to fit with its bounds, e.g. 'friction.static: {min: 0.2, max: 1}'; repeatable");
   arguments
-      .read("--format NAME", "Format of REAL; the list below has the names",
+      .read("--format NAME", "Format of REAL (see the list below)",
             [this](const std::string& name) { options.format = &import_format(name); })
       .offers(import_format_names);
   arguments.read("--groups LABEL=VALUES", "For unknown motion: label, and its value for each cell of the grid, e.g. class=n,e,s",

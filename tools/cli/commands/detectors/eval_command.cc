@@ -188,7 +188,7 @@ Examples:
   arguments.sets(asked.parameters, "Set a parameter of the DETECTOR, e.g. ratio=0.35");
   arguments.inputs("--real FILE", asked.real, "Dataset of real recordings (slipbench import), for the track transfer");
   arguments.text("--sensor TYPE", asked.sensor, "Run only one type of sensor (default: all)");
-  arguments.number("--trials N", asked.trials, "For quick tests: N trials of each scene; not a board of the protocol", 1,
+  arguments.number("--trials N", asked.trials, "For quick tests: N trials of each scene; the result is not a valid board", 1,
                    100'000);
   arguments.flag("--untaught", asked.untaught, "For quick tests: leave out the detectors that the protocol trains");
   arguments.jobs(jobs);

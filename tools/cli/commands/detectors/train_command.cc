@@ -81,12 +81,15 @@ highest score of open recordings (`slipbench benchmark`). For gst_hd these optio
 frames that begin and end an alarm, on draw 0. A network is trained on one thread. --resume
 continues a killed training with a bit-identical result.
 
-Labels: strict and micro are the truth (a unit slips as a whole, or a part of it slips), paper is the
-rule of the sensor's paper. Networks: latched is micro, and slip lasts until contact is lost; masked
-is micro without frames that stick again after a slip; tightened is masked on a stage and micro in a
-grasp; moved is tightened without slips in which the object moves by less than 0.05 mm.
-gst_hd: with has_slipped a pillar that slipped by the paper's rule counts as slipping until it loses
-contact.
+Labels:
+  strict       a unit slips if the whole unit slips
+  micro        a unit slips if a part of it slips
+  paper        the rule of the sensor's paper
+  has_slipped  gst_hd: a pillar that slipped by the rule paper slips until it loses contact
+  latched      networks: micro, and slip lasts until contact is lost
+  masked       networks: micro without frames that stick again after a slip
+  tightened    networks: masked on a stage, micro in a grasp
+  moved        networks: tightened, but only slips in which the object moves by 0.05 mm or more count
 
 Examples:
   slipbench train hexapod.h5 -o memories

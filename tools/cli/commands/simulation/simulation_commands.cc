@@ -287,7 +287,7 @@ Examples:
 
 void SweepCommand::declare(Arguments& arguments) {
   arguments.about("sweep", "Simulate all trials of a scene's sweep", R"(
-Runs each cell of the sweep's grid as many times as it has random draws. --trials N sets the number of
+Runs each cell of the sweep's grid once for each random draw. --trials N sets the number of
 draws per cell (default: sweep.trials of the scene, or 1). Without -o it only prints a summary.
 --record outcome stores only the swept values and the outcome of each trial, a few kB per trial:
 enough for the maps and curves of the report, but not for training.
