@@ -342,8 +342,9 @@ void VerifyCommand::declare(Arguments& arguments) {
 Checks the digests, order and masks of the trials, their times, and Coulomb's law in their labels.
 Checks that all values are finite, and that events agree with onset times and states. Shards of a
 sweep (sweep --shard k/n) are also compared with each other: they must belong to one sweep, no trial
-may be missing, and repeated trials must have equal digests. Prints what was checked, what was skipped and why, and each error with trial, array and
-sample. Exit status 1: an error was found; 2: a file cannot be read.
+may be missing, and repeated trials must have equal digests. Prints what was checked, what was
+skipped and why, and each error with trial, array and sample. Exit status 1: an error was found; 2:
+a file cannot be read.
 
 Examples:
   slipbench verify hexapod.h5

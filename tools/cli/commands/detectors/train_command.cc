@@ -89,7 +89,7 @@ Labels:
   latched      networks: micro, and slip lasts until contact is lost
   masked       networks: micro without frames that stick again after a slip
   tightened    networks: masked on a stage, micro in a grasp
-  moved        networks: tightened, but only slips in which the object moves by 0.05 mm or more count
+  moved        networks: tightened, but only slips that move the object by 0.05 mm or more count
 
 Examples:
   slipbench train hexapod.h5 -o memories
