@@ -50,7 +50,8 @@ std::vector<std::string_view> names_of(const Items& items) {
 template <class Item>
 const Item& named(const std::vector<Item>& items, const std::string& name, const Origin& origin, std::string_view noun) {
   const auto found = std::ranges::find(items, name, &Item::name);
-  if (found == items.end()) fail(origin, "unknown " + std::string(noun) + " " + quote(name) + allowed_names(name, names_of(items)));
+  if (found == items.end())
+    fail(origin, "unknown " + std::string(noun) + " " + quote(name) + allowed_names(name, names_of(items)));
   return *found;
 }
 
