@@ -90,6 +90,7 @@ Labels:
   masked       networks: micro without frames that stick again after a slip
   tightened    networks: masked on a stage, micro in a grasp
   moved        networks: tightened, but only slips that move the object by 0.05 mm or more count
+  recorded     networks: the labels of imported recordings
 
 Examples:
   slipbench train hexapod.h5 -o memories
