@@ -345,8 +345,7 @@ Json groups_json(const Board& board) {
   }
   Json json = Json::array();
   for (const auto& [path, groups] : by) {
-    const bool repeat = groups.size() < board.params.size();  // drawn values hardly ever do
-    if (!repeat || groups.size() < 2 || groups.size() > most_groups) continue;
+    if (groups.size() < 2 || groups.size() > most_groups) continue;
     Json list = Json::array();
     for (const auto& [name, trials] : groups) {
       Json scores = Json::array();
