@@ -64,8 +64,8 @@ EffectKind elastic_skin() {
        "w = C p, u = C q: how far the surface is pressed in and sheared under normal and tangential forces of all elements\n"
        "p >= 0, gap + w >= 0, p (gap + w) = 0; |q| <= mu p; slip along q where |q| = mu p\n"
        "C: an incompressible half-space (thickness inf: Boussinesq, Cerruti) or layer on a rigid back, each element's load spread over its cell.\n"
-       "It replaces the sensor's stiffness. The touched face is rigid, its slopes are small. The coupling of normal and\n"
-       "tangential load is left out; it is zero for a half-space.",
+       "It replaces the sensor's stiffness. The touched face is rigid and its slopes are small.\n"
+       "The coupling of normal and tangential load is left out; it is zero for a half-space.",
        "K. L. Johnson, Contact Mechanics (1985), ch. 3 to 5 and 7; J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990)",
        {number_spec("shear_modulus", Quantity::pressure, "0.15 MPa", {1.0, 1e12}, "Shear modulus G; Young's modulus is 3 G.",
                     "assumed: silicone gel of Shore A 15"),
