@@ -18,7 +18,8 @@ namespace slipbench {
 struct Box {
   Eigen::Vector3d half;  // m, half extents along x, y, z; centre at the origin
 
-  // `kThin`: is_thin(column).
+  // `kThin`: is_thin(column). A single long function, because its parts share ten vectors that must
+  // stay in registers.
   template <bool kThin, class Real>
   [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3], double column) const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
