@@ -204,7 +204,7 @@ const YamlNode* item_of(const YamlNode& sequence, const std::string& part) {
 }
 
 // Returns the item of `sequence`, named `here` in messages, that `part` selects. Throws InputError
-// if there is none.
+// if `part` selects no item.
 const YamlNode& needed_item(const YamlNode& sequence, const std::string& part, const std::string& here, const Origin& origin) {
   if (const YamlNode* item = item_of(sequence, part)) return *item;
   const std::size_t size = sequence.children.size();

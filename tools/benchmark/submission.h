@@ -18,10 +18,10 @@ std::string submission_text(const Json& result);
 // digest). No trial is computed for this.
 Json parse_submission(const std::string& text, const std::string& name);
 
-// Returns the first difference between a submission and the recomputed board, `machine` left out:
-// "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here"; empty if there is none. Numbers that are
-// not whole are compared within 1e-9, since MuJoCo, FFTW and networks round differently by
-// processor; everything else is compared byte for byte.
+// Returns the first difference between a submission and the recomputed board, such as
+// "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here"; empty if both are equal. Leaves out
+// `machine`. Numbers that are not whole are equal within 1e-9, since MuJoCo, FFTW and networks round
+// differently by processor; everything else must be identical.
 std::string difference(const std::string& text, const Json& submitted, Json recomputed);
 
 }  // namespace slipbench::benchmark

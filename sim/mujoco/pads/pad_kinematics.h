@@ -61,10 +61,10 @@ class PadKinematics {
   [[nodiscard]] bool stays_far(const mjModel* model, const mjData* data, std::span<const double> memory, double step) const;
   [[nodiscard]] bool stays_clear(std::span<const double> memory, double step) const;
 
-  // After locate() and a step of the fields (one per touched geom): the first mistake in the pose
-  // of the pad's site, as a sentence; empty if there is none. A pad that exerts no force because it
-  // points away, or a huge one because it starts deep inside, is a mistake in the model. `placed`:
-  // a step has been committed since the last reset.
+  // Returns the first mistake in the pose of the pad's site as a sentence, or an empty text. Call
+  // it after locate() and a step of the fields (one per touched geom). Mistakes are a pad that
+  // exerts no force because it points away, and a pad that exerts a huge force because it starts
+  // deep inside. `placed`: a step has been committed since the last reset.
   [[nodiscard]] std::string site_mistake(const mjModel* model, std::span<const Field> fields, bool placed);
 
   // Adds `wrench` on the pad, in the frame of surface k, and its reaction on the touched body to

@@ -16,9 +16,10 @@
 
 namespace slipbench {
 
-// Returns the possible contacts of MuJoCo's own between a geom that moves with the pad (of the
-// site's body and bodies welded to it; if fixed to the world, only of the site's own body) and a
-// touched one, as a sentence with the remedy; empty if there are none.
+// Returns a sentence that names the contacts that MuJoCo itself may find between a geom that moves
+// with the pad and a touched geom, with the remedy; empty if MuJoCo can find no such contact. Geoms
+// of the site's body and of bodies welded to it move with the pad; if the site's body is fixed to
+// the world, only its own geoms are meant.
 [[nodiscard]] std::string possible_contact(const mjModel* model, const PadConfig& config);
 
 // Checks one pad on one surface until it has touched correctly: an element that is inside and

@@ -133,8 +133,8 @@ def frames_table() -> Table:
         ["detector", "label", "sequences learnt", "balanced accuracy, %", "AUC", "trials right, %", "with early ones", "size, kB", "a step, us"],
         [["paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"],
          ["paper: CL-gstHDC, accuracy of three classes", "paper", "-", "-", "-", "-", "91.8 of frames", "0.375", "5985; 0.42 (FPGA)"]],
-        "Correct trials: slip is reported at or after the true first slip, or not at all if there is none. With early ones: reports before the first slip "
-        "count as correct, too. The paper does not state when an early report is correct.")
+        "Correct trials: slip is reported at or after the true first slip, or is not reported in a trial without slip. With early ones: reports before the "
+        "first slip count as correct, too. The paper does not state when an early report is correct.")
 
 
 def events_table() -> Table:

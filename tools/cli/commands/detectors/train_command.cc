@@ -42,7 +42,7 @@ std::string checked_labels(const std::string& given, const std::string& recipe, 
 }
 
 // Returns the command that evaluates the trained detector on unseen data. `unseen`: a dataset with
-// unseen trials; empty: there is none. `part`: the part of the dataset's own split with these
+// unseen trials; empty: every trial was used. `part`: the part of the dataset's own split with these
 // trials; empty: the dataset has no split.
 std::string next_text(const Style& style, const std::string& output, const std::string& unseen, const std::string& part,
                       const std::string& options) {
