@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Runs a command as on a new machine: a bare Debian with only apt and certificates, in a fresh clone
-# of HEAD. With `./slipbench demo`, it shows which packages packages.txt lacks.
-#   tools/setup/bare_debian.sh [-r bookworm|trixie] [-d FOLDER] COMMAND...
-# -r: release; default bookworm, Debian 12. -d: keeps system and clone in FOLDER; default: deletes.
+# Runs a command as on a new machine: a bare Debian or Ubuntu with only apt and certificates, in a
+# fresh clone of HEAD. With `./slipbench demo`, it shows which packages packages.txt lacks.
+#   tools/setup/bare_debian.sh [-r bookworm|trixie|noble] [-d FOLDER] COMMAND...
+# -r: release; default bookworm, Debian 12; noble is Ubuntu 24.04 and needs Ubuntu's package
+# ubuntu-keyring. -d: keeps system and clone in FOLDER; default: deletes.
 # Needs root and Debian's mmdebstrap; exits with 3 if no such system can be created. The system is a
 # chroot of 150 MB, created in 20 s.
 set -euo pipefail
 
-usage() { printf 'slipbench: %s\n' "$1" >&2; sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+usage() { printf 'slipbench: %s\n' "$1" >&2; sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 no_system() { printf 'slipbench: no bare Debian can be made here: %s\n' "$1" >&2; exit 3; }
 
 release=bookworm
@@ -20,14 +21,19 @@ while getopts r:d: option; do
   esac
 done
 shift $((OPTIND - 1))
-[[ $release =~ ^(bookworm|trixie)$ ]] || usage "-r $release; allowed: bookworm, trixie"
+[[ $release =~ ^(bookworm|trixie|noble)$ ]] || usage "-r $release; allowed: bookworm, trixie, noble"
 [[ $# -gt 0 ]] || usage "no command; allowed: one, with its words"
 
 [[ $(id -u) == 0 ]] || no_system "not root"
 command -v mmdebstrap >/dev/null || no_system "no mmdebstrap; get it with: apt-get install --yes mmdebstrap"
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+get_keyring="apt-get install --yes debian-archive-keyring"
+if [[ $release == noble ]]; then
+  keyring=/usr/share/keyrings/ubuntu-archive-keyring.gpg
+  get_keyring="dpkg --install ubuntu-keyring_*.deb, from https://packages.ubuntu.com/noble/ubuntu-keyring"
+fi
 unshare --mount true 2>/dev/null || no_system "no right to mount"
-[[ -e $keyring ]] || no_system "no $keyring; get it with: apt-get install --yes debian-archive-keyring"
+[[ -e $keyring ]] || no_system "no $keyring; get it with: $get_keyring"
 
 tree=$(git -C "$(dirname "${BASH_SOURCE[0]}")" rev-parse --show-toplevel)
 base=$folder
@@ -53,9 +59,16 @@ if [[ ! -e $root ]]; then
   mkdir "$root"
   # shellcheck disable=SC2016  # apt-get expands it
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 2>/dev/null | grep -m 1 '/debian/*$' || echo http://deb.debian.org/debian)
+  parts=main
+  security="${mirror%/}-security"
+  if [[ $release == noble ]]; then
+    mirror=http://archive.ubuntu.com/ubuntu
+    security=$mirror
+    parts="main universe"
+  fi
   mmdebstrap --quiet --variant=apt --include=ca-certificates "$release" "$root" \
-    "deb [signed-by=$keyring] $mirror $release main" "deb [signed-by=$keyring] $mirror $release-updates main" \
-    "deb [signed-by=$keyring] ${mirror%/}-security $release-security main"
+    "deb [signed-by=$keyring] $mirror $release $parts" "deb [signed-by=$keyring] $mirror $release-updates $parts" \
+    "deb [signed-by=$keyring] $security $release-security $parts"
   for setting in /etc/apt/apt.conf.d /etc/apt/preferences.d /etc/pip.conf /etc/hosts /etc/resolv.conf /usr/local/share/ca-certificates /etc/ssl/certs \
                  ${PIP_FIND_LINKS:-}; do
     [[ -e $setting ]] || continue
