@@ -1,6 +1,6 @@
 // Transcendental functions with the same bits on every processor. The C library chooses its
 // functions by the processor, and those with fused multiply-add round differently. These are
-// SLEEF's deterministic functions [shibata2020], for every x86-64.
+// SLEEF's deterministic functions [shibata2020].
 //
 // All code of the project calls these in place of std::exp and the
 // like; tests/install/binaries_test.py checks it. The largest error is 1 unit in the last place,

@@ -101,8 +101,8 @@ using Pair __attribute__((vector_size(2 * sizeof(double)))) = double;
 struct Points {
   Points(const Pair& first, const Pair& second) {
     // argument in (0, 1]: finite
-    const Pair squared_radius = -2.0 * Sleef_cinz_logd2_u35sse2(1.0 - first);
-    const auto turn = Sleef_cinz_sincosd2_u35sse2(2.0 * std::numbers::pi * second);
+    const Pair squared_radius = -2.0 * SLIPBENCH_SLEEF(logd2_u35)(1.0 - first);
+    const auto turn = SLIPBENCH_SLEEF(sincosd2_u35)(2.0 * std::numbers::pi * second);
     const Pair radius{std::sqrt(squared_radius[0]), std::sqrt(squared_radius[1])};
     x = radius * turn.y;
     y = radius * turn.x;

@@ -1,4 +1,4 @@
-// Macros and types for loops that become vector code.
+// Macros and types for loops that become vector code; names that differ between architectures.
 #pragma once
 
 #include <cstddef>
@@ -56,3 +56,13 @@ SLIPBENCH_INLINE bool any(const decltype(Quad{} == Quad{}) & mask) {
 }
 
 }  // namespace slipbench
+
+// The name of SLEEF's deterministic function of two numbers [shibata2020] that runs on every
+// processor of the architecture. All architectures get the same bits.
+#if defined(__x86_64__)
+#define SLIPBENCH_SLEEF(function) Sleef_cinz_##function##sse2
+#elif defined(__aarch64__)
+#define SLIPBENCH_SLEEF(function) Sleef_cinz_##function##advsimdnofma
+#else
+#error "slipbench supports x86-64 and arm64"
+#endif

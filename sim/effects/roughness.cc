@@ -56,7 +56,7 @@ class Profile {
 SLIPBENCH_DISPATCHED void lower(const Profile& profile, double cos, double sin, std::size_t count, const double* x,
                                 const double* y, const double* nz, double* gap) {
   // Adding 1.5 2^52 rounds a double to a whole number in its last bits. With half a cell subtracted
-  // first it is std::floor, without the library call that the default x86-64 build would need.
+  // first it is std::floor, without the library call that the baseline of x86-64 would need.
   constexpr double whole = 0x1.8p52;
   const double* const heights = profile.heights();
   const double cos_per_cell = cos * profile.per_cell(), sin_per_cell = sin * profile.per_cell();
