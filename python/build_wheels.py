@@ -103,7 +103,7 @@ def make(out, module, tag):
     # With FFTW inside, the wheel is under GPL-3.0-or-later: NOTICE.md.
     metadata = (info / "METADATA").read_text(encoding="utf-8")
     (info / "METADATA").write_text(re.sub("(?m)^License-Expression: .*$", "License-Expression: GPL-3.0-or-later", metadata), encoding="utf-8")
-    text = re.sub(r"Tag: .*", f"Tag: {tag}-linux_x86_64", (info / "WHEEL").read_text(encoding="utf-8"))
+    text = re.sub(r"Tag: .*", f"Tag: {tag}-linux_{platform.machine()}", (info / "WHEEL").read_text(encoding="utf-8"))
     (info / "WHEEL").write_text(text, encoding="utf-8")
     (folder / "raw").mkdir()
     tree = folder / "tree"
@@ -112,7 +112,7 @@ def make(out, module, tag):
         part.rename(tree / part.name)
     run(sys.executable, "-m", "wheel", "pack", tree, "--dest-dir", folder / "raw", stdout=subprocess.DEVNULL)
     excluded = [word for name in NOT_INSIDE for word in ("--exclude", name)]
-    run(sys.executable, "-m", "auditwheel", "repair", "--plat", "manylinux_2_36_x86_64", *excluded, "--wheel-dir", out, *(folder / "raw").glob("*.whl"))
+    run(sys.executable, "-m", "auditwheel", "repair", "--plat", f"manylinux_2_36_{platform.machine()}", *excluded, "--wheel-dir", out, *(folder / "raw").glob("*.whl"))
 
 
 def main():

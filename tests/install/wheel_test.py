@@ -7,6 +7,7 @@ build.
 
 import json
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -32,7 +33,7 @@ class Wheels(unittest.TestCase):
         cls.build = json.loads(said.splitlines()[-1])
 
     def tried(self, release, tag):
-        wheel, = self.here.glob(f"slipbench-*-{tag}-manylinux_2_36_x86_64.whl")
+        wheel, = self.here.glob(f"slipbench-*-{tag}-manylinux_2_36_{platform.machine()}.whl")
         self.assertLess(wheel.stat().st_size, 60e6)
         bare = [ROOT / "tools/setup/bare_debian.sh", "-r", release, "-d", self.here / release]
         made = subprocess.run([*bare, "sh", "-c", PREPARE], check=False)
