@@ -23,7 +23,7 @@ SETS = ("requirements", "requirements-test", "requirements-lock")
 def asked(name):
     """Returns {package: version} of a .in file."""
     lines = (SETUP / f"{name}.in").read_text(encoding="utf-8").splitlines()
-    return dict(line.split("==") for line in lines if line and not line.startswith(("#", "--")))
+    return dict(re.match(r"([\w-]+)==([^\s;]+)", line).groups() for line in lines if line and not line.startswith(("#", "--")))
 
 
 def locked(name):
@@ -32,7 +32,7 @@ def locked(name):
     entries = [line for line in text.splitlines() if line and not line.lstrip().startswith("#")]
     found = {}
     for entry in entries:
-        match = re.fullmatch(r"([a-z0-9-]+)==(\S+)((?: +--hash=sha256:[0-9a-f]{64})+) *", entry)
+        match = re.fullmatch(r"([a-z0-9-]+)==(\S+)(?: ; platform_machine == \"x86_64\")?((?: +--hash=sha256:[0-9a-f]{64})+) *", entry)
         assert match, f"{name}.txt: neither pinned nor hashed: {entry}"
         found[match[1]] = (match[2], match[3].count("--hash"))
     return found
