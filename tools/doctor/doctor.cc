@@ -53,7 +53,11 @@ void add_machine(std::vector<Check>& checks) {
   };
   add("system", operating_system());
   add("processor", fmt::format("{}, {}", cpu_name(), counted(std::thread::hardware_concurrency(), "thread")));
+#if defined(__x86_64__)
   add("SIMD path", has_avx2() ? "avx2" : "baseline (no AVX2 here: same results, slower)");
+#else
+  add("SIMD path", "AdvSIMD");
+#endif
 }
 
 Check check_hdf5() {
@@ -219,7 +223,14 @@ int doctor_main(bool json) {
   return good ? 0 : 1;
 }
 
-std::string cpu_name() { return value_in_file("/proc/cpuinfo", "model name", ':'); }
+std::string cpu_name() {
+  std::string name = value_in_file("/proc/cpuinfo", "model name", ':');
+  if (name == "unknown") {  // as on arm64, where the firmware names the board
+    std::ifstream board("/proc/device-tree/model");
+    std::getline(board, name, '\0');
+  }
+  return name;
+}
 
 std::string operating_system() { return value_in_file("/etc/os-release", "PRETTY_NAME", '='); }
 
