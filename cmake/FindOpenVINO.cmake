@@ -16,7 +16,7 @@ if(OpenVINO_ROOT_DIR AND EXISTS ${_openvino_header})
   list(JOIN OpenVINO_VERSION "." OpenVINO_VERSION)
   file(GLOB OpenVINO_LIBRARY ${OpenVINO_ROOT_DIR}/libs/libopenvino.so.*)
   file(GLOB OpenVINO_LIBRARIES_AT_RUN ${OpenVINO_LIBRARY} ${OpenVINO_ROOT_DIR}/libs/libopenvino_onnx_frontend.so.*
-    ${OpenVINO_ROOT_DIR}/libs/libopenvino_intel_cpu_plugin.so ${OpenVINO_ROOT_DIR}/libs/libtbb.so.*)
+    ${OpenVINO_ROOT_DIR}/libs/libopenvino_*_cpu_plugin.so ${OpenVINO_ROOT_DIR}/libs/libtbb.so.*)
   set(OpenVINO_LICENCES ${OpenVINO_ROOT_DIR}/../openvino-${OpenVINO_VERSION}.dist-info/licenses)
 endif()
 

@@ -56,6 +56,7 @@ endif()
 add_library(slipbench_flags INTERFACE)
 target_compile_options(slipbench_flags INTERFACE
   -Wall -Wextra -Wconversion -Wno-psabi -ffp-contract=off -fno-math-errno -fno-trapping-math
+  $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},aarch64>:-U__ARM_FEATURE_FMA>  # by which Eigen decides to fuse
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # else ccache keeps nothing that uses precompiled headers
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<BOOL:${SLIPBENCH_WERROR}>:-Werror>)
