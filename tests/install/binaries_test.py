@@ -4,6 +4,7 @@ Arguments: the project's root, the build folder, its folder of modules (lib/slip
 library that runs in every step.
 """
 
+import platform
 import re
 import subprocess
 import sys
@@ -23,7 +24,7 @@ def readelf(option, path):
 
 # Functions of libm whose result IEEE 754 or arithmetic defines. All others depend on the processor;
 # sim/core/math.h replaces them.
-LIBM = set(re.findall(r"(?:FUNC|IFUNC) .* (\w+)@@", readelf("--dyn-syms", "/lib/x86_64-linux-gnu/libm.so.6")))
+LIBM = set(re.findall(r"(?:FUNC|IFUNC) .* (\w+)@@", readelf("--dyn-syms", f"/lib/{platform.machine()}-linux-gnu/libm.so.6")))
 LIBM -= {"ceil", "fegetround", "fesetround", "fmax", "fmin", "fmod", "ilogb", "ldexp", "nearbyint", "nearbyintf", "round"}
 
 
