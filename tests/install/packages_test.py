@@ -17,8 +17,9 @@ ROOT, BUILD = (Path(word) for word in sys.argv[1:3])
 del sys.argv[1:]
 
 INSTALLED = Path("/var/lib/dpkg/info")
-# Called by scripts and tests; CMake does not look for them.
-PROGRAMS = ("c++", "chromium", "cmake", "git", "ninja", "shellcheck", "valgrind")
+# Called by scripts and tests; CMake does not look for them. Only `./slipbench test --all` installs
+# chromium.
+PROGRAMS = ("c++", "cmake", "git", "ninja", "shellcheck", "valgrind", *(("chromium",) if shutil.which("chromium") else ()))
 # PyTorch loads this. Debian installs the reference BLAS by default, which is several times slower.
 BLAS = Path(f"/usr/lib/{platform.machine()}-linux-gnu/libblas.so.3")
 # Packages whose names contain a version; Debian's defaults bring them.

@@ -142,4 +142,5 @@ class DetectTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    del sys.argv[1]
+    unittest.main()

@@ -921,4 +921,5 @@ class Bags(ImportTest):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    del sys.argv[1]
+    unittest.main()

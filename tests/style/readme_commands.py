@@ -1,6 +1,6 @@
 """Every command in a text's block ```sh ends with exit status 0.
 
-Arguments: the project's root, the folder of the built programs. The steps of a text run in order,
+Arguments: the project's root, the folder of the built programs, and the texts, if not all. The steps of a text run in order,
 in a temporary folder with the scenes, the program as ./slipbench and build/; files shown in the
 text are written there first. tools/lint/readmes.py collects the steps and defines which blocks are
 skipped.
@@ -13,7 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT, BINARIES = (Path(argument).resolve() for argument in sys.argv[1:])
+ROOT, BINARIES = (Path(argument).resolve() for argument in sys.argv[1:3])
+ONLY = sys.argv[3:]
 sys.path.insert(0, str(ROOT / "tools/lint"))
 from readmes import commands, texts  # noqa: E402
 
@@ -45,6 +46,9 @@ def failures(text):
                 yield f"{step[0]}\n{done.stdout}{done.stderr}"
 
 
-failed = [f"{path}: {failure}" for path, text in texts(ROOT) for failure in failures(text)]
+chosen = {str(path): text for path, text in texts(ROOT) if not ONLY or str(path) in ONLY}
+if missing := set(ONLY) - set(chosen):
+    sys.exit(f"no such texts: {', '.join(missing)}")
+failed = [f"{path}: {failure}" for path, text in chosen.items() for failure in failures(text)]
 print("\n".join(failed))
 sys.exit(f"{len(failed)} commands failed" if failed else 0)

@@ -1,6 +1,7 @@
 """Datasets of every sensor and of a grasp, exported by the program, for the tests of formats.
 
-The arguments, the project's root and the program, are taken from sys.argv here.
+The arguments, the project's root, the program and perhaps --quick, are taken from sys.argv here.
+--quick: only the first scene.
 """
 
 import json
@@ -16,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
-del sys.argv[1:]
+del sys.argv[1:3]
 # Scenes and overrides that shorten them. The first has three trials, the others two each.
 SCENES = {
     "papillarray/stage.yaml": {"duration": "1.5 s", "motion.start": "1 s", "sweep": {"motion.speed": ["8 mm/s", "4 mm/s", "2 mm/s"]}},
@@ -26,6 +27,9 @@ SCENES = {
     "biotac_sp/slip.yaml": {"duration": "300 ms"},
     "grasp/two_skins.yaml": {"duration": "1.7 s", "motion.distance": "1 mm"},
 }
+if sys.argv[1:2] == ["--quick"]:
+    del sys.argv[1]
+    SCENES = dict([next(iter(SCENES.items()))])
 
 
 class ExportTest(unittest.TestCase):
