@@ -1,7 +1,7 @@
 """Datasets of every sensor and of a grasp, exported by the program, for the tests of formats.
 
 The arguments, the project's root, the program and perhaps --quick, are taken from sys.argv here.
---quick: only the first scene.
+--quick: for_each_scene() takes only the first scene.
 """
 
 import json
@@ -18,6 +18,9 @@ import numpy as np
 
 ROOT, PROGRAM = Path(sys.argv[1]).resolve(), sys.argv[2]
 del sys.argv[1:3]
+QUICK = sys.argv[1:2] == ["--quick"]
+if QUICK:
+    del sys.argv[1]
 # Scenes and overrides that shorten them. The first has three trials, the others two each.
 SCENES = {
     "papillarray/stage.yaml": {"duration": "1.5 s", "motion.start": "1 s", "sweep": {"motion.speed": ["8 mm/s", "4 mm/s", "2 mm/s"]}},
@@ -27,9 +30,6 @@ SCENES = {
     "biotac_sp/slip.yaml": {"duration": "300 ms"},
     "grasp/two_skins.yaml": {"duration": "1.7 s", "motion.distance": "1 mm"},
 }
-if sys.argv[1:2] == ["--quick"]:
-    del sys.argv[1]
-    SCENES = dict([next(iter(SCENES.items()))])
 
 
 class ExportTest(unittest.TestCase):
@@ -83,7 +83,7 @@ def for_each_scene(format, *words):
     """Decorates a test that takes a dataset and its export in `format`, for each scene."""
     def decorator(test):
         def run(self):
-            for scene in SCENES:
+            for scene in list(SCENES)[: 1 if QUICK else None]:
                 with self.subTest(scene=scene):
                     out = self.folder / scene.replace("/", "_")
                     export(make(scene), out, "--format", format, *words)

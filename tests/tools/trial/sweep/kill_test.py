@@ -1,12 +1,12 @@
 """Kills sweeps at random instants: batches stay readable, and --resume gives the undisturbed
 digest.
 
-usage: kill_test.py ROOT SLIPBENCH PLUGIN KIND ENDS SEED
+usage: kill_test.py ROOT SLIPBENCH PLUGIN KIND ENDS SEED [TRIALS]
 
-KIND: stage, grasp, outcome or plugin. Of four ends two are SIGKILL, one is a full disk (a limit on
-the file's size) and one SIGTERM. After each: no file with a batch's final name is lost, h5py reads
-all trials of each, the last batch is at most 5 s old, --resume simulates no trial of a batch again,
-and the digest is right.
+KIND: stage, grasp, outcome or plugin. TRIALS: of each speed of a stage (default: 250). Of four ends
+two are SIGKILL, one is a full disk (a limit on the file's size) and one SIGTERM. After each: no
+file with a batch's final name is lost, h5py reads all trials of each, the last batch is at most 5 s
+old, --resume simulates no trial of a batch again, and the digest is right.
 """
 import json
 import os
@@ -28,11 +28,11 @@ OLDEST = 5.0  # s, largest age of work that is repeated
 SLOW = 5.0  # s more on a busy machine, where a trial or a sync takes longer
 
 
-def kinds(root, plugin):
+def kinds(root, plugin, trials):
     """Returns scene and words of each kind of sweep. Each takes some seconds and so has more than
     one batch.
     """
-    some = ["--trials", "250"]
+    some = ["--trials", trials]
     return {
         "stage": (None, some),
         "outcome": (None, ["--trials", "2000", "--record", "outcome"]),
@@ -61,9 +61,9 @@ def batches(out):
 
 
 class Ends:
-    def __init__(self, root, program, plugin, kind, seed):
+    def __init__(self, root, program, plugin, kind, seed, trials="250"):
         self.program, self.kind, self.draw = program, kind, random.Random(seed)
-        self.scene, self.words = kinds(root, plugin)[kind]
+        self.scene, self.words = kinds(root, plugin, trials)[kind]
         self.oldest = self.repeated = 0.0
 
     def sweep(self, out, *more, **options):
@@ -130,4 +130,4 @@ class Ends:
 
 
 if __name__ == "__main__":
-    Ends(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3], sys.argv[4], int(sys.argv[6])).run(int(sys.argv[5]))
+    Ends(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3], sys.argv[4], int(sys.argv[6]), *sys.argv[7:]).run(int(sys.argv[5]))
