@@ -150,6 +150,7 @@ nb::dict dict_of(train::Example& example, std::size_t inputs) {
   all["speed"] = example.speed;
   all["mass"] = example.mass;
   all["touches"] = example.touches;
+  all["holds"] = example.holds;
   all["onset"] = example.onset;
   all["turn"] = example.turn;
   all["time"] = array_of(std::move(example.time));
@@ -159,6 +160,8 @@ nb::dict dict_of(train::Example& example, std::size_t inputs) {
   const std::size_t frames = example.frames.label.size();
   all["features"] = array_of(std::move(example.frames.features), {frames, inputs});
   all["labels"] = array_of(std::move(example.frames.label));
+  all["scored"] = array_of(std::move(example.scored));
+  all["path"] = array_of(std::move(example.path));
   return all;
 }
 
@@ -245,28 +248,37 @@ Described example_of(const TrialRecord& record, const std::string& sensor, const
   return Described(dict_of(example, inputs));
 }
 
-using Series = std::vector<std::tuple<nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>,
-                                      nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>>>;
+using Doubles = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+// Members of train::SlipSeries in their order; an empty path is unknown.
+using Series = std::vector<
+    std::tuple<Doubles, nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>, Doubles, std::size_t, bool>>;
 
 std::vector<train::SlipSeries> series_of(const Series& given) {
   std::vector<train::SlipSeries> all;
-  for (const auto& [probability, truth] : given) {
+  for (const auto& [probability, truth, path, dataset, holds] : given) {
     if (probability.shape(0) != truth.shape(0))
       reject("series {}: {} for {}; expected one for each", all.size(), counted(probability.shape(0), "probability"),
              counted(truth.shape(0), "frame"));
-    all.push_back(
-        {{probability.data(), probability.data() + probability.shape(0)}, {truth.data(), truth.data() + truth.shape(0)}});
+    if (path.shape(0) != 0 && path.shape(0) != truth.shape(0))
+      reject("series {}: {} of the path for {}; expected one for each, or none", all.size(), counted(path.shape(0), "value"),
+             counted(truth.shape(0), "frame"));
+    all.push_back({.probability = {probability.data(), probability.data() + probability.shape(0)},
+                   .truth = {truth.data(), truth.data() + truth.shape(0)},
+                   .path = {path.data(), path.data() + path.shape(0)},
+                   .dataset = dataset,
+                   .holds = holds});
   }
   return all;
 }
 
-// `choice`: "accuracy" (single frames), "alarms" (at most `alarms` false ones per minute), "score".
-Described best_point(const Series& series, double period, const std::string& choice, double alarms) {
+// `choice`: "accuracy" (single frames), "alarms" (at most `limit` false ones per minute), "score"
+// (`limit`: least specificity).
+Described best_point(const Series& series, double period, const std::string& choice, double limit) {
   const std::vector<train::SlipSeries> all = series_of(series);
   const train::OperatingPoint point = [&] {
     if (choice == "accuracy") return train::most_accurate_point(all, period);
-    if (choice == "alarms") return train::best_point(all, period, alarms);
-    if (choice == "score") return train::best_point(all, period, std::nullopt);
+    if (choice == "alarms") return train::best_point(all, period, limit);
+    if (choice == "score") return train::best_scoring_point(all, period, limit);
     reject("choice: unknown {}{}", quote(choice), allowed_names(choice, std::vector<std::string>{"accuracy", "alarms", "score"}));
   }();
   nb::dict found;
@@ -279,7 +291,7 @@ Described best_point(const Series& series, double period, const std::string& cho
 }
 
 Described counts_at(const Series& series, double period, double threshold, std::size_t on, std::size_t off, std::size_t least) {
-  const train::AlarmCounts counts = train::counts_at(series_of(series), period, threshold, {on, off, least});
+  const train::AlarmCounts counts = train::counts_at(series_of(series), threshold, {on, off, least});
   constexpr PadState slip = PadState::gross, hold = PadState::non_slip;
   nb::dict all;
   all["slip_called_slip"] = samples_in(counts.frames, slip, slip);
@@ -293,6 +305,7 @@ Described counts_at(const Series& series, double period, double threshold, std::
   all["credit"] = counts.credit;
   all["alarms_per_minute"] = counts.alarms_per_minute(period);
   all["score"] = counts.score(period);
+  all["specificity"] = counts.specificity();
   return Described(all);
 }
 
@@ -330,7 +343,7 @@ void bind_learning(nb::module_& module) {
              nb::arg("classes"), nb::arg("turn"));
   module.def(
       "swept_object", [](const std::string& params) { return train::swept_facts(params).object; }, nb::arg("params"));
-  module.def("best_point", &best_point, nb::arg("series"), nb::arg("period"), nb::arg("choice"), nb::arg("alarms"));
+  module.def("best_point", &best_point, nb::arg("series"), nb::arg("period"), nb::arg("choice"), nb::arg("limit"));
   module.def("counts_at", &counts_at, nb::arg("series"), nb::arg("period"), nb::arg("threshold"), nb::arg("on"), nb::arg("off"),
              nb::arg("least"));
 }

@@ -45,8 +45,8 @@ def train(dataset: PathLike | Sequence[PathLike], *, output: PathLike, recipe: s
         output: path of the file, which ends with .onnx
         recipe: name of a recipe (`slipbench.learning.RECIPES`), or a custom recipe
         options: further arguments of `slipbench.learning.train()`: network, sensor, labels, split,
-            held_out, every_trial, seed, steps, turned, alarms, by_score, resume, log, progress,
-            reading, before_step
+            held_out, every_trial, seed, steps, turned, alarms, by_score, specificity, resume,
+            log, progress, reading, before_step
 
     Returns:
         The trained detector: path, networks, description and figures.

@@ -39,6 +39,8 @@ class Request:
         turned: number of copies with turned images; None: the recipe's
         alarms: tolerated false alarms per minute; None: not given
         by_score: True: choose the operating point with the greatest score
+        specificity: with `by_score`: least share of trials without slip that raise no alarm; None:
+            not given
         frame_by_frame: True: classify single frames, with the threshold of the greatest balanced
             accuracy
         output: path of the ONNX file
@@ -59,6 +61,7 @@ class Request:
     turned: int | None = None
     alarms: float | None = None
     by_score: bool = False
+    specificity: float | None = None
     frame_by_frame: bool = False
     resume: bool = False
     json: bool = False
@@ -131,6 +134,15 @@ def figures_text(trained: Trained) -> str:
     return "\n".join([styled(sys.stdout, "2", lines[0]), *lines[1:]])
 
 
+def score_text(validation: dict[str, Any]) -> str:
+    """Score and specificity on the validation trials."""
+    score, specificity, asked = validation["score"], validation["specificity"], validation["specificity_asked"]
+    text = f"  validation: score {'nan' if score is None else f'{100 * score:.1f}'}, specificity {share_text(specificity)}"
+    if specificity is None:
+        return text + ": no dataset has 10 validation trials without slip"
+    return text + (f", less than the {share_text(asked)} of --specificity" if specificity < asked else "")
+
+
 def next_text(request: Request, trained: Trained) -> str:
     """Command that evaluates the trained detector on data outside of its training."""
     rule: str = trained.description["trained"]["labels"]
@@ -156,6 +168,8 @@ def print_summary(request: Request, trained: Trained) -> None:
     print(f"  operating point: slip after {counted(alarm['on'], 'consecutive frame')} with a probability of {described['threshold']:.3f} or more, "
           f"for at least {alarm['least']}, until {counted(alarm['off'], 'consecutive frame')} below")
     print(f"  validation: {share_text(trained.validation)} balanced accuracy, {'nan' if rate is None else f'{rate:.1f}'} false alarms per minute of hold")
+    if facts["by_score"]:
+        print(score_text(facts["validation"]))
     print(styled(sys.stdout, "32", "written:"), request.output)
     print(next_text(request, trained))
 
@@ -170,8 +184,8 @@ def run(request: Request) -> None:
     with naming_options():
         trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
                         held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned,
-                        alarms=math.inf if request.frame_by_frame else request.alarms, by_score=request.by_score, resume=request.resume,
-                        progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
+                        alarms=math.inf if request.frame_by_frame else request.alarms, by_score=request.by_score,
+                        specificity=request.specificity, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
     if request.json:
         described = trained.description
         summary: dict[str, Any] = described["trained"] | {"output": request.output, "threshold": described["threshold"], "alarm": described["alarm"]}

@@ -169,6 +169,15 @@ class Training(TrainingTest):
         self.assertEqual(described["alarm"], {"on": 1, "off": 1, "least": 1})
         self.assertIsNone(described["trained"]["alarms_asked_per_minute"])
 
+    # Each trial slips by millimetres, so there are no trials without slip for a specificity.
+    def test_a_score_chooses_the_operating_point(self):
+        facts = self.train(by_score=True, specificity=0.5).description["trained"]
+        self.assertTrue(facts["by_score"])
+        self.assertIsNone(facts["alarms_asked_per_minute"])
+        validation = facts["validation"]
+        self.assertLessEqual(validation["score"], 1.0)
+        self.assertEqual((validation["specificity"], validation["specificity_asked"]), (None, 0.5))
+
     def test_a_damaged_checkpoint_is_refused(self):
         output = str(self.folder / "damaged.onnx")
         Path(output + ".checkpoint-0").write_bytes(b"x" * 100)
@@ -202,7 +211,10 @@ class Training(TrainingTest):
         for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),
                               ({"split": "material"}, "does not sweep material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
                               ({"turned": 2}, "^turned=2: is for images of a myrmex"),
-                              ({"by_score": True, "alarms": "1/min"}, "^by_score=True and alarms='1/min' cannot be combined"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
+                              ({"by_score": True, "alarms": "1/min"}, "^by_score=True and alarms='1/min' cannot be combined"), ({"alarms": "often"}, "1/min"),
+                              ({"specificity": 0.9}, "^specificity=0.9 needs by_score=True$"),
+                              ({"by_score": True, "labels": "recorded"}, "^by_score=True needs simulated trials.*labels='recorded' use alarms$"),
+                              ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
                               ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
@@ -220,7 +232,8 @@ class Training(TrainingTest):
                               ({"seed": -1}, "^seed: expected 0 to 18446744073709551615, found -1"), ({"seed": 2**64}, "^seed: "),
                               ({"seed": "1"}, "^seed: expected a whole number"), ({"turned": -1}, "^turned: expected 0 or more"),
                               ({"held_out": 0.6}, "^held_out: expected a number from 0 to 0.5, found 0.6"), ({"held_out": math.nan}, "^held_out: "),
-                              ({"held_out": "0.2"}, "^held_out: "), ({"dataset": []}, "^dataset: .*empty list"), ({"recipe": 3}, "^recipe: .*found int 3"),
+                              ({"held_out": "0.2"}, "^held_out: "), ({"by_score": True, "specificity": 95}, "^specificity: expected a number from 0 to 1, found 95"),
+                              ({"dataset": []}, "^dataset: .*empty list"), ({"recipe": 3}, "^recipe: .*found int 3"),
                               ({"network": 3}, "^network: .*found int 3"), ({"network": lambda inputs, classes: None}, "^network: .*NoneType"),
                               ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, r"^alarms='1/min': .*leave alarms out$")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):

@@ -255,8 +255,7 @@ Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   part.judged = test_set.disturbance.empty() || !slips;
   part.silent = std::isnan(judgement.alarm_time);
   if (part.credited && judgement.detection == Detection::seen) {
-    part.credit = test_set.by_distance ? half_slip_distance / (half_slip_distance + judgement.slip_distance)
-                                       : half_delay / (half_delay + judgement.delay);
+    part.credit = test_set.by_distance ? distance_credit(judgement.slip_distance) : half_delay / (half_delay + judgement.delay);
   }
   return part;
 }
@@ -296,9 +295,11 @@ Score score_of(std::span<const Part> parts, const TestSet& test_set) {
   score.said = share(sum.said, sum.still);
   score.specificity = share(silent, judged);
   score.judged = static_cast<std::size_t>(judged);
-  const double counts = test_set.track == Track::loop ? 1.0 : alarm_limit / std::max(score.alarms_per_minute, alarm_limit);
-  score.value = !test_set.disturbance.empty() ? score.specificity
-                                              : score.credit * counts - score.said - (test_set.needless ? score.needless : 0.0);
+  // In a loop a false alarm already costs force.
+  const double alarms = test_set.track == Track::loop ? 0.0 : score.alarms_per_minute;
+  score.value = !test_set.disturbance.empty()
+                    ? score.specificity
+                    : recording_score(score.credit, alarms, score.said) - (test_set.needless ? score.needless : 0.0);
   return score;
 }
 

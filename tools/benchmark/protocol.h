@@ -13,18 +13,12 @@
 #include "tools/eval/metrics.h"
 #include "tools/eval/replay.h"
 #include "tools/statistics/descriptive.h"
-#include "tools/train/network/operating_point.h"
+#include "tools/statistics/slip_score.h"
 
 namespace slipbench::benchmark {
 
-// Constants of the score.
-using train::alarm_limit;
-using train::half_delay;
-inline constexpr double half_slip_distance = 0.25e-3;  // m, path slipped at the alarm for which slip-3 gives half of the credit
-// m: slip-3 gives no credit for a recording in which the object slips less than this in all.
-// Without this limit an alarm at any time would earn nearly all of the credit of an object that
-// creeps by micrometres.
-inline constexpr double least_slip_distance = 0.05e-3;
+// Constants of the score, besides those of tools/statistics/slip_score.h.
+inline constexpr double half_delay = 0.1;         // s, delay for half of the credit in slip-1 and slip-2
 inline constexpr double worst_force_ratio = 2.5;  // greatest grip force over the least that holds from which on the credit is 0
 
 enum class Track { open, loop, transfer };
@@ -101,9 +95,9 @@ struct Part {
 };
 
 // Returns the part of a recording. The credit of a detected slip is half_delay / (half_delay +
-// delay), or with TestSet::by_distance half_slip_distance / (half_slip_distance +
-// Judgement::slip_distance). It is 0 after an early alarm or without an alarm. With
-// TestSet::by_distance a recording that slips by less than least_slip_distance in all is not credited.
+// delay), or with TestSet::by_distance distance_credit(Judgement::slip_distance). It is 0 after an
+// early alarm or without an alarm. With TestSet::by_distance a recording that slips by less than
+// least_slip_distance in all is not credited.
 Part recording_part(const eval::Judgement& judgement, const TestSet& test_set);
 // Returns the part of a grasp. `untightened`: the same grasp without tightening. If `untightened`
 // loses the box: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) within 0 and 1,

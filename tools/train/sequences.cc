@@ -13,6 +13,7 @@
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/reader.h"
+#include "tools/dataset/record/slip_path.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
@@ -87,8 +88,10 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   sequence.trial = record.trial;
   sequence.motion = motion;
   sequence.onset = onset_of(sensor.labels, options.labels);
+  const std::vector<double> path = slip_path(sensor.labels, sensor.time.size());
   for (std::size_t row = 0; row < samples.size(); row += stride) {
     sequence.time.push_back(samples.time(row));
+    if (!path.empty()) sequence.path.push_back(path[row]);
     Displacements& frame = sequence.displacements.emplace_back();
     for (std::size_t p = 0; p < pillars; ++p) {
       const std::array<float, 3> displacement = samples.displacement(row, p);

@@ -27,7 +27,9 @@ struct Sequence {
   std::string part;        // in the dataset's own split: "train", "valid", "test", or "none"; empty: no masks
   CommandedMotion motion;  // all 0 in a grasp, whose pad has no commanded motion
   double onset = std::numeric_limits<double>::quiet_NaN();  // s, true start of slip by the rule of the labels; NaN: no slip
+  std::size_t dataset = 0;                                  // index of its file in the training
   std::vector<double> time;                                 // [T] s
+  std::vector<double> path;                                 // [T] m, path that the object has slipped; empty: unknown
   std::vector<Displacements> displacements;                 // [T]
   std::vector<PadState> label;                              // [T] by the rule of the labels; no_contact without contact
   std::vector<std::uint8_t> moving;                         // [T] 1 while the pad translates or rotates

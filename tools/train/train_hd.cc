@@ -63,11 +63,15 @@ Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequenc
       const bool slipped = !said.truth.empty() && said.truth.back() != 0;
       said.truth.push_back(slips(sample.label) ? 1 : slipped ? train::masked : 0);
       said.probability.push_back(slips(state) ? 1.0 : 0.0);
+      if (const Sequence& sequence = sequences[sample.sequence]; !sequence.path.empty())
+        said.path.push_back(sequence.path[sample.row]);
     }
     const bool last = i + 1 == samples.size() || samples[i + 1].sequence != sample.sequence;
     if (!last) continue;
     if (with_delays && !time.empty()) {
       evaluation.delays.add(time, called, sequences[sample.sequence].onset);
+      said.dataset = sequences[sample.sequence].dataset;
+      said.holds = std::ranges::all_of(said.truth, [](std::uint8_t truth) { return truth == 0; });
       evaluation.said.push_back(said);
     }
     time.clear();
@@ -134,6 +138,13 @@ std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedMo
   if (longest == 0) reject("{}: no frame has contact", dataset);
   reject("{}: a window of {} is longer than the sequences; allowed: up to {}, the last frame with contact", dataset,
          counted(saved.model.window, "frame"), longest);
+}
+
+network::Alarm chosen_alarm(std::span<const train::SlipSeries> series, const HdTraining& options) {
+  constexpr double period = 1.0 / detector_rate;
+  return (options.alarms ? train::best_point(series, period, *options.alarms)
+                         : train::best_scoring_point(series, period, options.specificity))
+      .alarm;
 }
 
 constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{
@@ -311,11 +322,14 @@ HdSummary train_hd(const HdTraining& options) {
   const auto add_trials = [&] {
     for (const Sequence& sequence : data.sequences) trials.insert(sequence.sha256);
   };
+  std::size_t dataset_index = 0;
   for (const std::string& dataset : options.with) {
     TrainingData more = read_learnt(dataset, options, summary);
     add_trials();  // a trial in several datasets could be in both training and test
     for (const Sequence& sequence : more.sequences)
       if (trials.contains(sequence.sha256)) reject("{}: a trial is also in an earlier dataset; give each trial once", dataset);
+    ++dataset_index;
+    for (Sequence& sequence : more.sequences) sequence.dataset = dataset_index;
     data.command += " and " + more.command;
     std::ranges::move(more.sequences, std::back_inserter(data.sequences));
   }
@@ -330,7 +344,7 @@ HdSummary train_hd(const HdTraining& options) {
   }
   const std::vector<std::uint32_t> once(samples.size(), 1);
   saved.memories.associative = fit(saved.model, saved.memories, samples, once, options.epochs, options.seed);
-  if (options.point) saved.alarm = train::best_point(summary.by_sequence[0].said, 1.0 / detector_rate, options.alarms).alarm;
+  if (options.point) saved.alarm = chosen_alarm(summary.by_sequence[0].said, options);
   summary.alarm = saved.alarm;
   const std::string learnt = summary.own_split
                                  ? fmt::format("{} of {} (part train)", summary.sequences, counted(summary.trials, "sequence"))

@@ -94,6 +94,7 @@ struct HdTraining {
   std::size_t epochs = 0;        // 0: single pass, as in the paper
   bool point = false;            // draw 0 chooses the number of consecutive frames for an alarm
   std::optional<double> alarms;  // maximum number of false alarms per minute; empty: choose by score
+  double specificity = 0.95;     // with a choice by score: as train::best_scoring_point()
   std::uint64_t seed = 1;        // for item memories and draws
   std::size_t jobs = 0;          // threads; 0: one per hardware thread
   std::string output;            // folder of the memories

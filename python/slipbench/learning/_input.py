@@ -218,9 +218,12 @@ class Example:
         speed: m/s, swept speed; NaN: not swept
         mass: kg, swept mass; NaN: not swept
         touches: True if there is contact at some time
+        holds: True if no part of a unit slips; False without truth
         onset: s, true first slip; NaN: none
         turn: rotation of its images in multiples of 30 degrees
         truth: [T] code of the pad's state; empty: unknown
+        scored: [T] 1: slip, 0: none, 255: neither, as the benchmark counts slip; empty: unknown
+        path: [T] m, path that the object has slipped since the start; empty: unknown
     """
 
     features: Floats = field(repr=False)
@@ -238,9 +241,12 @@ class Example:
     speed: float
     mass: float
     touches: bool
+    holds: bool
     onset: float
     turn: int
     truth: NDArray[np.uint8] = field(repr=False)
+    scored: NDArray[np.uint8] = field(repr=False)
+    path: NDArray[np.float64] = field(repr=False)
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ def alarms_per_minute(alarms: str | float) -> float:
 def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *, output: str | os.PathLike[str], recipe: str | Recipe = "slip_gru",
           network: nn.Module | Callable[[int, int], nn.Module] | None = None, sensor: str = "", labels: str | None = None, split: str | None = None,
           held_out: float | None = None, every_trial: bool = False, seed: int = 1, steps: int | None = None, turned: int | None = None,
-          alarms: str | float | None = None, by_score: bool = False, resume: bool = False, log: str | os.PathLike[str] | None = None,
+          alarms: str | float | None = None, by_score: bool = False, specificity: float | None = None, resume: bool = False, log: str | os.PathLike[str] | None = None,
           progress: Callable[[int, Report], object] | None = None, reading: Callable[[int, int], object] | None = None,
           before_step: Callable[[], None] | None = None) -> Trained:
     """Trains a slip detector on datasets and writes its ONNX file for scenes, `eval` and `replay`.
@@ -134,8 +134,10 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         alarms: tolerated false alarms on the validation trials, as "1/min"; None: 1/min; math.inf:
             no limit; each frame is then classified on its own, with the threshold of the greatest
             balanced accuracy
-        by_score: True: choose the operating point with the greatest score for open recordings,
-            instead of by `alarms`
+        by_score: True: choose the operating point with the greatest score of the benchmark's open
+            recordings, instead of by `alarms`; needs the slipped distance of simulated trials
+        specificity: with `by_score`: least share, 0 to 1, of the validation trials without slip in
+            which no alarm is raised, in each dataset with 10 such trials or more; None: 0.95
         resume: True: continue from the OUTPUT.checkpoint-0 of an interrupted training
         log: folder for TensorBoard logs, which need the package tensorboard; None: no logs
         progress: called with the number of the network and a Report, after every validation
@@ -162,6 +164,13 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     chosen = _recipe(recipe, network, labels, split, steps, turned)
     if by_score and alarms is not None:
         raise _core.InputError(f"{named('by_score', True)} and {named('alarms', alarms)} cannot be combined")
+    if specificity is not None and not by_score:
+        raise _core.InputError(f"{named('specificity', specificity)} needs {named('by_score', True)}")
+    if specificity is not None and not (isinstance(specificity, numbers.Real) and 0 <= specificity <= 1):
+        raise _core.InputError(f"specificity: expected a number from 0 to 1, found {specificity!r}")
+    if by_score and chosen.labels == "recorded":
+        raise _core.InputError(f"{named('by_score', True)} needs simulated trials, which record the slipped distance; with {named('labels', 'recorded')} use "
+                               f"{named('alarms')}")
     if (by_score or alarms not in (None, math.inf)) and chosen.at_most > 0:
         argument, given = ("by_score", True) if by_score else ("alarms", alarms)
         raise _core.InputError(f"{named(argument, given)}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
@@ -186,6 +195,12 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
     if not learns:
         raise _core.InputError(f"{', '.join(paths)}: the part train of the dataset's own split has no trial; {named('every_trial', True)} divides all trials anew")
+    wanted_specificity = 0.95 if specificity is None else float(specificity)
+    if by_score:
+        silent = [_scored_series(np.zeros(len(one.labels)), one, 0) for one in validates]
+        if _core.counts_at(silent, chosen.input.period, 1.0, 1, 1, 1)["slips"] == 0:
+            raise _core.InputError(f"{named('by_score', True)}: no validation trial slips by 0.05 mm or more with a known slipped distance; use "
+                                   f"{named('alarms')}")
     offset, scale = scale_of([one.features for one in learns], chosen.scaling)
     scaled = [[((one.features - offset) * scale, one.labels) for one in part] for part in (learns, validates, judges)]
 
@@ -222,8 +237,11 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     accuracy = [balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of) for part, of in zip(probabilities, truth)]
     slip = np.array([state in SLIPPING for _, state in examples.classes])
     series = [[_series(one, labels, slip) for one, labels in zip(part, of)] for part, of in zip(probabilities, truth)]
-    choice = "score" if by_score else "accuracy" if frame_by_frame else "alarms"
-    point = _core.best_point(series[0], chosen.input.period, choice, tolerated or 0.0)
+    if by_score:
+        scored = [_scored_series(probability, one, before) for (probability, *_), one in zip(series[0], validates)]
+        point = _core.best_point(scored, chosen.input.period, "score", wanted_specificity)
+    else:
+        point = _core.best_point(series[0], chosen.input.period, "accuracy" if frame_by_frame else "alarms", tolerated or 0.0)
     alarm = {key: point[key] for key in ("on", "off", "least")}
     counts = _core.counts_at(series[1], chosen.input.period, point["threshold"], **alarm) if judges else None
 
@@ -235,6 +253,10 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         "parameters": sum(one.numel() for one in members[0].parameters()), "steps": fitted_steps,
         "validation": {"balanced_accuracy": accuracy[0], "alarms_per_minute": _or_none(point["alarms_per_minute"])},
         "libraries": f"torch {torch.__version__}"}
+    if by_score:
+        at_point = _core.counts_at(scored, chosen.input.period, point["threshold"], **alarm)
+        trained["validation"] |= {"score": _or_none(at_point["score"]), "specificity": _or_none(at_point["specificity"]),
+                                  "specificity_asked": wanted_specificity}
     own_split = any(one.own_part for one in examples.all) and not every_trial
     if own_split:
         trained["dataset_split"] = True
@@ -371,10 +393,16 @@ def _probabilities(members: Sequence[nn.Module], features: Floats) -> Floats:
     return answers / answers.sum(1, keepdims=True)
 
 
-def _series(probabilities: Floats, labels: Labels, slip: Any) -> tuple[Any, Labels]:
-    """Probability of slip, and truth 1, 0 or MASKED, of each frame."""
+def _series(probabilities: Floats, labels: Labels, slip: Any) -> tuple[Any, Labels, Any, int, bool]:
+    """Probability of slip, and truth 1, 0 or MASKED, of each frame, for `_core.counts_at`."""
     truth = np.where(labels == MASKED, MASKED, slip[np.minimum(labels, len(slip) - 1)]).astype(np.uint8)
-    return np.ascontiguousarray(probabilities[:, slip].sum(1), np.float64), truth
+    return np.ascontiguousarray(probabilities[:, slip].sum(1), np.float64), truth, np.zeros(0), 0, False
+
+
+def _scored_series(probability: Any, example: Example, before: int) -> tuple[Any, Labels, Any, int, bool]:
+    """As `_series`, by the truth of the score. `before`: number of first frames without an answer."""
+    scored = example.scored if len(example.scored) else np.full(len(example.labels), MASKED, np.uint8)
+    return probability, np.ascontiguousarray(scored[before:]), np.ascontiguousarray(example.path[before:]), example.dataset, example.holds
 
 
 def _trials(examples: Sequence[Example]) -> list[int]:

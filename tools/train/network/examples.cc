@@ -27,6 +27,7 @@
 #include "tools/files/reject.h"
 #include "tools/learning_data/myrmex_images.h"
 #include "tools/learning_data/samples.h"
+#include "tools/statistics/slip_score.h"
 
 namespace slipbench::train {
 
@@ -136,13 +137,13 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
   return states;
 }
 
-// Declares the samples of a slip as stick if the object moves by less than moved_distance in this slip.
+// Declares the samples of a slip as stick if the object moves by less than least_slip_distance in this slip.
 void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<double>& path) {
   for (std::size_t first = 0; first < states.size(); ++first) {
     if (!slips(states[first])) continue;
     std::size_t end = first;
     while (end < states.size() && slips(states[end])) ++end;
-    if (path[end - 1] - (first == 0 ? 0.0 : path[first - 1]) < moved_distance) {
+    if (path[end - 1] - (first == 0 ? 0.0 : path[first - 1]) < least_slip_distance) {
       std::fill(states.begin() + static_cast<std::ptrdiff_t>(first), states.begin() + static_cast<std::ptrdiff_t>(end),
                 static_cast<std::uint8_t>(PadState::non_slip));
     }
@@ -150,17 +151,47 @@ void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<doubl
   }
 }
 
-// Masks the samples of each slip before the object has moved by moved_distance.
+// Masks the samples of each slip before the object has moved by least_slip_distance.
 void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states,
                      const std::vector<double>& path) {
   double begin = 0.0;
   for (std::size_t row = 0; row < states.size(); ++row) {
     if (!slips(states[row])) {
       begin = path[row];
-    } else if (path[row] - begin < moved_distance) {
+    } else if (path[row] - begin < least_slip_distance) {
       labels[row] = masked;
     }
   }
+}
+
+// The label of every sample by the states of the pad. `clear`: samples that stick again after a slip
+// are stick; otherwise they are masked until contact is lost, or with `latched` still slip.
+template <class KindOf>
+std::vector<std::uint8_t> labels_by(const std::vector<std::uint8_t>& states, bool clear, bool latched, KindOf&& kind_of_row) {
+  std::vector<std::uint8_t> labels;
+  bool slipped = false;          // in this contact
+  std::uint8_t latest = masked;  // class of its latest slip
+  for (std::size_t row = 0; row < states.size(); ++row) {
+    if (states[row] == static_cast<std::uint8_t>(PadState::no_contact)) slipped = false;
+    if (slips(states[row])) {
+      const std::uint8_t kind = kind_of_row(row);
+      if (kind != masked || !slipped) latest = kind;
+      slipped = true;
+      labels.push_back(kind);
+    } else if (slipped && latched) {
+      labels.push_back(latest);
+    } else {
+      labels.push_back(slipped && !clear ? masked : std::uint8_t{0});
+    }
+  }
+  return labels;
+}
+
+// Example::scored of every sample.
+std::vector<std::uint8_t> scored_labels(const TrialRecord& record, const SensorRecord& sensor, const std::vector<double>& path) {
+  std::vector<std::uint8_t> states = states_of(sensor, LabelRule::micro);
+  drop_small_slips(states, path);
+  return labels_by(states, record.outcome.grasp.has_value(), false, [](std::size_t) { return std::uint8_t{1}; });
 }
 
 // The class of every sample.
@@ -187,21 +218,8 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   }
   const bool tightens = rule == LabelRule::tightened || rule == LabelRule::moved;
   const bool clear = rule != LabelRule::masked && (!tightens || record.outcome.grasp);
-  bool slipped = false;          // in this contact
-  std::uint8_t latest = masked;  // class of its latest slip
-  for (std::size_t row = 0; row < states.size(); ++row) {
-    if (states[row] == static_cast<std::uint8_t>(PadState::no_contact)) slipped = false;
-    if (slips(states[row])) {
-      const std::uint8_t kind = kind_of(sensor.labels, row, classes);
-      if (kind != masked || !slipped) latest = kind;
-      slipped = true;
-      labels.push_back(kind);
-    } else if (slipped && rule == LabelRule::latched) {
-      labels.push_back(latest);
-    } else {
-      labels.push_back(slipped && !clear ? masked : std::uint8_t{0});
-    }
-  }
+  labels =
+      labels_by(states, clear, rule == LabelRule::latched, [&](std::size_t row) { return kind_of(sensor.labels, row, classes); });
   if (rule == LabelRule::moved) mask_beginnings(labels, states, path);
   return labels;
 }
@@ -330,6 +348,10 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
       options.labels == LabelRule::strict ? sensor.labels.onset_time : sensor.labels.micro_onset_time;
   for (const double onset : onsets) example.onset = std::fmin(example.onset, onset);
   example.touches = truth.empty() || std::ranges::any_of(truth, [](std::uint8_t state) { return state != 0; });
+  example.holds = !sensor.labels.state_micro.empty() &&
+                  std::ranges::none_of(sensor.labels.state_micro, [](std::uint8_t state) { return slips(state); });
+  const std::vector<double> path = slip_path(sensor.labels, sensor.time.size());
+  const std::vector<std::uint8_t> scored = path.empty() ? std::vector<std::uint8_t>() : scored_labels(record, sensor, path);
   std::vector<float> sample;
   std::vector<std::size_t> ends;
   std::vector<float> features;
@@ -357,6 +379,10 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
     example.frames.features.insert(example.frames.features.end(), first, first + static_cast<std::ptrdiff_t>(frames.size()));
     example.frames.label.push_back(all[t]);
     example.time.push_back(sensor.time[ends[t]]);
+    if (!path.empty()) {
+      example.path.push_back(path[ends[t]]);
+      example.scored.push_back(scored[ends[t]]);
+    }
     if (!truth.empty()) example.truth.push_back(static_cast<PadState>(truth[ends[t]]));
   }
   return example;

@@ -33,7 +33,8 @@ enum class LabelRule {
   latched,  // micro, and from the first slip until contact is lost
   masked,  // micro; frames that stick again after a slip, before contact is lost, are masked: they still bear the shear that caused the slip
   tightened,  // on a stage masked, in a grasp micro, where frames that stick again are held, since the grip has tightened
-  // As tightened, except that a slip which moves the object by less than moved_distance is stick.
+  // As tightened, except that a slip which moves the object by less than least_slip_distance
+  // (tools/statistics/slip_score.h) is stick.
   // The frames of a larger slip are masked until the object has moved that far.
   moved,
   recorded,  // no truth: the labels of an imported recording
@@ -43,9 +44,6 @@ inline constexpr std::array label_words{
     Choice<LabelRule>{"paper", LabelRule::paper},   Choice<LabelRule>{"latched", LabelRule::latched},
     Choice<LabelRule>{"masked", LabelRule::masked}, Choice<LabelRule>{"tightened", LabelRule::tightened},
     Choice<LabelRule>{"moved", LabelRule::moved},   Choice<LabelRule>{"recorded", LabelRule::recorded}};
-
-// m, least slip that slip-3 counts (least_slip_distance of tools/benchmark/protocol.h)
-inline constexpr double moved_distance = 0.05e-3;
 
 // Classes of slip.
 enum class ClassRule {
@@ -75,12 +73,18 @@ struct Example {
   double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, swept motion.speed; NaN: not swept
   double mass = std::numeric_limits<double>::quiet_NaN();   // kg, swept box.mass or bodies.*.mass, likewise
   bool touches = false;                                     // there is contact at some time; else only motors run
+  bool holds = false;                                       // no part of a unit slips in any sample; false without truth
   double onset = std::numeric_limits<
       double>::quiet_NaN();     // s, true first slip: of a whole unit (strict), of a part of one (other rules); NaN: none
   std::vector<double> time;     // [T] s, of each frame's last sample
   std::vector<PadState> truth;  // [T] by strict if the labels are strict, else by micro; empty: a recording without truth
   FrameSequence frames;         // unscaled
-  std::uint8_t turn = 0;        // images are turned by this many times 30 degrees; turned copies are for training only
+  // For the choice of the operating point by score; both empty for a recording without truth.
+  // [T] 1: slip, 0: none, `masked`: neither. As the benchmark counts slip (`masked` on a stage,
+  // `micro` in a grasp), except that a slip of less than least_slip_distance is not counted.
+  std::vector<std::uint8_t> scored;
+  std::vector<double> path;  // [T] m, path that the object has slipped since the start
+  std::uint8_t turn = 0;     // images are turned by this many times 30 degrees; turned copies are for training only
 };
 
 // Called before the first trial is read and after each, with the number of trials read and of all

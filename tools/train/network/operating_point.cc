@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "sim/core/math.h"
+#include "tools/files/reject.h"
 #include "tools/statistics/descriptive.h"
+#include "tools/statistics/slip_score.h"
 #include "tools/train/network/examples.h"
 
 namespace slipbench::train {
@@ -31,6 +33,55 @@ std::vector<double> merged(const std::vector<double>& a, const std::vector<doubl
   return all;
 }
 
+bool all_single_frames(std::span<const SlipSeries> series) {
+  return std::ranges::all_of(series, [](const SlipSeries& one) { return one.truth.size() < 2; });
+}
+
+// Thresholds, and numbers of consecutive frames, that a choice tries.
+struct Candidates {
+  std::set<double> thresholds;
+  std::set<std::size_t> frames;
+};
+
+Candidates candidates_of(std::span<const SlipSeries> series, double period) {
+  constexpr std::size_t steps = 48;
+  const auto [hold, slip] = sorted_by_truth(series);
+  const std::vector<double> all = merged(hold, slip);
+  Candidates candidates{{most_accurate_point(series, period).threshold}, {}};
+  for (std::size_t k = 0; k < steps; ++k) {
+    const double above = math::pow(static_cast<double>(hold.size()), 1.0 - static_cast<double>(k) / (steps - 1));
+    const double below = hold[hold.size() - static_cast<std::size_t>(above)];
+    if (const auto next = std::ranges::upper_bound(all, below); next != all.end())
+      candidates.thresholds.insert(0.5 * (below + *next));
+  }
+  for (const double seconds : {0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5})
+    candidates.frames.insert(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(seconds / period))));
+  return candidates;
+}
+
+// Returns the candidate with the greatest `worth` of its counts, the first of equals.
+template <class Worth>
+OperatingPoint most_worthy_point(std::span<const SlipSeries> series, double period, Worth&& worth) {
+  const Candidates candidates = candidates_of(series, period);
+  OperatingPoint best;
+  std::pair<double, double> greatest{-std::numeric_limits<double>::infinity(), 0.0};
+  for (const std::size_t on : candidates.frames) {
+    for (const std::size_t off : candidates.frames) {
+      for (const std::size_t least : {std::size_t{1}, *candidates.frames.rbegin()}) {
+        for (const double threshold : candidates.thresholds) {
+          const network::Alarm alarm{on, off, least};
+          const AlarmCounts counts = counts_at(series, threshold, alarm);
+          const std::pair<double, double> here = worth(counts);
+          if (here <= greatest) continue;
+          greatest = here;
+          best = {threshold, alarm, counts.alarms_per_minute(period)};
+        }
+      }
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 double AlarmCounts::alarms_per_minute(double period) const {
@@ -40,24 +91,37 @@ double AlarmCounts::alarms_per_minute(double period) const {
 
 double AlarmCounts::score(double period) const {
   const double wrong = share_of(samples_in(frames, PadState::non_slip, PadState::gross), samples_in(frames, PadState::non_slip));
-  return credit / static_cast<double>(slips) * std::min(1.0, alarm_limit / alarms_per_minute(period)) - wrong;
+  return recording_score(credit / static_cast<double>(slips), alarms_per_minute(period), wrong);
 }
 
-AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double threshold, const network::Alarm& alarm) {
+double AlarmCounts::specificity() const {
+  double least = std::numeric_limits<double>::quiet_NaN();
+  for (const Holding& one : holding) {
+    if (one.series >= least_holding) least = std::fmin(least, share_of(one.silent, one.series));
+  }
+  return least;
+}
+
+AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, const network::Alarm& alarm) {
   AlarmCounts counts;
   for (const SlipSeries& one : series) {
     const std::size_t onset = static_cast<std::size_t>(std::ranges::find(one.truth, 1) - one.truth.begin());
-    counts.slips += onset < one.truth.size() ? 1 : 0;
+    const double begin = onset == 0 || one.path.empty() ? 0.0 : one.path[onset - 1];
+    const bool credited = onset < one.truth.size() && !one.path.empty() && one.path.back() - begin >= least_slip_distance;
+    counts.slips += credited ? 1 : 0;
     network::AlarmGate gate(alarm);
     bool before = false, ever = false;
     for (std::size_t t = 0; t < one.truth.size(); ++t) {
       const bool said = gate.push(one.probability[t] >= threshold), begins = !std::exchange(before, said) && said;
+      if (said && !std::exchange(ever, true) && t >= onset && credited) counts.credit += distance_credit(one.path[t] - begin);
       if (one.truth[t] == masked) continue;
       count(counts.frames, one.truth[t] == 1, said);
       counts.false_alarms += begins && one.truth[t] == 0 ? 1U : 0U;
-      if (said && !std::exchange(ever, true) && t >= onset)
-        counts.credit += half_delay / (half_delay + static_cast<double>(t - onset) * period);
     }
+    if (!one.holds) continue;
+    if (counts.holding.size() <= one.dataset) counts.holding.resize(one.dataset + 1);
+    ++counts.holding[one.dataset].series;
+    counts.holding[one.dataset].silent += ever ? 0 : 1;
   }
   return counts;
 }
@@ -82,46 +146,26 @@ OperatingPoint most_accurate_point(std::span<const SlipSeries> series, double pe
       }
     }
   }
-  point.alarms_per_minute = counts_at(series, period, point.threshold, point.alarm).alarms_per_minute(period);
+  point.alarms_per_minute = counts_at(series, point.threshold, point.alarm).alarms_per_minute(period);
   return point;
 }
 
-OperatingPoint best_point(std::span<const SlipSeries> series, double period, std::optional<double> alarms) {
+OperatingPoint best_point(std::span<const SlipSeries> series, double period, double alarms) {
   const auto [hold, slip] = sorted_by_truth(series);
-  const bool timeless = std::ranges::all_of(series, [](const SlipSeries& one) { return one.truth.size() < 2; });
-  if (timeless || hold.empty() || slip.empty()) return most_accurate_point(series, period);
-  constexpr std::size_t steps = 48;
-  const std::vector<double> all = merged(hold, slip);
-  std::set<double> thresholds{most_accurate_point(series, period).threshold};
-  for (std::size_t k = 0; k < steps; ++k) {
-    const double above = math::pow(static_cast<double>(hold.size()), 1.0 - static_cast<double>(k) / (steps - 1));
-    const double below = hold[hold.size() - static_cast<std::size_t>(above)];
-    if (const auto next = std::ranges::upper_bound(all, below); next != all.end()) thresholds.insert(0.5 * (below + *next));
-  }
-  std::set<std::size_t> rows;
-  for (const double seconds : {0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5})
-    rows.insert(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(seconds / period))));
+  if (all_single_frames(series) || hold.empty() || slip.empty()) return most_accurate_point(series, period);
+  return most_worthy_point(series, period, [&](const AlarmCounts& counts) {
+    return std::pair{-std::max(counts.alarms_per_minute(period) - alarms, 0.0), balanced_slip_accuracy(counts.frames)};
+  });
+}
 
-  OperatingPoint best;
-  std::pair<double, double> worth{-std::numeric_limits<double>::infinity(),
-                                  0.0};  // negative number of excess alarms, then accuracy or score
-  for (const std::size_t on : rows) {
-    for (const std::size_t off : rows) {
-      for (const std::size_t least : {std::size_t{1}, *rows.rbegin()}) {
-        for (const double threshold : thresholds) {
-          const network::Alarm alarm{on, off, least};
-          const AlarmCounts counts = counts_at(series, period, threshold, alarm);
-          const double rate = counts.alarms_per_minute(period);
-          const std::pair here = alarms ? std::pair{-std::max(rate - *alarms, 0.0), balanced_slip_accuracy(counts.frames)}
-                                        : std::pair{0.0, counts.score(period)};
-          if (here <= worth) continue;
-          worth = here;
-          best = {threshold, alarm, rate};
-        }
-      }
-    }
-  }
-  return best;
+OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity) {
+  const AlarmCounts counts = counts_at(series, 0.5, {});
+  if (counts.slips == 0) reject("no validation trial slips by {:g} mm or more", 1e3 * least_slip_distance);
+  if (samples_in(counts.frames, PadState::non_slip) == 0) reject("the validation trials slip all the time");
+  return most_worthy_point(series, period, [&](const AlarmCounts& at) {
+    const double held = at.specificity();
+    return std::pair{std::isnan(held) ? 0.0 : std::min(held - specificity, 0.0), at.score(period)};
+  });
 }
 
 }  // namespace slipbench::train

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,27 +17,38 @@ namespace slipbench::train {
 struct SlipSeries {
   std::vector<double> probability;  // [T] of slip
   std::vector<std::uint8_t> truth;  // [T] 1: slip, 0: hold, `masked` (examples.h): neither
+  std::vector<double> path = {};    // [T] m, path that the object has slipped since the start; empty: unknown
+  std::size_t dataset = 0;          // index of its file
+  bool holds = false;               // no part of the pad slips
 };
 
-// Parameters of the score of slip-1 (tools/benchmark/README.md).
-inline constexpr double half_delay = 0.1;   // s, delay for half of the credit
-inline constexpr double alarm_limit = 1.0;  // false alarms per minute up to which credit counts in full
+// Series of a dataset in which no part of the pad slips.
+struct Holding {
+  std::size_t series = 0;
+  std::size_t silent = 0;  // without an alarm
+};
+// A share of fewer series than this is not used as a condition.
+inline constexpr std::size_t least_holding = 10;
 
 // Unmasked frames by truth and answer. An alarm is false if it begins in a frame of hold.
 struct AlarmCounts {
   Confusion frames{};
   std::uint64_t false_alarms = 0;
-  std::size_t slips = 0;  // series with a frame of slip
-  double credit =
-      0.0;  // sum over them of half_delay/(half_delay + delay); 0 if the alarm comes before the first slip frame or never
+  std::size_t slips = 0;  // series with a known path that slip by least_slip_distance or more
+  // Sum over them of the credit of the path from the first frame of slip to the first alarm, and
+  // 0 if the alarm comes before that frame or never, by distance_credit().
+  double credit = 0.0;
+  std::vector<Holding> holding = {};  // by dataset
 
   // `period` [s]: period of the frames. NaN without hold.
   [[nodiscard]] double alarms_per_minute(double period) const;
-  // Score for public recordings: credit per slip, times min(1, alarm_limit/alarms), minus the share
-  // of hold called slip. NaN without slip or hold.
+  // Score of recordings (tools/statistics/slip_score.h). NaN without slip or hold.
   [[nodiscard]] double score(double period) const;
+  // The least share of Holding::silent of the datasets with least_holding series or more; NaN
+  // without such a dataset.
+  [[nodiscard]] double specificity() const;
 };
-AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double threshold, const network::Alarm& alarm);
+AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, const network::Alarm& alarm);
 
 struct OperatingPoint {
   double threshold = 0.5;
@@ -52,10 +62,14 @@ struct OperatingPoint {
 OperatingPoint most_accurate_point(std::span<const SlipSeries> series, double period);
 // The greatest balanced accuracy of frames, which a late alarm reduces too, among points with at
 // most `alarms` false alarms per minute of hold; if there is none, the point with the fewest.
-// Without `alarms`: the greatest score. Consecutive frames: up to half a second. Thresholds: the
-// most accurate one, and just above 48 quantiles of the hold frames' probabilities, whose distances
-// to the greatest grow by a constant factor. Without slip or hold, or with a series of a single
-// frame, which has no duration: as most_accurate_point().
-OperatingPoint best_point(std::span<const SlipSeries> series, double period, std::optional<double> alarms);
+// Consecutive frames: up to half a second. Thresholds: the most accurate one, and just above 48
+// quantiles of the hold frames' probabilities, whose distances to the greatest grow by a constant
+// factor. Without slip or hold, or with series of single frames, which have no duration: as
+// most_accurate_point().
+OperatingPoint best_point(std::span<const SlipSeries> series, double period, double alarms);
+// The greatest AlarmCounts::score() among the same points with at least the share `specificity`, 0
+// to 1, of AlarmCounts::specificity(); if there is none, a point that comes nearest to it. Throws
+// InputError if no series earns credit or holds still: then all scores are equal.
+OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity);
 
 }  // namespace slipbench::train

@@ -231,6 +231,8 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
   }
   EXPECT_THAT(refused({"--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
   EXPECT_THAT(refused({"--recipe", "slip_gru", "--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
+  EXPECT_THAT(refused({"--specificity", "90"}), mentions({"--specificity", "--score"}));
+  EXPECT_THAT(refused({"--score", "--specificity", "101"}), mentions({"--specificity", "101"}));
   EXPECT_THAT(refused({"--steps", "3"}), mentions({"--steps", "networks"}));
   EXPECT_THAT(refused({"--resume"}), mentions({"--resume", "networks"}));
   EXPECT_THAT(refused({"--labels", "latched"}), mentions({"--labels", "latched", "gst_hd"}));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/core/error.h"
 #include "tools/train/network/examples.h"
 
 namespace slipbench::train::operating_point_test {
@@ -25,12 +26,12 @@ std::vector<SlipSeries> spiky() {
 // began in it is not false.
 TEST(AlarmCounts, AreOfAlarmsThatBeginInHold) {
   std::vector<SlipSeries> series = spiky();
-  EXPECT_EQ(counts_at(series, period, 0.5, {}).false_alarms, 10U);
-  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).alarms_per_minute(period), 60.0);
-  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(counts_at(series, period, 0.5, {}).frames), 0.5 * (1.0 + 0.9));
+  EXPECT_EQ(counts_at(series, 0.5, {}).false_alarms, 10U);
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).alarms_per_minute(period), 60.0);
+  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(counts_at(series, 0.5, {}).frames), 0.5 * (1.0 + 0.9));
   series[0].truth[5] = masked;
-  EXPECT_EQ(counts_at(series, period, 0.5, {}).false_alarms, 9U);
-  EXPECT_TRUE(std::isnan(counts_at({}, period, 0.5, {}).alarms_per_minute(period)));
+  EXPECT_EQ(counts_at(series, 0.5, {}).false_alarms, 9U);
+  EXPECT_TRUE(std::isnan(counts_at({}, 0.5, {}).alarms_per_minute(period)));
 }
 
 // Above .8 nothing is slip, so no threshold limits the alarms: two consecutive frames do, at the
@@ -40,36 +41,80 @@ TEST(OperatingPoint, TakesFramesInARowWhereNoThresholdWillDo) {
   EXPECT_EQ(point.alarm.on, 2U);
   EXPECT_DOUBLE_EQ(point.threshold, 0.5);  // between hold's .2 and slip's .8
   EXPECT_EQ(point.alarms_per_minute, 0.0);
-  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(counts_at(spiky(), period, point.threshold, point.alarm).frames), 0.5 * (1.0 + 0.95));
+  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(counts_at(spiky(), point.threshold, point.alarm).frames), 0.5 * (1.0 + 0.95));
 }
 
 TEST(OperatingPoint, HasNoMoreAlarmsThanAreBorneAndUsesThem) {
   const OperatingPoint none = best_point(spiky(), period, 0.0), all = best_point(spiky(), period, 60.0);
   EXPECT_EQ(none.alarms_per_minute, 0.0);
   EXPECT_LE(all.alarms_per_minute, 60.0);
-  EXPECT_GE(balanced_slip_accuracy(counts_at(spiky(), period, all.threshold, all.alarm).frames),
-            balanced_slip_accuracy(counts_at(spiky(), period, none.threshold, none.alarm).frames));
+  EXPECT_GE(balanced_slip_accuracy(counts_at(spiky(), all.threshold, all.alarm).frames),
+            balanced_slip_accuracy(counts_at(spiky(), none.threshold, none.alarm).frames));
 }
 
-// 60 frames of hold at .1, slip at .6, .6, .9, .9, and another 60 of hold with a spike of .7. At .5
-// the first slip is detected at once (credit 1) and the spike is the only alarm in 12 s of hold, 5
-// per minute: 1/5 minus 1/120. At .8, between .7 and .9, the slip is detected .2 s late, T/(T + .2
-// s) = 1/3, without an alarm.
-TEST(OperatingPoint, OfTheGreatestScoreWeighsDelayAgainstAlarms) {
-  SlipSeries slip{std::vector<double>(60, 0.1), std::vector<std::uint8_t>(60, 0)};
+// 60 frames of hold at .1, slip at .6, .6, .9, .9 by 0.125 mm per frame, and another 60 of hold with
+// a spike of .7. At .5 the slip is detected after 0.125 mm (credit 2/3) and the spike is the only
+// alarm in 12 s of hold, 5 per minute: 2/15 minus 1/120. At .8, between .7 and .9, the slip is
+// detected after 0.375 mm (credit 2/5), without an alarm.
+std::vector<SlipSeries> slip_and_hold() {
+  SlipSeries slip{std::vector<double>(60, 0.1), std::vector<std::uint8_t>(60, 0), std::vector<double>(60, 0.0)};
   SlipSeries hold = slip;
   hold.probability[30] = 0.7;
+  hold.holds = true;
   slip.probability.insert(slip.probability.end(), {0.6, 0.6, 0.9, 0.9});
   slip.truth.insert(slip.truth.end(), 4, 1);
-  const std::vector<SlipSeries> series{slip, hold};
-  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).score(period), 1.0 / 5.0 - 1.0 / 120.0);
-  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.8, {}).score(period), 1.0 / 3.0);
-  const OperatingPoint point = best_point(series, period, std::nullopt);
-  // Two consecutive frames at .5 skip the spike and detect the slip .1 s late, which earns 1/2.
+  slip.path.insert(slip.path.end(), {0.125e-3, 0.25e-3, 0.375e-3, 0.5e-3});
+  return {slip, hold};
+}
+
+TEST(OperatingPoint, OfTheGreatestScoreWeighsDistanceAgainstAlarms) {
+  std::vector<SlipSeries> series = slip_and_hold();
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).score(period), 2.0 / 15.0 - 1.0 / 120.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.8, {}).score(period), 2.0 / 5.0);
+  const OperatingPoint point = best_scoring_point(series, period, 0.0);
+  // Two consecutive frames at .5 skip the spike and detect the slip after 0.25 mm, which earns 1/2.
   EXPECT_EQ(point.alarm.on, 2U);
-  EXPECT_DOUBLE_EQ(counts_at(series, period, point.threshold, point.alarm).score(period), 0.5);
-  slip.probability[59] = 0.9;  // reported before it slips: nothing is earned
-  EXPECT_LT(counts_at(std::vector{slip}, period, 0.8, {}).score(period), 0.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, point.threshold, point.alarm).score(period), 0.5);
+  series[0].probability[59] = 0.9;  // reported before it slips: nothing is earned
+  EXPECT_LT(counts_at({series.data(), 1}, 0.8, {}).score(period), 0.0);
+}
+
+// An alarm that begins after a short slip has ended, in a masked frame, earns the credit of the
+// path at that frame.
+TEST(AlarmCounts, CreditAnAlarmInAMaskedFrame) {
+  SlipSeries one{{0.1, 0.1, 0.1, 0.9}, {0, 1, masked, masked}, {0.0, 0.25e-3, 0.25e-3, 0.25e-3}};
+  EXPECT_DOUBLE_EQ(counts_at({&one, 1}, 0.5, {}).credit, 0.5);
+  one.path = {0.0, 0.01e-3, 0.04e-3, 0.04e-3};
+  EXPECT_EQ(counts_at({&one, 1}, 0.5, {}).slips, 0U);  // a slip of less than least_slip_distance
+  one.path.clear();
+  EXPECT_EQ(counts_at({&one, 1}, 0.5, {}).slips, 0U);  // its path is unknown
+}
+
+// Spikes of .7 in one of ten trials of dataset 1, which do not lower the score below that of later
+// alarms, are ruled out by a specificity of 95 %. Nine such trials are too few for a condition.
+TEST(OperatingPoint, KeepsTheSpecificityInEveryDataset) {
+  std::vector<SlipSeries> series = slip_and_hold();
+  SlipSeries hold = series[1];
+  hold.probability[30] = 0.1;
+  series.pop_back();
+  series[0].probability.assign(64, 0.1);
+  series[0].probability[60] = 0.65;
+  series.insert(series.end(), 100, hold);
+  hold.dataset = 1;
+  series.insert(series.end(), 9, hold);
+  hold.probability[30] = hold.probability[31] = hold.probability[32] = 0.7;
+  series.push_back(hold);
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).specificity(), 0.9);
+  const OperatingPoint any = best_scoring_point(series, period, 0.9), strict = best_scoring_point(series, period, 0.95);
+  EXPECT_GT(counts_at(series, any.threshold, any.alarm).score(period), 0.6);
+  EXPECT_EQ(counts_at(series, strict.threshold, strict.alarm).specificity(), 1.0);
+  series.pop_back();
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).specificity(), 1.0) << "of dataset 0 alone";
+}
+
+TEST(OperatingPoint, NeedsASlipThatEarnsCredit) {
+  const std::vector<SlipSeries> series = slip_and_hold();
+  EXPECT_THROW(best_scoring_point({&series[1], 1}, period, 0.95), InputError);
 }
 
 // Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of

@@ -48,6 +48,7 @@ struct TrainCommand final : Command {
   std::optional<std::size_t> steps_, held_out_, turned_;
   std::string alarms_;
   bool score_ = false;
+  std::optional<std::size_t> specificity_;  // percent
   std::vector<std::string> with_;
   bool all_ = false, resume_ = false;
 };

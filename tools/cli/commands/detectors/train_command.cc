@@ -77,9 +77,12 @@ The output of a network is an ONNX file with the complete detector, including it
 the threshold, the consecutive frames that begin and end an alarm, and the minimum duration of an
 alarm. On the validation trials, training chooses the operating point with the highest balanced
 accuracy and at most --alarms false alarms. With --score it chooses the operating point with the
-highest score of open recordings (`slipbench benchmark`). For gst_hd these options choose only the
-frames that begin and end an alarm, on draw 0. A network is trained on one thread. --resume
-continues a killed training with a bit-identical result.
+highest score of the open recordings of slip-3 (`slipbench benchmark`), which depends on the distance
+that the object has slipped at the alarm. The choice is limited to operating points that raise no
+alarm in --specificity percent of the trials without slip, in each FILE (also of --with) with 10 such
+validation trials or more. If there is no such point, the nearest one is chosen. For gst_hd these
+options choose only the frames that begin and end an alarm, on draw 0. A network is trained on one
+thread. --resume continues a killed training with a bit-identical result.
 
 Labels:
   strict       a unit slips if the whole unit slips
@@ -118,6 +121,8 @@ Examples:
   arguments.text("--alarms RATE", alarms_,
                  "Maximum rate of false alarms on the validation trials (default: 1/min; gst_hd: no operating point is chosen)");
   arguments.flag("--score", score_, "Instead of --alarms: operating point with the highest score of open recordings");
+  arguments.number("--specificity N", specificity_,
+                   "With --score: least percentage of trials without slip that raise no alarm, 0 to 100 (default: 95)", 0, 100);
   arguments.lines("--with FILE", with_, "Another dataset for training, e.g. of grasps; repeatable");
   arguments.flag("--all", all_,
                  "Ignore the split of the dataset (/mask): gst_hd trains on all trials, a network divides them anew");
@@ -137,6 +142,7 @@ Examples:
   arguments.jobs(jobs_, "gst_hd: worker threads, 1 to 1024 (default: one per hardware thread)");
   arguments.then([this] {
     if (score_ && !alarms_.empty()) throw InputError("train: give either --score or --alarms");
+    if (specificity_ && !score_) throw InputError("train: --specificity needs --score");
     recipe_.empty() || recipe_ == train::hd_recipe ? read_hd() : read_network();
   });
 }
@@ -163,6 +169,7 @@ void TrainCommand::read_hd() {
   options.all = all_;
   options.point = score_ || !alarms_.empty();
   if (!alarms_.empty()) options.alarms = alarms_a_minute(alarms_);
+  if (specificity_) options.specificity = 0.01 * static_cast<double>(*specificity_);
   options.jobs = jobs_.value_or(options.jobs);
   model.context_driven = context_ || (model.encoding == hd::Encoding::graph_spatial_temporal && !no_context_);
 }
@@ -195,12 +202,14 @@ void TrainCommand::read_network() {
                  {"turned", or_null(turned_)},
                  {"alarms", Json()},
                  {"by_score", score_},
+                 {"specificity", Json()},
                  {"output", options.output},
                  {"resume", resume_}};
   if (!labels_.empty()) request["labels"] = checked_labels(labels_, recipe_, choice_names(train::label_words));
   if (split_) request["split"] = choice_name(train::split_words, *split_);
   if (held_out_) request["held_out"] = 0.01 * static_cast<double>(*held_out_);
   if (!alarms_.empty()) request["alarms"] = alarms_a_minute(alarms_);
+  if (specificity_) request["specificity"] = 0.01 * static_cast<double>(*specificity_);
   if (!options.output.ends_with(".onnx"))
     reject("train: -o {}: a network is an ONNX file, whose name must end with .onnx", options.output);
 }
