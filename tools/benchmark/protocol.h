@@ -69,7 +69,7 @@ struct Protocol {
   std::vector<TestSet> held_out;
   std::vector<Lesson> lessons;
 };
-inline constexpr const char* default_protocol = "slip-2";
+inline constexpr const char* default_protocol = "slip-3";
 // All protocols, the oldest first.
 const std::vector<Protocol>& protocols();
 // Returns the protocol of this name. Throws InputError, beginning with `subject`, if there is none.

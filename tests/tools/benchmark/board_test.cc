@@ -214,6 +214,8 @@ double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>
   return score_of(parts, test_set).value;
 }
 
+TEST(Protocol, TheNewestIsTheDefault) { EXPECT_EQ(protocols().back().name, default_protocol); }
+
 // The first recording of each pair has no slip, the second one has. The controls know their best
 // values and earn little; other values earn no more.
 TEST(Protocol, PairsOfSlip3) {
@@ -282,10 +284,10 @@ TEST(Protocol, ControlsAreToldTheBest) {
 TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
   const auto seed = [](const std::string& scene) { return SceneFile::load(project_file(scene)).root().find("seed")->text; };
   std::set<std::string> learnt;
-  for (const char* scene :
-       {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/nib_pad", "learn/biotac_sp", "learn/biotac_stage",
-        "learn/grasp", "learn/disturbed", "learn/taxels", "learn/magnetic_skin", "learn/gel_markers", "learn/short_papillarray",
-        "learn/short_taxels", "learn/short_magnetic_skin", "learn/short_nib_pad", "learn/short_piezo_skin"})
+  for (const char* scene : {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/nib_pad", "learn/biotac_sp",
+                            "learn/biotac_stage", "learn/grasp", "learn/disturbed", "learn/taxels", "learn/magnetic_skin",
+                            "learn/gel_markers", "learn/short_papillarray", "learn/short_taxels", "learn/short_magnetic_skin",
+                            "learn/short_nib_pad", "learn/short_piezo_skin"})
     learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the included networks
   for (const Protocol& protocol : protocols()) {
     for (const Lesson& lesson : protocol.lessons) learnt.insert(seed(lesson.scene));

@@ -193,7 +193,7 @@ def train_and_score(task: Task, options: Options) -> Json:
         make_dataset(dataset, Cell(task.subject, subject.scene, without.overrides if without is not None else {}, max(1, task.trials // cells)), options)
         trained = train(dataset, output=file, recipe=recipe, every_trial=True, seed=options.draws_seed, by_score=True)
         Path(dataset).unlink()
-        board = run_command("benchmark", [file], {"sensor": task.subject, "jobs": 1})
+        board = run_command("benchmark", [file], {"protocol": "slip-2", "sensor": task.subject, "jobs": 1})
     return {"trials": sum(trained.parts.values())} | figures_of(board)
 
 
