@@ -25,6 +25,8 @@ constexpr std::array all{
     RecipeLine{"myrmex_net2", "Spectra of 12 x 12 taxels through two convolutions and 512 units"},
     RecipeLine{"myrmex_net3", "Spectra of 12 x 12 taxels through two convolutions and 1024 units"},
     RecipeLine{"nib_slip", "Size and direction of the change of all electrodes over 0.1 and 0.3 s, through a GRU at 100 Hz"},
+    RecipeLine{"gel_slip",
+               "Displacement of the markers of a gel at 25 Hz: features of slip_gru over 0.08 to 0.4 s, through a GRU"},
     RecipeLine{"biotac_cnn", "The electrodes as an image of 12 x 11 through a convolution of 32 and 1024 units"},
     RecipeLine{"biotac_gcn", "The electrodes as a graph through convolutions of 8, 8, 16, 16, 32 units"},
     RecipeLine{"biotac_lstm", "Five rows at 100 Hz through five LSTMs of 32; direction of slip, seven classes"},

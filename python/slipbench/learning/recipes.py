@@ -64,7 +64,7 @@ SLIP_TRAINING = Training(steps=3000, batch=64, clip=150, learning_rate=3e-3, fin
 
 def _slip(name: str, summary: str, frames: Input, network: Callable[[int, int], nn.Module], training: Training = SLIP_TRAINING, scaling: str = "standard",
           members: int = 1) -> Recipe:
-    """A recipe of scenes/learn: slip while a part of a unit slips, 100 times per second."""
+    """A recipe of scenes/learn: slip while a part of a unit slips."""
     return Recipe(name, summary, "none published: for scenes/learn, where device, load, friction and motion differ from trial to trial",
                   "all of it; on a stage frames that stick again after a slip are left out of the training; Adam at 3e-3", frames, network, training, scaling, members,
                   labels="tightened")
@@ -144,6 +144,14 @@ def _nib() -> list[Recipe]:
                   network=networks.FrameGru, training=replace(SLIP_TRAINING, steps=1500))]
 
 
+def _gel() -> list[Recipe]:
+    spans = (2, 3, 4, 6, 10)
+    return [_slip("gel_slip", "Displacement of the markers of a gel at 25 Hz: features of slip_gru over 0.08 to 0.4 s, through a GRU",
+                  frames=Input(sensor="gel_markers", rate=25.0, channels=["displacement"], window=2, transform="units", spans=spans, floor=5e-6),
+                  network=partial(networks.SlipGru, features=2 + 3 * len(spans)), scaling="common",
+                  training=replace(SLIP_TRAINING, steps=4000, batch=32, clip=50, validate_every=250, onset_frames=8))]
+
+
 def _biotac() -> list[Recipe]:
     rows = Input(sensor="biotac_sp", rate=100.0, channels=["electrodes"])
     image = replace(rows, pixels=pixels_of(IMAGES["D1"]))
@@ -180,7 +188,7 @@ def _biotac() -> list[Recipe]:
     ]
 
 
-RECIPES: dict[str, Recipe] = {recipe.name: recipe for family in (_piezo(), _papillarray(), _myrmex(), _nib(), _biotac()) for recipe in family}
+RECIPES: dict[str, Recipe] = {recipe.name: recipe for family in (_piezo(), _papillarray(), _myrmex(), _nib(), _gel(), _biotac()) for recipe in family}
 
 
 def find_recipe(name: str) -> Recipe:
