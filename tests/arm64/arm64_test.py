@@ -23,7 +23,8 @@ EMULATOR = ("qemu-aarch64-static", "-L", ROOT / "build/arm64-system")
 STEPS = ([ROOT / "tools/setup/arm64.sh"], ["cmake", "--preset", "arm64"], ["cmake", "--build", "--preset", "arm64", "--parallel", str(os.cpu_count())])
 # Each takes minutes under emulation.
 SLOW = ("MeshDistance.GridOfABallOfTrianglesIsABall", "FieldEnergy.AFrictionlessFieldNeverGivesMoreThanItTook",
-        "Asperities.StrengthGrowsWithTheRootOfLoadAndSpeed")
+        "Asperities.StrengthGrowsWithTheRootOfLoadAndSpeed", "BatchesTest.*",
+        "FailureTest.DamagedFilesAreRefusedOrRead")
 # Without MuJoCo, FFTW and networks, which round by the processor.
 SCENE = ROOT / "scenes/papillarray/stage.yaml"
 
