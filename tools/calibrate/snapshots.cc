@@ -270,7 +270,7 @@ void add_parts(Json& keys, const Snapshots& snapshots, const Summary& summary, c
     double sum = 0.0;
     for (std::size_t k = 0; k < 6; ++k) {
       const std::size_t value = k < 3 ? k : papillarray::channel_size + k - 3;
-      sum += std::pow((*unit.noise)(static_cast<Index>(k)) / model.noise_sd[value], 2);
+      sum += math::pow((*unit.noise)(static_cast<Index>(k)) / model.noise_sd[value], 2);
     }
     scales.push_back(std::sqrt(sum / 6.0));
   }
