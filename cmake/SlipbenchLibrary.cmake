@@ -29,7 +29,7 @@ endmacro()
 
 # slipbench_library(NAME core SOURCES a.cc b.cc DEPENDS Eigen3::Eigen PRIVATE fmt::fmt)
 # One target a folder: slipbench_<NAME>, alias slipbench::<NAME>, installed and exported with its headers.
-# COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-Og, stack
+# COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-O1, stack
 # protector, containers that check their indices).
 # GUARDED: reads the files of others (stack protector; the precompiled headers are of libraries without it).
 function(slipbench_library)
@@ -43,7 +43,7 @@ function(slipbench_library)
   target_compile_features(${target} PUBLIC cxx_std_20)  # for those who use an installed copy
   target_link_libraries(${target} PUBLIC ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:slipbench_flags>)
   if(ARG_COLD)
-    target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-Og;-fstack-protector-strong;-D_GLIBCXX_ASSERTIONS>" $<$<CONFIG:Debug>:-O0>)
+    target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1;-fstack-protector-strong;-D_GLIBCXX_ASSERTIONS>" $<$<CONFIG:Debug>:-O0>)
     slipbench_precompile(KIND cold TARGET ${target})
   elseif(ARG_GUARDED)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-fstack-protector-strong>)

@@ -169,7 +169,7 @@ void TrainCommand::read_hd() {
   options.all = all_;
   options.point = score_ || !alarms_.empty();
   if (!alarms_.empty()) options.alarms = alarms_a_minute(alarms_);
-  if (specificity_) options.specificity = 0.01 * static_cast<double>(*specificity_);
+  if (specificity_) options.specificity = static_cast<double>(*specificity_) / 100.0;
   options.jobs = jobs_.value_or(options.jobs);
   model.context_driven = context_ || (model.encoding == hd::Encoding::graph_spatial_temporal && !no_context_);
 }
@@ -209,7 +209,7 @@ void TrainCommand::read_network() {
   if (split_) request["split"] = choice_name(train::split_words, *split_);
   if (held_out_) request["held_out"] = 0.01 * static_cast<double>(*held_out_);
   if (!alarms_.empty()) request["alarms"] = alarms_a_minute(alarms_);
-  if (specificity_) request["specificity"] = 0.01 * static_cast<double>(*specificity_);
+  if (specificity_) request["specificity"] = static_cast<double>(*specificity_) / 100.0;
   if (!options.output.ends_with(".onnx"))
     reject("train: -o {}: a network is an ONNX file, whose name must end with .onnx", options.output);
 }
