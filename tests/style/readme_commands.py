@@ -1,9 +1,9 @@
 """Every command in a text's block ```sh ends with exit status 0.
 
-Arguments: the project's root, the folder of the built programs, and the texts, if not all. The steps of a text run in order,
-in a temporary folder with the scenes, the program as ./slipbench and build/; files shown in the
-text are written there first. tools/lint/readmes.py collects the steps and defines which blocks are
-skipped.
+Arguments: the project's root, the folder of the built programs, and the texts (default: all). The
+steps of a text run in order, in a temporary folder with the scenes, the program as ./slipbench and
+build/; files shown in the text are written there first. tools/lint/readmes.py collects the steps
+and defines which blocks are skipped.
 """
 
 import os

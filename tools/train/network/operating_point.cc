@@ -160,8 +160,10 @@ OperatingPoint best_point(std::span<const SlipSeries> series, double period, dou
 
 OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity) {
   const AlarmCounts counts = counts_at(series, 0.5, {});
-  if (counts.slips == 0) reject("no validation trial slips by {:g} mm or more", 1e3 * least_slip_distance);
-  if (samples_in(counts.frames, PadState::non_slip) == 0) reject("the validation trials slip all the time");
+  if (counts.slips == 0)
+    reject("no score: no validation trial slips by {:g} mm or more; choose by false alarms", 1e3 * least_slip_distance);
+  if (samples_in(counts.frames, PadState::non_slip) == 0)
+    reject("no score: the validation trials slip all the time; add trials that hold");
   return most_worthy_point(series, period, [&](const AlarmCounts& at) {
     const double held = at.specificity();
     return std::pair{std::isnan(held) ? 0.0 : std::min(held - specificity, 0.0), at.score(period)};

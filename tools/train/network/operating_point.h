@@ -67,9 +67,10 @@ OperatingPoint most_accurate_point(std::span<const SlipSeries> series, double pe
 // factor. Without slip or hold, or with series of single frames, which have no duration: as
 // most_accurate_point().
 OperatingPoint best_point(std::span<const SlipSeries> series, double period, double alarms);
-// The greatest AlarmCounts::score() among the same points with at least the share `specificity`, 0
-// to 1, of AlarmCounts::specificity(); if there is none, a point that comes nearest to it. Throws
-// InputError if no series earns credit or holds still: then all scores are equal.
+// Returns the point with the greatest AlarmCounts::score() among those of best_point() whose
+// AlarmCounts::specificity() is at least `specificity`, 0 to 1. If there is none, returns the one with
+// the greatest AlarmCounts::specificity(). Throws InputError if no series slips by
+// least_slip_distance, or if every frame is slip, because then all scores are equal.
 OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity);
 
 }  // namespace slipbench::train
