@@ -60,7 +60,7 @@ launch run 'my scene.yaml' --json
 [[ $(<"$work/stdout") == "<$work/elsewhere><run><my scene.yaml><--json>" ]] || fail "stdout holds what the program printed, alone"
 grep -q "$work/tree/slipbench$" "$work/stderr" || fail "the program knows by which name it was called"
 grep -q '^slipbench: installing into build/venv: mujoco-core==4\.[0-9.]* numpy==' "$work/stderr" || fail "set-up names packages and no hashes"
-[[ $(grep -c -E -- ' --require-hashes --only-binary :all: .*/requirements(-mujoco)?\.txt$' "$work/pip") == 2 ]] ||
+[[ $(grep -c -E -- ' --require-hashes --only-binary :all: .*/requirements\.txt$' "$work/pip") == 1 ]] ||
   fail "pip takes only what the lists have a hash of"
 
 # Set-up runs only once; the build is checked each time.
@@ -99,9 +99,21 @@ launch docs now
 # command's last output.
 stand_in cmake 'echo "[1/9] Building"; sleep 7; echo "[9/9] Linking"'
 launch list
-grep -q 'step 5 of 5: build build/release: .* s, \[1/9\] Building' "$work/stderr" || fail "a step in a log says what is being done"
-[[ $(grep -c 'step 5 of 5' "$work/stderr") -ge 3 ]] || fail "a step of seven seconds is reported at its begin, after five seconds and at its end"
-grep -q 'step 5 of 5: build build/release: done in [78] s' "$work/stderr" || fail "a step's end is reported"
+grep -q 'step 4 of 4: build build/release: .* s, \[1/9\] Building' "$work/stderr" || fail "a step in a log says what is being done"
+[[ $(grep -c 'step 4 of 4' "$work/stderr") -ge 3 ]] || fail "a step of seven seconds is reported at its begin, after five seconds and at its end"
+grep -q 'step 4 of 4: build build/release: done in [78] s' "$work/stderr" || fail "a step's end is reported"
+
+# `demo` builds its own program alone, and runs it for each scene.
+stand_in cmake 'echo "$*" >>demo_calls; [[ $1 == --preset ]] || { printf "#!/bin/bash\necho \"\$@\"\n" >build/release/bin/slipbench_demo; chmod +x build/release/bin/slipbench_demo; }'
+launch demo
+[[ $status == 0 && $(grep -c -- '--target slipbench_demo$' "$work/tree/demo_calls") == 1 ]] || fail "demo builds what it needs"
+[[ $(grep -c "^$work/tree/scenes/papillarray/.*\.yaml $work/tree/build/demo/.*\.h5 $work/tree/build/demo/.*\.html$" "$work/stdout") == 2 ]] ||
+  fail "demo writes two reports"
+
+# Only the plugin needs the earlier release of MuJoCo.
+grep -q 'requirements-mujoco' "$work/pip" && fail "an unused package is installed"
+launch plugin-path
+grep -q 'requirements-mujoco' "$work/pip" || fail "the plugin's package is missing"
 
 SLIPBENCH_PRESET=debug launch test --all
 [[ $status == 2 ]] || fail "--all is of one preset"

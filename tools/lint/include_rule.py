@@ -54,7 +54,7 @@ SIM_LAYERS = {
 }
 # The folders of tools with sources: those that know no scene, and the tasks of the program.
 BASE = ("dataset", "files", "page", "statistics", "workers")
-TASKS = ("benchmark", "calibrate", "check", "cli", "cost", "doctor", "eval", "formats", "gym", "learning_data", "plugin", "reader",
+TASKS = ("benchmark", "calibrate", "check", "cli", "cost", "demo", "doctor", "eval", "formats", "gym", "learning_data", "plugin", "reader",
          "registry", "report", "train", "trial", "verify", "view")
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 FOR_PARTS = ("sim/core/", "sim/api/", "sim/plugins/")  # for sensors, detectors and controllers
@@ -89,6 +89,7 @@ VARIANTS = {
     "sim/contact/skin.cc": "sim/contact/field.h",
     "sim/mujoco/bodies/dynamic_pillars.cc": "sim/mujoco/bodies/dynamic_state.h",
     "sim/mujoco/pads/no_implicit.cc": "sim/mujoco/pads/implicit.h",
+    "tools/trial/mujoco/no_mujoco_simulation.cc": "tools/trial/mujoco/mujoco_simulation.h",
 }
 
 

@@ -11,17 +11,11 @@
 #include "sim/core/quantity.h"
 #include "sim/stage/stage_simulation.h"
 #include "tools/dataset/record/encoder.h"
-#include "tools/registry/program_catalogues.h"
 #include "tools/registry/sensor_catalogue.h"
 #include "tools/trial/libraries.h"
+#include "tools/trial/mujoco/mujoco_simulation.h"
 #include "tools/trial/recorded_scene.h"
 #include "tools/trial/trial_run.h"
-#ifdef SLIPBENCH_WITH_MUJOCO
-#include "sim/mujoco/articulated/articulated_stage.h"
-#include "sim/mujoco/bodies/dynamic_simulation.h"
-#include "sim/mujoco/bodies/grasp_simulation.h"
-#include "sim/mujoco/pads/register_plugin.h"
-#endif
 
 namespace slipbench {
 namespace {
@@ -33,22 +27,6 @@ Sensors make_sensors(const Scene& scene, std::uint64_t trial) {
   for (const SensorScene& description : scene.sensors) sensors.push_back(make_sensor(description, scene.seed, trial));
   return sensors;
 }
-
-#ifdef SLIPBENCH_WITH_MUJOCO
-std::unique_ptr<Simulation> make_mujoco_simulation(const Scene& scene, std::span<const PadLayout* const> pads,
-                                                   std::span<const double> rates, std::uint64_t trial) {
-  if (!scene.dynamic()) return articulated_simulation(scene, pads, rates, trial);
-  [[maybe_unused]] static const bool registered = (register_bench_plugin({pad_catalogues(), &make_sensor}), true);
-  if (scene.grasp) return std::make_unique<GraspSimulation>(scene, pads, rates, trial);
-  return std::make_unique<DynamicSimulation>(scene, pads, rates, trial);
-}
-#else
-[[noreturn]] std::unique_ptr<Simulation> make_mujoco_simulation(const Scene& scene, std::span<const PadLayout* const>,
-                                                                std::span<const double>, std::uint64_t) {
-  const std::string key = !scene.dynamic() ? "fidelity" : scene.grasp ? "grip" : scene.model.empty() ? "bodies" : "model";
-  throw SceneValueError(key, "needs MuJoCo, but this program was built without it");
-}
-#endif
 
 std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
   std::vector<const PadLayout*> pads;

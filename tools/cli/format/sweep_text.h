@@ -8,7 +8,6 @@
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 #include "tools/cli/terminal.h"
-#include "tools/cost/explore.h"
 #include "tools/dataset/record/json.h"
 #include "tools/statistics/descriptive.h"
 #include "tools/trial/sweep/run_sweep.h"
