@@ -135,7 +135,8 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
             no limit; each frame is then classified on its own, with the threshold of the greatest
             balanced accuracy
         by_score: True: choose the operating point with the greatest score of the benchmark's open
-            recordings, instead of by `alarms`; needs the slipped distance of simulated trials
+            recordings on the first dataset, instead of by `alarms`; needs the slipped distance of
+            simulated trials
         specificity: with `by_score`: least share, 0 to 1, of the validation trials without slip in
             which no alarm is raised, in each dataset with 10 such trials or more; None: 0.95
         resume: True: continue from the OUTPUT.checkpoint-0 of an interrupted training
@@ -199,7 +200,7 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     if by_score:
         silent = [_scored_series(np.zeros(len(one.labels)), one, 0) for one in validates]
         if _core.counts_at(silent, chosen.input.period, 1.0, 1, 1, 1)["slips"] == 0:
-            raise _core.InputError(f"{named('by_score', True)}: no validation trial slips by 0.05 mm or more with a known slipped distance; use "
+            raise _core.InputError(f"{named('by_score', True)}: no validation trial of the first dataset slips by 0.05 mm or more with a known slipped distance; use "
                                    f"{named('alarms')}")
     offset, scale = scale_of([one.features for one in learns], chosen.scaling)
     scaled = [[((one.features - offset) * scale, one.labels) for one in part] for part in (learns, validates, judges)]

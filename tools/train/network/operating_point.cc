@@ -84,14 +84,15 @@ OperatingPoint most_worthy_point(std::span<const SlipSeries> series, double peri
 
 }  // namespace
 
-double AlarmCounts::alarms_per_minute(double period) const {
+double FrameCounts::alarms_per_minute(double period) const {
   const double held = static_cast<double>(samples_in(frames, PadState::non_slip)) * period;
   return held > 0.0 ? 60.0 * static_cast<double>(false_alarms) / held : std::numeric_limits<double>::quiet_NaN();
 }
 
 double AlarmCounts::score(double period) const {
-  const double wrong = share_of(samples_in(frames, PadState::non_slip, PadState::gross), samples_in(frames, PadState::non_slip));
-  return recording_score(credit / static_cast<double>(slips), alarms_per_minute(period), wrong);
+  const double wrong =
+      share_of(samples_in(first.frames, PadState::non_slip, PadState::gross), samples_in(first.frames, PadState::non_slip));
+  return recording_score(credit / static_cast<double>(slips), first.alarms_per_minute(period), wrong);
 }
 
 double AlarmCounts::specificity() const {
@@ -107,7 +108,9 @@ AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, cons
   for (const SlipSeries& one : series) {
     const std::size_t onset = static_cast<std::size_t>(std::ranges::find(one.truth, 1) - one.truth.begin());
     const double begin = onset == 0 || one.path.empty() ? 0.0 : one.path[onset - 1];
-    const bool credited = onset < one.truth.size() && !one.path.empty() && one.path.back() - begin >= least_slip_distance;
+    const bool scored = one.dataset == 0;
+    const bool credited =
+        scored && onset < one.truth.size() && !one.path.empty() && one.path.back() - begin >= least_slip_distance;
     counts.slips += credited ? 1 : 0;
     network::AlarmGate gate(alarm);
     bool before = false, ever = false;
@@ -115,8 +118,11 @@ AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, cons
       const bool said = gate.push(one.probability[t] >= threshold), begins = !std::exchange(before, said) && said;
       if (said && !std::exchange(ever, true) && t >= onset && credited) counts.credit += distance_credit(one.path[t] - begin);
       if (one.truth[t] == masked) continue;
-      count(counts.frames, one.truth[t] == 1, said);
-      counts.false_alarms += begins && one.truth[t] == 0 ? 1U : 0U;
+      for (FrameCounts* const part : {static_cast<FrameCounts*>(&counts), scored ? &counts.first : nullptr}) {
+        if (part == nullptr) continue;
+        count(part->frames, one.truth[t] == 1, said);
+        part->false_alarms += begins && one.truth[t] == 0 ? 1U : 0U;
+      }
     }
     if (!one.holds) continue;
     if (counts.holding.size() <= one.dataset) counts.holding.resize(one.dataset + 1);
@@ -161,9 +167,10 @@ OperatingPoint best_point(std::span<const SlipSeries> series, double period, dou
 OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity) {
   const AlarmCounts counts = counts_at(series, 0.5, {});
   if (counts.slips == 0)
-    reject("no score: no validation trial slips by {:g} mm or more; choose by false alarms", 1e3 * least_slip_distance);
-  if (samples_in(counts.frames, PadState::non_slip) == 0)
-    reject("no score: the validation trials slip all the time; add trials that hold");
+    reject("no score: no validation trial of the first dataset slips by {:g} mm or more; choose by false alarms",
+           1e3 * least_slip_distance);
+  if (samples_in(counts.first.frames, PadState::non_slip) == 0)
+    reject("no score: the validation trials of the first dataset slip all the time; add trials that hold");
   return most_worthy_point(series, period, [&](const AlarmCounts& at) {
     const double held = at.specificity();
     return std::pair{std::isnan(held) ? 0.0 : std::min(held - specificity, 0.0), at.score(period)};

@@ -31,18 +31,25 @@ struct Holding {
 inline constexpr std::size_t least_holding = 10;
 
 // Unmasked frames by truth and answer. An alarm is false if it begins in a frame of hold.
-struct AlarmCounts {
+struct FrameCounts {
   Confusion frames{};
   std::uint64_t false_alarms = 0;
-  std::size_t slips = 0;  // series with a known path that slip by least_slip_distance or more
+
+  // `period` [s]: period of the frames. NaN without hold.
+  [[nodiscard]] double alarms_per_minute(double period) const;
+};
+
+struct AlarmCounts : FrameCounts {
+  // Frames of dataset 0, whose score is chosen: the other datasets restrict the choice by their
+  // specificity.
+  FrameCounts first = {};
+  std::size_t slips = 0;  // its series with a known path that slip by least_slip_distance or more
   // Sum over them of the credit of the path from the first frame of slip to the first alarm, and
   // 0 if the alarm comes before that frame or never, by distance_credit().
   double credit = 0.0;
   std::vector<Holding> holding = {};  // by dataset
 
-  // `period` [s]: period of the frames. NaN without hold.
-  [[nodiscard]] double alarms_per_minute(double period) const;
-  // Score of recordings (tools/statistics/slip_score.h). NaN without slip or hold.
+  // Score of the recordings of dataset 0 (tools/statistics/slip_score.h). NaN without slip or hold.
   [[nodiscard]] double score(double period) const;
   // The least share of Holding::silent of the datasets with least_holding series or more; NaN
   // without such a dataset.
@@ -69,8 +76,8 @@ OperatingPoint most_accurate_point(std::span<const SlipSeries> series, double pe
 OperatingPoint best_point(std::span<const SlipSeries> series, double period, double alarms);
 // Returns the point with the greatest AlarmCounts::score() among those of best_point() whose
 // AlarmCounts::specificity() is at least `specificity`, 0 to 1. If there is none, returns the one with
-// the greatest AlarmCounts::specificity(). Throws InputError if no series slips by
-// least_slip_distance, or if every frame is slip, because then all scores are equal.
+// the greatest AlarmCounts::specificity(). Throws InputError if no series of dataset 0 slips by
+// least_slip_distance, or if every frame of it is slip, because then all scores are equal.
 OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity);
 
 }  // namespace slipbench::train

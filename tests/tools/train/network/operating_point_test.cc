@@ -112,6 +112,24 @@ TEST(OperatingPoint, KeepsTheSpecificityInEveryDataset) {
   EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).specificity(), 1.0) << "of dataset 0 alone";
 }
 
+// A lift of dataset 1 slips at .9 after 60 frames of hold with a spike of .7. The spike does not
+// lower the score of dataset 0, and the slip earns nothing.
+TEST(OperatingPoint, ScoresTheFirstDatasetAlone) {
+  std::vector<SlipSeries> series = slip_and_hold();
+  series.pop_back();
+  const double alone = counts_at(series, 0.5, {}).score(period);
+  EXPECT_DOUBLE_EQ(alone, 2.0 / 3.0);
+  SlipSeries lift = series[0];
+  lift.dataset = 1;
+  lift.probability[30] = 0.7;
+  series.push_back(lift);
+  const AlarmCounts counts = counts_at(series, 0.5, {});
+  EXPECT_EQ(counts.score(period), alone);
+  EXPECT_EQ(counts.slips, 1U);
+  EXPECT_EQ(counts.false_alarms, 1U);
+  EXPECT_EQ(best_scoring_point(series, period, 0.95).alarm.on, 1U);
+}
+
 TEST(OperatingPoint, NeedsASlipThatEarnsCredit) {
   const std::vector<SlipSeries> series = slip_and_hold();
   EXPECT_THROW(best_scoring_point({&series[1], 1}, period, 0.95), InputError);

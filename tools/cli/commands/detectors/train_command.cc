@@ -76,11 +76,11 @@ of the pillars over a window.
 The output of a network is an ONNX file with the complete detector, including its operating point:
 the threshold, the consecutive frames that begin and end an alarm, and the minimum duration of an
 alarm. On the validation trials, training chooses the operating point with the highest balanced
-accuracy and at most --alarms false alarms. With --score it chooses the operating point with the
-highest score of the open recordings of slip-3 (`slipbench benchmark`), which depends on the distance
-that the object has slipped at the alarm. The choice is limited to operating points that raise no
-alarm in --specificity percent of the trials without slip, in each FILE (also of --with) with 10 such
-validation trials or more. If there is no such point, the nearest one is chosen. For gst_hd these
+accuracy and at most --alarms false alarms. With --score it chooses the operating point with which
+the first FILE has the highest score of the open recordings of slip-3 (`slipbench benchmark`). The
+score depends on the distance that the object has slipped at the alarm. The choice is limited to
+operating points that raise no alarm in --specificity percent of the trials without slip, in each
+FILE (also of --with) with 10 such validation trials or more. If there is no such point, the nearest one is chosen. For gst_hd these
 options choose only the frames that begin and end an alarm, on draw 0. A network is trained on one
 thread. --resume continues a killed training with a bit-identical result.
 
