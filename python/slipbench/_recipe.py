@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from slipbench.learning import Input, Recipe, Training
 
 SCALINGS = {"standard": "each feature to mean 0 and standard deviation 1", "common": "all features alike, to mean 0 and standard deviation 1",
-            "range": "each feature to 0 to 1"}
+            "range": "each feature to 0 to 1", "none": "none: features in their units"}
 CLASSES = {"slip": "hold, slip", "kind": "stable, translation, rotation", "direction": "t (touch), n, e, s, w, cw, aw"}
 
 

@@ -47,7 +47,7 @@ sweep:
 INPUTS = {
     "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_grasp": 5,
     "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
-    "nib_slip": 160, "gel_slip": 1071, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
+    "nib_slip": 40, "nib_grasp": 160, "gel_slip": 189, "papillarray_slip": 27, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
     "biotac_grasp": 225}
 
 
@@ -429,6 +429,48 @@ class Recipes(unittest.TestCase):
         some[0, 0, 0, 0] += 1.0
         self.assertFalse(torch.allclose(network(some.flatten(2))[0], logits, atol=1e-6))
 
+    # Nine units that move as a rigid body, each with its own depth, and one that is not in contact;
+    # then the third that is pressed least slips back by a half, from one frame to the next.
+    def test_rigid_slip_measures_the_departure_from_a_rigid_motion(self):
+        network = networks.RigidSlip(27, 2, columns=3, rows=3, lags=(1,), noise=1e-5).eval()
+        columns, rows = np.meshgrid(np.arange(3) - 1.0, 1.0 - np.arange(3))
+        moved = np.zeros((2, 3, 3, 3))
+        moved[..., 0], moved[..., 1] = 2e-4 - 1e-5 * rows, 1e-4 + 1e-5 * columns
+        moved[..., 2] = 4e-4 + 2e-4 * columns
+        moved[:, 0, 2] = 0.0
+
+        def whole(fields):
+            frames = torch.tensor(fields.reshape(1, 2, 27).tolist())
+            values = network.measures(frames, torch.zeros(1, 1, 27))[2][0, 1]
+            return [math.copysign(math.expm1(abs(float(one))), float(one)) for one in values]
+
+        size, change, turn, _, departure, departure_now, slope, *_ = whole(moved)
+        self.assertAlmostEqual(size, math.hypot(20, 10), delta=0.5)  # in units of the noise
+        self.assertAlmostEqual(turn, 1.0, delta=1e-3)
+        self.assertLess(max(departure, departure_now, abs(slope), change), 0.11)
+        moved[1, :, 0, :2] *= 0.5
+        _, _, _, _, departure, departure_now, slope, *_ = whole(moved)
+        self.assertGreater(min(departure, departure_now), 3.0)
+        self.assertGreater(slope, 0.3)
+
+    # A translation and a turn of the plate, with counts at rest that differ between electrodes; then
+    # the taxel in the middle stays behind.
+    def test_nib_slip_measures_the_departure_from_a_rigid_motion(self):
+        network = networks.NibSlip(40, 2, lags=(1,)).eval()
+        columns, rows = np.meshgrid(np.arange(3) - 1.0, 1.0 - np.arange(3))
+        east, north = (20 - 5 * rows).reshape(9), (10 + 5 * columns).reshape(9)
+        rest = 7000.0 + 3.0 * np.arange(40)
+        leant = rest.copy()
+        leant[:36] += np.stack((-east, north, east, -north), 1).reshape(36) / 2
+
+        def departure(now):
+            before = torch.tensor(rest.reshape(1, 1, 40).tolist())
+            return math.expm1(float(network.measures(torch.tensor(now.reshape(1, 1, 40).tolist()), before)[2][0, 0, 2]))
+
+        self.assertAlmostEqual(departure(leant), 1.0, delta=1e-2)  # the noise
+        leant[16:20] = rest[16:20]
+        self.assertGreater(departure(leant), 5.0)
+
     # Rows of the adjacency for a node with d neighbours: 1/sqrt((d + 1)(d_j + 1)). E1 has one
     # neighbour, E2, which has two.
     def test_the_graph_is_normalised(self):
@@ -446,12 +488,13 @@ class Pieces(unittest.TestCase):
 
     def test_scales(self):
         frames = [np.array([[0.0, 5.0], [2.0, 5.0]], np.float32)]  # means 1 and 5, deviations 1 and 0
-        for scaling, offset, scale in (("standard", [1, 5], [1, 1]), ("range", [0, 5], [0.5, 1]), ("common", [3], [1 / math.sqrt(4.5)])):
+        for scaling, offset, scale in (("standard", [1, 5], [1, 1]), ("range", [0, 5], [0.5, 1]), ("common", [3], [1 / math.sqrt(4.5)]),
+                                       ("none", [0], [1])):
             found = learning.scale_of(frames, scaling)
             np.testing.assert_allclose(found[0], offset)
             np.testing.assert_allclose(found[1], scale, rtol=1e-6)
-        with self.assertRaisesRegex(InputError, "scaling: 'none'"):
-            learning.scale_of(frames, "none")
+        with self.assertRaisesRegex(InputError, "scaling: 'unit'"):
+            learning.scale_of(frames, "unit")
 
     # With history 3, 600 frames have 598 answers: 256, 256 and 86 of one sequence. 100 frames have
     # 98, so 2 x 98 answers are processed together, because a third sequence would make 294.

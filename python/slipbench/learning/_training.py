@@ -65,7 +65,7 @@ def scale_of(features: Sequence[Floats], scaling: str) -> tuple[Floats, Floats]:
 
     Args:
         features: [T, inputs] of each sequence
-        scaling: "standard", "common" or "range" (`Recipe`)
+        scaling: "standard", "common", "range" or "none" (`Recipe`)
 
     Returns:
         Two arrays, [1] or [inputs]. Constant features are only shifted.
@@ -73,11 +73,13 @@ def scale_of(features: Sequence[Floats], scaling: str) -> tuple[Floats, Floats]:
     Raises:
         InputError: an unknown scaling
     """
+    if scaling == "none":
+        return np.zeros(1, np.float32), np.ones(1, np.float32)
     whole = np.concatenate(features).astype(np.float64)
     if scaling == "common":
         whole = whole.reshape(-1, 1)
     elif scaling not in ("standard", "range"):
-        raise _core.InputError(f"scaling: {scaling!r}; allowed: standard, common, range")
+        raise _core.InputError(f"scaling: {scaling!r}; allowed: standard, common, range, none")
     least, greatest = whole.min(0), whole.max(0)
     offset, spread = (least, greatest - least) if scaling == "range" else (whole.mean(0), whole.std(0))
     return offset.astype(np.float32), np.where(greatest > least, 1 / np.where(greatest > least, spread, 1.0), 1.0).astype(np.float32)

@@ -295,6 +295,187 @@ class SlipGru(nn.Module):
         return self.last(hidden), (after,)
 
 
+def grid_places(columns: int, rows: int) -> Tensor:
+    """Places [columns rows, 2] of a grid around its centre, in pitches, in rows from +Y to -Y, each from
+    -X to +X."""
+    across = torch.arange(columns, dtype=torch.float32) - (columns - 1) / 2
+    along = (rows - 1) / 2 - torch.arange(rows, dtype=torch.float32)
+    return torch.stack((across.repeat(rows), along.repeat_interleave(columns)), 1)
+
+
+def changes_of(frames: Tensor, before: Tensor, lags: tuple[int, ...]) -> Tensor:
+    """Changes over `lags` frames.
+
+    Args:
+        frames: [N, T, F]
+        before: the frames before them [N, lags[-1], F]; 0 before the first frame, where no change is known
+
+    Returns:
+        [N, T, lags, F]
+    """
+    joined = torch.cat((before, frames), 1)
+    earlier = torch.stack([joined[:, lags[-1] - lag : lags[-1] - lag + frames.shape[1]] for lag in lags], 2)
+    return torch.where(earlier == 0, torch.zeros_like(earlier), frames.unsqueeze(2) - earlier)
+
+
+def with_latest(network: NibSlip | RigidSlip, frames: Tensor, state: State) -> tuple[Tensor, tuple[Tensor, ...]]:
+    """Runs a network whose state starts with the latest frames."""
+    before = frames.new_zeros((frames.shape[0], network.lags[-1], frames.shape[2])) if state is None else state[0]
+    logits, after = network.after(*network.measures(frames, before), None if state is None else state[1:])
+    return logits, (torch.cat((before, frames), 1)[:, -network.lags[-1] :], *after)
+
+
+class RigidFit:
+    """The rigid motion in the plane that fits fields of displacements best, and the departure from it.
+
+    Args:
+        x, y: [..., units]
+        weight: [..., units], or of a shape that is broadcast to it
+        places: [units, 2], in pitches
+        least: sizes below this are noise; in the unit of x and y
+    """
+
+    def __init__(self, x: Tensor, y: Tensor, weight: Tensor, places: Tensor, least: float) -> None:
+        self.weight = weight
+        self.count = weight.sum(-1, keepdim=True) + 1e-3
+        across, along = places[:, 0] - self.mean(places[:, 0]), places[:, 1] - self.mean(places[:, 1])
+        right, up = self.mean(x), self.mean(y)
+        self.turn = self.mean(across * (y - up) - along * (x - right)) / (self.mean(across**2 + along**2) + 1e-3)
+        rigid_x, rigid_y = right - self.turn * along, up + self.turn * across
+        rest_x, rest_y = x - rigid_x, y - rigid_y
+        self.rigid = torch.sqrt(rigid_x**2 + rigid_y**2 + least**2)  # size of the rigid part of each unit
+        self.rest = torch.sqrt(rest_x**2 + rest_y**2 + least**2)  # size of the departure of each unit
+        self.along_rigid = (rest_x * rigid_x + rest_y * rigid_y) / self.rigid  # its part along the rigid motion
+        self.size = self.mean(self.rigid)
+        self.departure = torch.sqrt(self.mean(self.rest**2))
+
+    def mean(self, values: Tensor) -> Tensor:
+        """Weighted mean of the units [..., 1]."""
+        return (self.weight * values).sum(-1, keepdim=True) / self.count
+
+
+class UnitsAndWhole(nn.Module):
+    """Values of units through the same weights, pooled, with values of the whole contact, through a GRU.
+
+    Args:
+        own: values of each unit
+        whole: values of the whole contact
+    """
+
+    def __init__(self, own: int, whole: int, classes: int) -> None:
+        super().__init__()
+        self.own_norm, self.whole_norm = nn.BatchNorm1d(own), nn.BatchNorm1d(whole)
+        self.own = dense(own, 16)
+        self.rest = FrameGru(2 * 16 + whole, classes)
+
+    def forward(self, own: Tensor, weight: Tensor, whole: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """[N, T, units, own], [N, T, units, 1] and [N, T, whole] to logits and the state."""
+        own = self.own(self.own_norm(own.reshape(-1, own.shape[3])).reshape(own.shape))
+        whole = self.whole_norm(whole.flatten(0, 1)).reshape(whole.shape)
+        pooled = torch.cat(((weight * own).sum(2) / (weight.sum(2) + 1e-3), (weight * own).amax(2), whole), 2)
+        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(pooled, state)
+        return after
+
+
+class RigidSlip(nn.Module):
+    """papillarray_slip, gel_slip: how far the displacement of an array departs from a rigid motion,
+    through a GRU. Not published.
+
+    The units that stick to an object move as a rigid body. Slip shows as a departure from that
+    motion, first where the array is pressed least. The rigid motion is fitted to the units in
+    contact, for the displacement from rest and for its changes.
+
+    | layer | output |
+    |---|---|
+    | displacement of the units, m | units x 3 |
+    | displacement from rest, and its changes over `lags` frames; a state holds the latest frames | fields |
+    | of each unit: depth, contact, ratio; of each field: rigid part, departure from it, its share along it, change of the depth | units x (3 + 4 fields) |
+    | batch norm, linear, ReLU; weighted mean and maximum of all units | 2 x 16 |
+    | of each field: size of the motion, turn, departure, its regression on depth; depth, its spread, contact | 4 fields + 3 |
+    | batch norm; linear of all, ReLU | 48 |
+    | GRU | 48 |
+    | linear | 2 |
+
+    Args:
+        columns, rows: of the array
+        upwards: True if the rows go from -Y to +Y
+        lags: frames, in ascending order
+        noise: m, of a displacement; a unit with a depth of 6 times as much is in contact
+    """
+
+    def __init__(self, inputs: int, classes: int, columns: int, rows: int, lags: tuple[int, ...], noise: float, upwards: bool = False) -> None:
+        super().__init__()
+        self.lags, self.scale = lags, 1 / noise
+        places = grid_places(columns, rows)
+        self.register_buffer("places", places * torch.tensor([1.0, -1.0]) if upwards else places)
+        fields = 1 + len(lags)
+        self.after = UnitsAndWhole(3 + 4 * fields, 3 + 4 * fields, classes)
+
+    def measures(self, frames: Tensor, before: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """[N, T, inputs] and the frames before them [N, greatest lag, inputs] to the values of each unit
+        [N, T, units, own], its weight [N, T, units, 1], and the values of the whole contact [N, T, whole]."""
+        fields = self.scale * torch.cat((frames.unsqueeze(2), changes_of(frames, before, self.lags)), 2)
+        x, y, z = fields.reshape(*fields.shape[:3], -1, 3).unbind(4)
+        depth = z[:, :, :1]
+        fit = RigidFit(x, y, torch.clamp(depth / 3 - 1, 0, 1), self.get_buffer("places"), 0.1)
+        below = depth - fit.mean(depth)
+        spread = fit.mean(below**2)
+        slope = fit.mean(below * fit.along_rigid) / (spread + 0.25) * fit.mean(depth) / (fit.size + 1)  # 0: sticks, 1: slides
+        weight = fit.weight.transpose(2, 3)
+        own = torch.cat((signed_log(depth).transpose(2, 3), weight, (fit.rigid[:, :, :1] / (depth.abs() + 3)).transpose(2, 3),
+                         *(weight * signed_log(one).transpose(2, 3) for one in (fit.rigid, fit.rest, fit.along_rigid, z))), 3)
+        whole = torch.cat((fit.size, fit.turn, fit.departure, slope, fit.mean(depth), torch.sqrt(spread + 0.01), fit.count), 2).squeeze(3)
+        return own, weight, signed_log(whole)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """Returns logits, and the state if the network has one (see the module)."""
+        return with_latest(self, frames, state)
+
+
+class NibSlip(nn.Module):
+    """nib_slip: how far the changes of the taxels' shear depart from those of a rigid motion, through
+    a GRU. Not published.
+
+    Nibs that stick to a flat object lean as it moves, so the shear of the taxels changes as a rigid
+    motion. The images si are means of five; a change in one image is a fifth of the change of a
+    single image in five, and has less delay.
+
+    | layer | output |
+    |---|---|
+    | si of nine taxels, fl, fr, counts | 40 |
+    | changes in 30, 100, 300 and 600 ms; a state holds the latest 60 frames | 4 x 40 |
+    | of each taxel and change: rigid part, departure from it, its share along it, change of the load | 9 x 16 |
+    | batch norm, linear, ReLU; mean and maximum of all taxels | 2 x 16 |
+    | of each change: size of the motion, turn, departure, load; shear and load of fl and fr | 4 x 8 |
+    | batch norm of the 32; linear of all, ReLU | 48 |
+    | GRU | 48 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, lags: tuple[int, ...] = (3, 10, 30, 60)) -> None:
+        super().__init__()
+        self.lags = lags
+        self.register_buffer("places", grid_places(3, 3))
+        self.after = UnitsAndWhole(4 * len(lags), 8 * len(lags), classes)
+
+    def measures(self, frames: Tensor, before: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """[N, T, 40] and the frames before them [N, greatest lag, 40] to the values of each taxel
+        [N, T, 9, own], its weight [N, T, 9, 1], and the values of the whole contact [N, T, whole]."""
+        changes = changes_of(frames, before, self.lags)
+        west, north, east, south = changes[..., :36].reshape(*changes.shape[:3], 9, 4).unbind(4)
+        fit = RigidFit(east - west, north - south, torch.ones_like(east[:1, :1, :1]), self.get_buffer("places"), 1.0)
+        load = west + north + east + south
+        own = torch.cat([signed_log(one).transpose(2, 3) for one in (fit.rigid, fit.rest, fit.along_rigid, load)], 3)
+        first, second, third, fourth = changes[..., 36:].unbind(3)
+        fast = torch.stack((first - second, third - fourth, first + second, third + fourth), 3)
+        whole = torch.cat((fit.size, fit.turn, fit.departure, fit.mean(load), fast), 3).flatten(2)
+        return own, torch.ones_like(own[..., :1]), signed_log(whole)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """Returns logits, and the state if the network has one (see the module)."""
+        return with_latest(self, frames, state)
+
+
 class MyrmexCnn(nn.Module):
     """Networks of the Myrmex ([meier2016], section 4, Table 2). 32 channels and padding by 1 are
     assumed.

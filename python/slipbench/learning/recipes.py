@@ -33,7 +33,7 @@ class Recipe:
         network: creates the module from the numbers of values per frame and of classes
         training: parameters of the training
         scaling: of features: "standard" (mean 0, deviation 1 of each), "common" (one mean and
-            deviation for all), "range" (0 to 1 of each)
+            deviation for all), "range" (0 to 1 of each), "none"
         members: number of networks whose probabilities are averaged, with consecutive seeds
         classes: "slip", "kind" or "direction" (`read_examples`)
         labels: rule of the labels (`read_examples`)
@@ -118,6 +118,10 @@ def _papillarray() -> list[Recipe]:
               frames=Input(sensor="papillarray", rate=1000.0, channels=["force"], window=10, stride=10, transform="units", spans=spans, floor=1e-3),
               network=partial(networks.SlipGru, features=2 + 3 * len(spans)), scaling="common",
               training=Training(steps=5000, batch=32, clip=150, learning_rate=3e-3, validate_every=250, onset_frames=20)),
+        _slip("papillarray_slip", "Departure of the pillars from a rigid motion over 10 to 300 ms, through a GRU at 100 Hz",
+              frames=Input(sensor="papillarray", rate=1000.0, channels=["displacement"], stride=10),
+              network=partial(networks.RigidSlip, columns=3, rows=3, upwards=True, lags=(1, 3, 10, 30), noise=2e-6), scaling="none",
+              training=replace(SLIP_TRAINING, steps=3000)),
     ]
 
 
@@ -139,16 +143,18 @@ def _myrmex() -> list[Recipe]:
 
 
 def _nib() -> list[Recipe]:
-    return [_slip("nib_slip", "Size and direction of the change of all electrodes over 0.1 and 0.3 s, through a GRU at 100 Hz",
+    return [_slip("nib_slip", "Departure of a nib pad's taxels from a rigid motion over 30 to 600 ms, through a GRU at 100 Hz",
+                  frames=Input(sensor="nib_pad", rate=300.0, channels=["si", "fl", "fr"], stride=3), network=networks.NibSlip, scaling="none",
+                  training=replace(SLIP_TRAINING, steps=2500)),
+            _slip("nib_grasp", "Size and direction of the change of all electrodes over 0.1 and 0.3 s, through a GRU at 100 Hz",
                   frames=Input(sensor="nib_pad", rate=300.0, channels=["si", "fl", "fr"], window=3, stride=3, transform="spreads", spans=(90, 30), floor=1.0),
                   network=networks.FrameGru, training=replace(SLIP_TRAINING, steps=1500))]
 
 
 def _gel() -> list[Recipe]:
-    spans = (2, 3, 4, 6, 10)
-    return [_slip("gel_slip", "Displacement of the markers of a gel at 25 Hz: features of slip_gru over 0.08 to 0.4 s, through a GRU",
-                  frames=Input(sensor="gel_markers", rate=25.0, channels=["displacement"], window=2, transform="units", spans=spans, floor=5e-6),
-                  network=partial(networks.SlipGru, features=2 + 3 * len(spans)), scaling="common",
+    return [_slip("gel_slip", "Departure of a gel's markers from a rigid motion, at 25 Hz, through a GRU",
+                  frames=Input(sensor="gel_markers", rate=25.0, channels=["displacement"]),
+                  network=partial(networks.RigidSlip, columns=9, rows=7, lags=(1, 2), noise=1e-5), scaling="none",
                   training=replace(SLIP_TRAINING, steps=4000, batch=32, clip=50, validate_every=250, onset_frames=8))]
 
 
