@@ -378,7 +378,7 @@ class UnitsAndWhole(nn.Module):
 
 
 class RigidSlip(nn.Module):
-    """papillarray_slip, gel_slip: how far the displacement of an array departs from a rigid motion,
+    """papillarray_slip, taxels_slip, gel_slip: how far the displacement of an array departs from a rigid motion,
     through a GRU. Not published.
 
     The units that stick to an object move as a rigid body. Slip shows as a departure from that
@@ -400,7 +400,7 @@ class RigidSlip(nn.Module):
         columns, rows: of the array
         upwards: True if the rows go from -Y to +Y
         lags: frames, in ascending order
-        noise: m, of a displacement; a unit with a depth of 6 times as much is in contact
+        noise: m of a displacement, or N of a force; a unit with a depth of 6 times as much is in contact
     """
 
     def __init__(self, inputs: int, classes: int, columns: int, rows: int, lags: tuple[int, ...], noise: float, upwards: bool = False) -> None:

@@ -125,6 +125,14 @@ def _papillarray() -> list[Recipe]:
     ]
 
 
+def _taxels() -> list[Recipe]:
+    # The forces of taxels that lean like springs are proportional to displacements.
+    return [_slip("taxels_slip", "Departure of the forces of a grid of 4 x 4 taxels from a rigid motion over 10 to 300 ms, through a GRU at 100 Hz",
+                  frames=Input(sensor="taxels", rate=200.0, channels=["force"], stride=2),
+                  network=partial(networks.RigidSlip, columns=4, rows=4, lags=(1, 3, 10, 30), noise=5e-3), scaling="none",
+                  training=replace(SLIP_TRAINING, steps=4000))]
+
+
 def _myrmex() -> list[Recipe]:
     inner = [row * 16 + column for row in range(2, 14) for column in range(2, 14)]
     frames = Input(sensor="myrmex", rate=1000.0, channels={"taxels": inner}, window=64, stride=8, transform="amplitude", low=0.0, high=31 * 1000 / 64)
@@ -194,7 +202,7 @@ def _biotac() -> list[Recipe]:
     ]
 
 
-RECIPES: dict[str, Recipe] = {recipe.name: recipe for family in (_piezo(), _papillarray(), _myrmex(), _nib(), _gel(), _biotac()) for recipe in family}
+RECIPES: dict[str, Recipe] = {recipe.name: recipe for family in (_piezo(), _papillarray(), _taxels(), _myrmex(), _nib(), _gel(), _biotac()) for recipe in family}
 
 
 def find_recipe(name: str) -> Recipe:
