@@ -133,13 +133,16 @@ std::vector<PadState> latched(std::vector<PadState> states) {
 }
 
 // Marks samples that stick after a slip of the same contact; slips before `from` [s] do not count.
-std::vector<bool> stuck_again(const std::vector<PadState>& states, const std::vector<double>& time, double from) {
+// `first_slip` [s]: the first that does, which may begin and end between two samples.
+std::vector<bool> stuck_again(const std::vector<PadState>& states, const std::vector<double>& time, double from,
+                              double first_slip) {
   std::vector<bool> masked;
   bool slipped = false;
   for (std::size_t row = 0; row < states.size(); ++row) {
     const bool starts = time[row] >= from && (row == 0 || time[row - 1] < from);
     if (starts || states[row] == PadState::no_contact) slipped = false;
-    if (slips(states[row])) slipped = true;
+    const bool first = time[row] >= first_slip && (row == 0 || time[row - 1] < first_slip);
+    if (first || slips(states[row])) slipped = true;
     masked.push_back(slipped && states[row] == PadState::non_slip);
   }
   return masked;
@@ -422,8 +425,8 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   } else {
     truth.judged_from = from;
   }
-  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state, truth.time, truth.judged_from);
   truth.first_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
+  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state, truth.time, truth.judged_from, truth.first_slip);
   truth.slip_distance = slip_path(sensor.labels, truth.time.size());
   for (std::size_t row = 0; row < truth.stuck_fraction.size(); ++row) {
     if (truth.stuck_fraction[row] == 0.0F && truth.time[row] >= truth.first_slip) {

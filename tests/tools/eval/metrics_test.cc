@@ -323,6 +323,18 @@ TEST(Labels, MaskedIsMicroWithoutWhatSticksAgain) {
   EXPECT_EQ(later.masked, std::vector<bool>(8, false)) << "judged from 0.45 s on, that slip does not count";
 }
 
+// Slips from 0.24 s to 0.26 s, between two samples that stick.
+TEST(Labels, MaskedBeginsWithASlipBetweenTwoSamples) {
+  SensorRecord record = sensor();
+  record.labels.state_micro = {0, 1, 1, 1, 1, 1, 0, 1};
+  record.labels.event_time = {0.05, 0.24, 0.26};
+  record.labels.event_unit = {0, 1, 1};
+  record.labels.event_kind = {static_cast<std::uint8_t>(EventKind::touch), static_cast<std::uint8_t>(EventKind::micro),
+                              static_cast<std::uint8_t>(EventKind::stick)};
+  EXPECT_EQ(truth_of(nullptr, {}, record, TruthRule::masked).masked,
+            (std::vector{false, false, false, true, true, true, false, false}));
+}
+
 TEST(Labels, RefuseWhatDoesNotFit) {
   const auto refusal = [](const SensorRecord& record, TruthRule rule) {
     return refusal_of([&] { label_states(record, rule, false); });

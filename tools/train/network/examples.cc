@@ -151,6 +151,15 @@ void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<doubl
   }
 }
 
+// A slip may begin and end between two samples of a slow sensor: declares the first sample after it as
+// slip if the object moved by least_slip_distance or more in between.
+void add_slips_between(std::vector<std::uint8_t>& states, const std::vector<double>& path) {
+  for (std::size_t row = 1; row < states.size(); ++row) {
+    if (states[row] == static_cast<std::uint8_t>(PadState::non_slip) && path[row] - path[row - 1] >= least_slip_distance)
+      states[row] = static_cast<std::uint8_t>(PadState::gross);
+  }
+}
+
 // Masks the samples of each slip before the object has moved by least_slip_distance.
 void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states,
                      const std::vector<double>& path) {
@@ -190,6 +199,7 @@ std::vector<std::uint8_t> labels_by(const std::vector<std::uint8_t>& states, boo
 // Example::scored of every sample.
 std::vector<std::uint8_t> scored_labels(const TrialRecord& record, const SensorRecord& sensor, const std::vector<double>& path) {
   std::vector<std::uint8_t> states = states_of(sensor, LabelRule::micro);
+  add_slips_between(states, path);
   drop_small_slips(states, path);
   return labels_by(states, record.outcome.grasp.has_value(), false, [](std::size_t) { return std::uint8_t{1}; });
 }
@@ -214,6 +224,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   const std::vector<double> path = rule == LabelRule::moved ? slip_path(sensor.labels, states.size()) : std::vector<double>();
   if (rule == LabelRule::moved) {
     if (path.empty()) reject("the labels have no slip distance; expected those of `slipbench sweep`");
+    add_slips_between(states, path);
     drop_small_slips(states, path);
   }
   const bool tightens = rule == LabelRule::tightened || rule == LabelRule::moved;
@@ -349,6 +360,7 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   for (const double onset : onsets) example.onset = std::fmin(example.onset, onset);
   example.touches = truth.empty() || std::ranges::any_of(truth, [](std::uint8_t state) { return state != 0; });
   example.holds = !sensor.labels.state_micro.empty() &&
+                  std::ranges::all_of(sensor.labels.micro_onset_time, [](double onset) { return std::isnan(onset); }) &&
                   std::ranges::none_of(sensor.labels.state_micro, [](std::uint8_t state) { return slips(state); });
   const std::vector<double> path = slip_path(sensor.labels, sensor.time.size());
   const std::vector<std::uint8_t> scored = path.empty() ? std::vector<std::uint8_t>() : scored_labels(record, sensor, path);

@@ -133,6 +133,22 @@ TEST(Example, CountsASlipOnceTheObjectHasMoved) {
   EXPECT_THAT(example(slipping_skin(0.2e-6), LabelRule::moved).frames.label, ElementsAre(0, 0, 0)) << "40 um";
 }
 
+// The object moves between two samples, and sticks in both.
+TEST(Example, CountsASlipBetweenTwoSamples) {
+  const auto jump = [](float size) {
+    SensorRecord sensor = slipping_skin(0.0);
+    sensor.labels.state_micro.assign(450, static_cast<std::uint8_t>(PadState::non_slip));
+    std::fill(sensor.labels.slip_distance.begin() + 299, sensor.labels.slip_distance.end(), size);
+    sensor.labels.micro_onset_time = {0.02985};
+    return sensor;
+  };
+  const Example large = example(jump(60e-6F), LabelRule::moved);
+  EXPECT_THAT(large.frames.label, ElementsAre(0, 1, masked));
+  EXPECT_THAT(large.scored, ElementsAre(0, 1, masked));
+  EXPECT_FALSE(large.holds);
+  EXPECT_THAT(example(jump(40e-6F), LabelRule::moved).frames.label, ElementsAre(0, 0, 0));
+}
+
 TEST(Example, NeedsAPathForTheRuleMoved) {
   EXPECT_THAT(refusal_of([] { example(skin(), LabelRule::moved); }), mentions({"slip distance"}));
 }
