@@ -14,7 +14,7 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
-set(CMAKE_OPTIMIZE_DEPENDENCIES ON)  # an archive needs no other archive: what no program links is not built
+set(CMAKE_OPTIMIZE_DEPENDENCIES ON)  # static libraries do not wait for the libraries that they link
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 
 # Hardening that costs no instruction of a step: README.md has the table. Others are below and in SlipbenchLibrary.cmake.

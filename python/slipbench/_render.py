@@ -49,7 +49,7 @@ class Renderer:
             import mujoco
             import mujoco.egl
             self._context: Any = mujoco.egl.GLContext(WIDTH, HEIGHT)
-        except (ImportError, RuntimeError, AttributeError, ctypes.ArgumentError) as error:  # the last: PyOpenGL without libOpenGL
+        except (ImportError, RuntimeError, AttributeError, ctypes.ArgumentError) as error:  # ctypes.ArgumentError: PyOpenGL without libOpenGL
             raise _core.InputError(f"render_mode 'rgb_array': needs EGL and pip install 'slipbench[render]' ({error}); allowed here: None") from error
         self._mujoco: Any = mujoco
         self._model = mujoco.MjModel.from_xml_string(_drawing(bodies))

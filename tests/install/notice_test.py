@@ -83,9 +83,9 @@ def compiled_in():
     """
     files = set()
     ours = False
-    # Python's headers come from Debian, or from another Python that the module is built for. The plugin for the earlier MuJoCo
-    # is not in every build.
-    packages = {"libpython3-dev", "PyPI: mujoco"}
+    packages = {"libpython3-dev"}  # Python's headers come from Debian, or from another Python that the module is built for
+    if not (ROOT / "build/mujoco").exists():
+        packages.add("PyPI: mujoco")  # then the plugin for the earlier release is not built
     for line in output("ninja", "-t", "deps").splitlines():
         if not line.startswith(" "):
             ours = bool(line) and "#deps" in line and not line.startswith("tests/")
@@ -95,6 +95,8 @@ def compiled_in():
                 files.add(path)
             elif "/site-packages/nanobind/" in path:
                 packages.add("PyPI: nanobind")
+            elif "/build/mujoco/" in path:
+                packages.add("PyPI: mujoco")
     files = {path for path in files if not re.search(r"/python3\.\d+/", path)}
     for listing in Path("/var/lib/dpkg/info").glob("*.list"):
         if not files.isdisjoint(listing.read_text(encoding="utf-8").splitlines()):

@@ -40,6 +40,7 @@ void record_and_report(const std::string& scene, const std::string& dataset, con
   fmt::print("\n{}\n", speed_text(summary, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
   write_report(dataset, page);
   print_written({dataset, page});
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw InputError("cannot write to standard output");
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ def commands(root, build):
         source = Path(entry["directory"], entry["file"]).resolve()
         unity = source.is_relative_to(build) and source.parent.name == "Unity"
         above = build if unity else root
-        if source.is_relative_to(above) and source.relative_to(above).parts[0] in FOLDERS and "/rtl_models.dir/" not in str(source):
+        generated = any(f"/{target}.dir/" in str(source) for target in ("rtl_models", "nanobind-static"))
+        if source.is_relative_to(above) and source.relative_to(above).parts[0] in FOLDERS and not generated:
             folder = source.relative_to(above).as_posix().split("/CMakeFiles/")[0] if unity else source.relative_to(above).parent.as_posix()
             yield source, folder, entry["directory"], shlex.split(entry["command"])
 
