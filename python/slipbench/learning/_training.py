@@ -140,7 +140,7 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
             recordings on the first dataset, instead of by `alarms`; needs the slipped distance of
             simulated trials
         specificity: with `by_score`: least share, 0 to 1, of the validation trials without slip in
-            which no alarm is raised, in each dataset with 10 such trials or more; None: 0.95
+            which no alarm is raised, in each dataset with 20 such trials or more; None: 0.95
         resume: True: continue from the OUTPUT.checkpoint-0 of an interrupted training
         log: folder for TensorBoard logs, which need the package tensorboard; None: no logs
         progress: called with the number of the network and a Report, after every validation

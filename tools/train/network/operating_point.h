@@ -27,8 +27,8 @@ struct Holding {
   std::size_t series = 0;
   std::size_t silent = 0;  // without an alarm
 };
-// A share of fewer series than this is not used as a condition.
-inline constexpr std::size_t least_holding = 10;
+// A share of fewer series than this is not used as a condition: one alarm would be more than 5 %.
+inline constexpr std::size_t least_holding = 20;
 
 // Unmasked frames by truth and answer. An alarm is false if it begins in a frame of hold.
 struct FrameCounts {

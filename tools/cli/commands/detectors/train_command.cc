@@ -80,9 +80,10 @@ accuracy and at most --alarms false alarms. With --score it chooses the operatin
 the first FILE has the highest score of the open recordings of slip-3 (`slipbench benchmark`). The
 score depends on the distance that the object has slipped at the alarm. The choice is limited to
 operating points that raise no alarm in --specificity percent of the trials without slip, in each
-FILE (also of --with) with 10 such validation trials or more. If there is no such point, the nearest one is chosen. For gst_hd these
-options choose only the frames that begin and end an alarm, on draw 0. A network is trained on one
-thread. --resume continues a killed training with a bit-identical result.
+FILE (also of --with) with 20 such validation trials or more. If there is no such point, the nearest
+one is chosen. For gst_hd these options choose only the frames that begin and end an alarm, on draw
+0. A network is trained on one thread. --resume continues a killed training with a bit-identical
+result.
 
 Labels:
   strict       a unit slips if the whole unit slips
