@@ -47,7 +47,7 @@ sweep:
 INPUTS = {
     "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_grasp": 5,
     "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
-    "nib_slip": 40, "nib_grasp": 160, "gel_slip": 189, "papillarray_slip": 27, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
+    "nib_slip": 160, "nib_rigid": 40, "gel_slip": 189, "papillarray_slip": 27, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
     "biotac_grasp": 225}
 
 
@@ -455,8 +455,8 @@ class Recipes(unittest.TestCase):
 
     # A translation and a turn of the plate, with counts at rest that differ between electrodes; then
     # the taxel in the middle stays behind.
-    def test_nib_slip_measures_the_departure_from_a_rigid_motion(self):
-        network = networks.NibSlip(40, 2, lags=(1,)).eval()
+    def test_nib_rigid_measures_the_departure_from_a_rigid_motion(self):
+        network = networks.NibRigid(40, 2, lags=(1,)).eval()
         columns, rows = np.meshgrid(np.arange(3) - 1.0, 1.0 - np.arange(3))
         east, north = (20 - 5 * rows).reshape(9), (10 + 5 * columns).reshape(9)
         rest = 7000.0 + 3.0 * np.arange(40)

@@ -318,7 +318,7 @@ def changes_of(frames: Tensor, before: Tensor, lags: tuple[int, ...]) -> Tensor:
     return torch.where(earlier == 0, torch.zeros_like(earlier), frames.unsqueeze(2) - earlier)
 
 
-def with_latest(network: NibSlip | RigidSlip, frames: Tensor, state: State) -> tuple[Tensor, tuple[Tensor, ...]]:
+def with_latest(network: NibRigid | RigidSlip, frames: Tensor, state: State) -> tuple[Tensor, tuple[Tensor, ...]]:
     """Runs a network whose state starts with the latest frames."""
     before = frames.new_zeros((frames.shape[0], network.lags[-1], frames.shape[2])) if state is None else state[0]
     logits, after = network.after(*network.measures(frames, before), None if state is None else state[1:])
@@ -432,8 +432,8 @@ class RigidSlip(nn.Module):
         return with_latest(self, frames, state)
 
 
-class NibSlip(nn.Module):
-    """nib_slip: how far the changes of the taxels' shear depart from those of a rigid motion, through
+class NibRigid(nn.Module):
+    """nib_rigid: how far the changes of the taxels' shear depart from those of a rigid motion, through
     a GRU. Not published.
 
     Nibs that stick to a flat object lean as it moves, so the shear of the taxels changes as a rigid

@@ -151,12 +151,12 @@ def _myrmex() -> list[Recipe]:
 
 
 def _nib() -> list[Recipe]:
-    return [_slip("nib_slip", "Departure of a nib pad's taxels from a rigid motion over 30 to 600 ms, through a GRU at 100 Hz",
-                  frames=Input(sensor="nib_pad", rate=300.0, channels=["si", "fl", "fr"], stride=3), network=networks.NibSlip, scaling="none",
-                  training=replace(SLIP_TRAINING, steps=2500)),
-            _slip("nib_grasp", "Size and direction of the change of all electrodes over 0.1 and 0.3 s, through a GRU at 100 Hz",
-                  frames=Input(sensor="nib_pad", rate=300.0, channels=["si", "fl", "fr"], window=3, stride=3, transform="spreads", spans=(90, 30), floor=1.0),
-                  network=networks.FrameGru, training=replace(SLIP_TRAINING, steps=1500))]
+    frames = Input(sensor="nib_pad", rate=300.0, channels=["si", "fl", "fr"], stride=3)
+    return [_slip("nib_slip", "Size and direction of the change of all electrodes over 0.1 and 0.3 s, through a GRU at 100 Hz",
+                  frames=replace(frames, window=3, transform="spreads", spans=(90, 30), floor=1.0),
+                  network=networks.FrameGru, training=replace(SLIP_TRAINING, steps=1500)),
+            _slip("nib_rigid", "Departure of a nib pad's taxels from a rigid motion over 30 to 600 ms, through a GRU at 100 Hz",
+                  frames=frames, network=networks.NibRigid, scaling="none", training=replace(SLIP_TRAINING, steps=2000))]
 
 
 def _gel() -> list[Recipe]:

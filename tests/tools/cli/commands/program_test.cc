@@ -359,7 +359,7 @@ TEST(Program, ListAndDescribe) {
   EXPECT_EQ(both[0]["kind"], "detector");
   EXPECT_EQ(both[1]["kind"], "controller");
   EXPECT_EQ(both[0]["parameters"].back()["name"], "flip");
-  EXPECT_THAT(run_program_file({"describe", "nib_grasp"}).out, HasSubstr("over 90, 30"));
+  EXPECT_THAT(run_program_file({"describe", "nib_slip"}).out, HasSubstr("over 90, 30"));
   EXPECT_THAT(run_program_file({"describe", "piezo_grasp"}).out, HasSubstr("20, 100, 300, 1000 samples, with their signs"));
   const ChildResult page = run_program_file({"describe", "papillarray"});
   EXPECT_EQ(page.status, 0);
