@@ -47,7 +47,7 @@ sweep:
 INPUTS = {
     "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_grasp": 5,
     "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
-    "nib_slip": 160, "nib_rigid": 40, "gel_slip": 189, "papillarray_slip": 27, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
+    "nib_slip": 160, "nib_rigid": 40, "gel_slip": 189, "papillarray_slip": 27, "taxels_slip": 48, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
     "biotac_grasp": 225}
 
 

@@ -378,8 +378,9 @@ class UnitsAndWhole(nn.Module):
 
 
 class RigidSlip(nn.Module):
-    """papillarray_slip, taxels_slip, gel_slip: how far the displacement of an array departs from a rigid motion,
-    through a GRU. Not published.
+    """papillarray_slip, taxels_slip, gel_slip: how far the displacement of an array departs from a
+    rigid motion, through a GRU. Not published. Forces of units that lean like springs are
+    proportional to displacements.
 
     The units that stick to an object move as a rigid body. Slip shows as a departure from that
     motion, first where the array is pressed least. The rigid motion is fitted to the units in
@@ -387,7 +388,7 @@ class RigidSlip(nn.Module):
 
     | layer | output |
     |---|---|
-    | displacement of the units, m | units x 3 |
+    | displacement of the units, m, or forces, N | units x 3 |
     | displacement from rest, and its changes over `lags` frames; a state holds the latest frames | fields |
     | of each unit: depth, contact, ratio; of each field: rigid part, departure from it, its share along it, change of the depth | units x (3 + 4 fields) |
     | batch norm, linear, ReLU; weighted mean and maximum of all units | 2 x 16 |
