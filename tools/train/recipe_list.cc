@@ -22,8 +22,9 @@ constexpr std::array all{
     RecipeLine{"grasp_gru", "Forces and displacements of all nine pillars at 100 Hz through a GRU: slip in a grasp"},
     RecipeLine{"slip_gru", "Any sensor: axes of each unit, their ratio and rates through shared weights, pooled, through a GRU"},
     RecipeLine{"papillarray_slip", "Departure of the pillars from a rigid motion over 10 to 300 ms, through a GRU at 100 Hz"},
-    RecipeLine{"taxels_slip",
-               "Departure of the forces of a grid of 4 x 4 taxels from a rigid motion over 10 to 300 ms, through a GRU at 100 Hz"},
+    RecipeLine{
+        "taxels_slip",
+        "Departure of the forces of a grid of 4 x 4 taxels from a rigid motion over 10 to 300 ms, through a GRU at 100 Hz"},
     RecipeLine{"myrmex_net1", "Spectra of 12 x 12 taxels through one convolution and 512 units"},
     RecipeLine{"myrmex_net2", "Spectra of 12 x 12 taxels through two convolutions and 512 units"},
     RecipeLine{"myrmex_net3", "Spectra of 12 x 12 taxels through two convolutions and 1024 units"},

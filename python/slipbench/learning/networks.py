@@ -389,10 +389,12 @@ class RigidSlip(nn.Module):
     | layer | output |
     |---|---|
     | displacement of the units, m, or forces, N | units x 3 |
-    | displacement from rest, and its changes over `lags` frames; a state holds the latest frames | fields |
-    | of each unit: depth, contact, ratio; of each field: rigid part, departure from it, its share along it, change of the depth | units x (3 + 4 fields) |
+    | displacement from rest, and changes over `lags` frames; a state holds the latest frames | fields |
+    | of each unit: depth, contact, ratio of shear to depth | units x 3 |
+    | of each unit and field: rigid part, departure, its part along the rigid one, change of depth | units x 4 fields |
     | batch norm, linear, ReLU; weighted mean and maximum of all units | 2 x 16 |
-    | of each field: size of the motion, turn, departure, its regression on depth; depth, its spread, contact | 4 fields + 3 |
+    | of each field: size of the motion, turn, departure, its regression on depth | 4 fields |
+    | of the contact: depth, spread of the depth, size | 3 |
     | batch norm; linear of all, ReLU | 48 |
     | GRU | 48 |
     | linear | 2 |
@@ -445,9 +447,9 @@ class NibRigid(nn.Module):
     |---|---|
     | si of nine taxels, fl, fr, counts | 40 |
     | changes in 30, 100, 300 and 600 ms; a state holds the latest 60 frames | 4 x 40 |
-    | of each taxel and change: rigid part, departure from it, its share along it, change of the load | 9 x 16 |
+    | of each taxel and change: rigid part, departure, its part along the rigid one, load | 9 x 16 |
     | batch norm, linear, ReLU; mean and maximum of all taxels | 2 x 16 |
-    | of each change: size of the motion, turn, departure, load; shear and load of fl and fr | 4 x 8 |
+    | of each change: size of the motion, turn, departure, load; shear and load of fl, fr | 4 x 8 |
     | batch norm of the 32; linear of all, ReLU | 48 |
     | GRU | 48 |
     | linear | 2 |
