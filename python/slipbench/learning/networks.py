@@ -389,9 +389,9 @@ class RigidSlip(nn.Module):
     | layer | output |
     |---|---|
     | displacement of the units, m, or forces, N | units x 3 |
-    | displacement from rest, and changes over `lags` frames; a state holds the latest frames | fields |
+    | displacement from rest, and changes over `lags` frames, which a state holds | fields |
     | of each unit: depth, contact, ratio of shear to depth | units x 3 |
-    | of each unit and field: rigid part, departure, its part along the rigid one, change of depth | units x 4 fields |
+    | of each unit and field: rigid part, departure, its part along it, depth | units x 4 fields |
     | batch norm, linear, ReLU; weighted mean and maximum of all units | 2 x 16 |
     | of each field: size of the motion, turn, departure, its regression on depth | 4 fields |
     | of the contact: depth, spread of the depth, size | 3 |
