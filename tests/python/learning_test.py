@@ -450,7 +450,8 @@ class Recipes(unittest.TestCase):
         self.assertLess(max(departure, departure_now, abs(slope), change), 0.11)
         moved[1, :, 0, :2] *= 0.5
         _, _, _, _, departure, departure_now, slope, *_ = whole(moved)
-        self.assertGreater(min(departure, departure_now), 3.0)
+        # Three of eight units are 10 less along X, which neither a translation nor a turn fits: 10 sqrt(3/8 5/8) = 4.8.
+        self.assertGreater(min(departure, departure_now), 4.5)
         self.assertGreater(slope, 0.3)
 
     # A translation and a turn of the plate, with counts at rest that differ between electrodes; then

@@ -84,6 +84,11 @@ OperatingPoint most_worthy_point(std::span<const SlipSeries> series, double peri
 
 }  // namespace
 
+void FrameCounts::add(bool slips, bool answer, bool begins) {
+  count(frames, slips, answer);
+  false_alarms += begins && !slips ? 1U : 0U;
+}
+
 double FrameCounts::alarms_per_minute(double period) const {
   const double held = static_cast<double>(samples_in(frames, PadState::non_slip)) * period;
   return held > 0.0 ? 60.0 * static_cast<double>(false_alarms) / held : std::numeric_limits<double>::quiet_NaN();
@@ -118,11 +123,8 @@ AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, cons
       const bool said = gate.push(one.probability[t] >= threshold), begins = !std::exchange(before, said) && said;
       if (said && !std::exchange(ever, true) && t >= onset && credited) counts.credit += distance_credit(one.path[t] - begin);
       if (one.truth[t] == masked) continue;
-      for (FrameCounts* const part : {static_cast<FrameCounts*>(&counts), scored ? &counts.first : nullptr}) {
-        if (part == nullptr) continue;
-        count(part->frames, one.truth[t] == 1, said);
-        part->false_alarms += begins && one.truth[t] == 0 ? 1U : 0U;
-      }
+      counts.add(one.truth[t] == 1, said, begins);
+      if (scored) counts.first.add(one.truth[t] == 1, said, begins);
     }
     if (!one.holds) continue;
     if (counts.holding.size() <= one.dataset) counts.holding.resize(one.dataset + 1);

@@ -35,13 +35,15 @@ struct FrameCounts {
   Confusion frames{};
   std::uint64_t false_alarms = 0;
 
+  // Counts one frame. `begins`: an alarm begins in it.
+  void add(bool slips, bool answer, bool begins);
   // `period` [s]: period of the frames. NaN without hold.
   [[nodiscard]] double alarms_per_minute(double period) const;
 };
 
 struct AlarmCounts : FrameCounts {
-  // Frames of dataset 0, whose score is chosen: the other datasets restrict the choice by their
-  // specificity.
+  // Counts of dataset 0, whose score the choice maximises. The other datasets limit the choice by
+  // their specificity.
   FrameCounts first = {};
   std::size_t slips = 0;  // its series with a known path that slip by least_slip_distance or more
   // Sum over them of the credit of the path from the first frame of slip to the first alarm, and
@@ -75,9 +77,9 @@ OperatingPoint most_accurate_point(std::span<const SlipSeries> series, double pe
 // most_accurate_point().
 OperatingPoint best_point(std::span<const SlipSeries> series, double period, double alarms);
 // Returns the point with the greatest AlarmCounts::score() among those of best_point() whose
-// AlarmCounts::specificity() is at least `specificity`, 0 to 1. If there is none, returns the one with
-// the greatest AlarmCounts::specificity(). Throws InputError if no series of dataset 0 slips by
-// least_slip_distance, or if every frame of it is slip, because then all scores are equal.
+// AlarmCounts::specificity() is at least `specificity`, 0 to 1. If no point reaches it, returns the
+// point with the greatest AlarmCounts::specificity(). Throws InputError if no series of dataset 0
+// slips by least_slip_distance, or if every frame of it is slip, because then all scores are equal.
 OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity);
 
 }  // namespace slipbench::train
