@@ -315,7 +315,7 @@ def changes_of(frames: Tensor, before: Tensor, lags: tuple[int, ...]) -> Tensor:
     """
     joined = torch.cat((before, frames), 1)
     earlier = torch.stack([joined[:, lags[-1] - lag : lags[-1] - lag + frames.shape[1]] for lag in lags], 2)
-    return torch.where(earlier == 0, torch.zeros_like(earlier), frames.unsqueeze(2) - earlier)
+    return torch.where(earlier.eq(0), torch.zeros_like(earlier), frames.unsqueeze(2) - earlier)
 
 
 def with_latest(network: NibRigid | RigidSlip, frames: Tensor, state: State) -> tuple[Tensor, tuple[Tensor, ...]]:
@@ -340,7 +340,7 @@ class RigidFit:
         self.count = weight.sum(-1, keepdim=True) + 1e-3
         across, along = places[:, 0] - self.mean(places[:, 0]), places[:, 1] - self.mean(places[:, 1])
         right, up = self.mean(x), self.mean(y)
-        self.turn = self.mean(across * (y - up) - along * (x - right)) / (self.mean(across**2 + along**2) + 1e-3)
+        self.turn = self.mean(across * (y - up) - along * (x - right)) / self.mean(across**2 + along**2).add(1e-3)
         rigid_x, rigid_y = right - self.turn * along, up + self.turn * across
         rest_x, rest_y = x - rigid_x, y - rigid_y
         self.rigid = torch.sqrt(rigid_x**2 + rigid_y**2 + least**2)  # size of the rigid part of each unit
@@ -423,11 +423,11 @@ class RigidSlip(nn.Module):
         fit = RigidFit(x, y, torch.clamp(depth / 3 - 1, 0, 1), self.get_buffer("places"), 0.1)
         below = depth - fit.mean(depth)
         spread = fit.mean(below**2)
-        slope = fit.mean(below * fit.along_rigid) / (spread + 0.25) * fit.mean(depth) / (fit.size + 1)  # 0: sticks, 1: slides
+        slope = fit.mean(below * fit.along_rigid) / spread.add(0.25) * fit.mean(depth) / fit.size.add(1)  # 0: sticks, 1: slides
         weight = fit.weight.transpose(2, 3)
         own = torch.cat((signed_log(depth).transpose(2, 3), weight, (fit.rigid[:, :, :1] / (depth.abs() + 3)).transpose(2, 3),
                          *(weight * signed_log(one).transpose(2, 3) for one in (fit.rigid, fit.rest, fit.along_rigid, z))), 3)
-        whole = torch.cat((fit.size, fit.turn, fit.departure, slope, fit.mean(depth), torch.sqrt(spread + 0.01), fit.count), 2).squeeze(3)
+        whole = torch.cat((fit.size, fit.turn, fit.departure, slope, fit.mean(depth), torch.sqrt(spread.add(0.01)), fit.count), 2).squeeze(3)
         return own, weight, signed_log(whole)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:

@@ -38,7 +38,8 @@ class SweepFolder:
     def __init__(self, program, folder):
         self.program, self.folder = program, Path(folder)
         self.scene = self.folder / "scene.yaml"
-        self.scene.write_text(scene_text(trials=240, duration="1 s", bristles=6), encoding="ascii")
+        # A shard takes a second or more, so it can be killed while it simulates.
+        self.scene.write_text(scene_text(trials=240, duration="4 s", bristles=6), encoding="ascii")
         self.whole = self.folder / "whole.h5"
         self.run("sweep", "scene.yaml", *OUTCOMES, "-o", self.whole, "--quiet")
 
@@ -62,13 +63,12 @@ class SweepFolder:
         return None
 
     def kill_in_the_middle(self, cluster, k):
-        """Kills shard k once it has finished some trials."""
+        """Kills shard k once it has begun its first file."""
 
-        def holds_trials():
-            written = list(cluster.glob(f"attempts/{k}.*/shard.h5.partial/batch*"))
-            return written and written[0].stat().st_size > 100_000 and self.sweep_process(cluster, k)
+        def process_with_file():
+            return any(cluster.glob(f"attempts/{k}.*/shard.h5.partial/batch*")) and self.sweep_process(cluster, k)
 
-        os.kill(wait_for(f"shard {k} simulates", holds_trials), signal.SIGKILL)
+        os.kill(wait_for(f"shard {k} simulates", process_with_file), signal.SIGKILL)
         assert not (cluster / f"shards/{k}").exists(), f"shard {k} was finished before it could be killed"
 
     def merged_is_whole(self, cluster):
