@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -270,7 +269,9 @@ std::string worst_timelines(const Json& result, const DetectorScene& detector) {
   const std::string sensor = result.at("sensor").at("name").get<std::string>();
   const Catalogues catalogues = program_catalogues();
   std::string html;
-  for (const Json& worst : result.at("worst") | std::views::take(drawn_trials)) {
+  const Json& all = result.at("worst");
+  for (std::size_t place = 0; place < std::min(drawn_trials, all.size()); ++place) {
+    const Json& worst = all[place];
     const RecordedTrial trial = recorded_trial(reader, worst.at("trial").get<std::size_t>(), detector, sensor, catalogues);
     html += page::section_html(fmt::format("Trial {}", trial.record.trial), worst.at("why").get<std::string>(),
                                page::timeline_html(trial.sensor(), marks_of(trial, rule), drawn_channels));

@@ -70,7 +70,7 @@ Json has_any(std::initializer_list<const char*> keys) {
 
 Json negated(Json schema) { return {{"not", std::move(schema)}}; }
 
-Json described(Json schema, const std::string& text) {
+Json described(const Json& schema, const std::string& text) {
   Json result{{"description", text}};
   result.update(schema);
   return result;
@@ -245,7 +245,7 @@ class SceneSchema {
 
   // A map in which `selector` names one of `entries`. Defines each as SECTION_NAME.
   Json chosen(const std::string& section, const std::string& selector, const std::vector<Entry>& entries, const Json& other_keys,
-              std::vector<std::string> others = {}) {
+              const std::vector<std::string>& others = {}) {
     std::vector<std::string> names;
     Json rules = Json::array();
     const auto add = [&](const std::string& name, const Json& schema) {
@@ -302,9 +302,8 @@ class SceneSchema {
       Json electronics = any_of_texts(std::array{"ideal", "typical"});
       if (found != catalogues_.electronics.end() && !found->second.empty())
         electronics = {{"anyOf", {std::move(electronics), list(found->second, "electronics")}}};
-      defs_["sensor_" + entry.name]["properties"]["electronics"] =
-          described(std::move(electronics),
-                    "Errors of the electronics: ideal (none), typical (all parts with their defaults), or a list of parts.");
+      defs_["sensor_" + entry.name]["properties"]["electronics"] = described(
+          electronics, "Errors of the electronics: ideal (none), typical (all parts with their defaults), or a list of parts.");
     }
     return {{"type", "object"},
             {"minProperties", 1},
