@@ -138,11 +138,14 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
 }
 
 // Declares the samples of a slip as stick if the object moves by less than least_slip_distance in this slip.
-void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<double>& path) {
+// `joined`: all slips of one contact are one slip. The elements of a skin may stick and slip in turns, so that
+// a slide consists of many short slips.
+void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<double>& path, bool joined) {
+  constexpr auto touches = [](std::uint8_t state) { return state != static_cast<std::uint8_t>(PadState::no_contact); };
   for (std::size_t first = 0; first < states.size(); ++first) {
     if (!slips(states[first])) continue;
     std::size_t end = first;
-    while (end < states.size() && slips(states[end])) ++end;
+    while (end < states.size() && (joined ? touches(states[end]) : slips(states[end]))) ++end;
     if (path[end - 1] - (first == 0 ? 0.0 : path[first - 1]) < least_slip_distance) {
       std::fill(states.begin() + static_cast<std::ptrdiff_t>(first), states.begin() + static_cast<std::ptrdiff_t>(end),
                 static_cast<std::uint8_t>(PadState::non_slip));
@@ -160,16 +163,19 @@ void add_slips_between(std::vector<std::uint8_t>& states, const std::vector<doub
   }
 }
 
-// Masks the samples of each slip before the object has moved by least_slip_distance.
-void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states,
-                     const std::vector<double>& path) {
+// Masks the samples of each slip before the object has moved by least_slip_distance. `joined`: as above.
+void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states, const std::vector<double>& path,
+                     bool joined) {
   double begin = 0.0;
+  bool slipped = false;  // in this contact
   for (std::size_t row = 0; row < states.size(); ++row) {
+    if (states[row] == static_cast<std::uint8_t>(PadState::no_contact)) slipped = false;
     if (!slips(states[row])) {
-      begin = path[row];
-    } else if (path[row] - begin < least_slip_distance) {
-      labels[row] = masked;
+      if (!joined || !slipped) begin = path[row];
+      continue;
     }
+    slipped = true;
+    if (path[row] - begin < least_slip_distance) labels[row] = masked;
   }
 }
 
@@ -200,7 +206,7 @@ std::vector<std::uint8_t> labels_by(const std::vector<std::uint8_t>& states, boo
 std::vector<std::uint8_t> scored_labels(const TrialRecord& record, const SensorRecord& sensor, const std::vector<double>& path) {
   std::vector<std::uint8_t> states = states_of(sensor, LabelRule::micro);
   add_slips_between(states, path);
-  drop_small_slips(states, path);
+  drop_small_slips(states, path, !record.outcome.grasp);
   return labels_by(states, record.outcome.grasp.has_value(), false, [](std::size_t) { return std::uint8_t{1}; });
 }
 
@@ -225,13 +231,13 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   if (rule == LabelRule::moved) {
     if (path.empty()) reject("the labels have no slip distance; expected those of `slipbench sweep`");
     add_slips_between(states, path);
-    drop_small_slips(states, path);
+    drop_small_slips(states, path, !record.outcome.grasp);
   }
   const bool tightens = rule == LabelRule::tightened || rule == LabelRule::moved;
   const bool clear = rule != LabelRule::masked && (!tightens || record.outcome.grasp);
   labels =
       labels_by(states, clear, rule == LabelRule::latched, [&](std::size_t row) { return kind_of(sensor.labels, row, classes); });
-  if (rule == LabelRule::moved) mask_beginnings(labels, states, path);
+  if (rule == LabelRule::moved) mask_beginnings(labels, states, path, !record.outcome.grasp);
   return labels;
 }
 

@@ -34,7 +34,7 @@ enum class LabelRule {
   masked,  // micro; frames that stick again after a slip, before contact is lost, are masked: they still bear the shear that caused the slip
   tightened,  // on a stage masked, in a grasp micro, where frames that stick again are held, since the grip has tightened
   // As tightened, except that a slip which moves the object by less than least_slip_distance
-  // (tools/statistics/slip_score.h) is stick.
+  // (tools/statistics/slip_score.h) is stick. On a stage all slips of one contact are one slip.
   // The frames of a larger slip are masked until the object has moved that far.
   moved,
   recorded,  // no truth: the labels of an imported recording

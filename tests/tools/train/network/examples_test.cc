@@ -133,6 +133,18 @@ TEST(Example, CountsASlipOnceTheObjectHasMoved) {
   EXPECT_THAT(example(slipping_skin(0.2e-6), LabelRule::moved).frames.label, ElementsAre(0, 0, 0)) << "40 um";
 }
 
+// A slip in two parts of 35 um.
+TEST(Example, JoinsTheSlipsOfAContactOnAStage) {
+  SensorRecord sensor = slipping_skin(0.35e-6);
+  set(sensor.labels.state_micro, 240, 260, PadState::non_slip);
+  TrialRecord grasp;
+  grasp.outcome.grasp.emplace();
+  const Example joined = example(sensor, LabelRule::moved);
+  EXPECT_THAT(joined.frames.label, ElementsAre(masked, 1, masked));
+  EXPECT_THAT(joined.scored, ElementsAre(1, 1, masked));
+  EXPECT_THAT(example(sensor, LabelRule::moved, grasp).frames.label, ElementsAre(0, 0, 0));
+}
+
 // The object moves between two samples, and sticks in both.
 TEST(Example, CountsASlipBetweenTwoSamples) {
   const auto jump = [](float size) {
