@@ -45,7 +45,7 @@ sweep:
 """
 # Values per frame of each recipe's input, with the published sensors.
 INPUTS = {
-    "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_grasp": 5,
+    "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_force": 50, "piezo_grasp": 5,
     "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
     "nib_slip": 160, "nib_rigid": 40, "gel_slip": 189, "papillarray_slip": 27, "taxels_slip": 48, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
     "biotac_grasp": 225}
@@ -428,6 +428,21 @@ class Recipes(unittest.TestCase):
         self.assertTrue(torch.allclose(network(some.flip(2).flatten(2))[0], logits, atol=1e-6))
         some[0, 0, 0, 0] += 1.0
         self.assertFalse(torch.allclose(network(some.flatten(2))[0], logits, atol=1e-6))
+
+    # A force that rises by 3 counts a sample for 0.1 s, through a high-pass of first order at 3 Hz: its
+    # changes over 5 and 10 ms while it rises, and after it has stopped, when the signal still decays.
+    def test_piezo_force_inverts_the_amplifier(self):
+        network = networks.PiezoForce(50, 2, lags=(1, 2)).eval()
+        force = np.concatenate((np.zeros(1000), 3.0 * np.arange(1000), np.full(1000, 3000.0)))
+        decay, signal = math.exp(-2 * math.pi * 3 * 1e-4), np.zeros(3000)
+        for i in range(1, 3000):
+            signal[i] = decay * signal[i - 1] + (force[i] - force[i - 1]) * (1 + decay) / 2
+        frames = torch.tensor((signal / 70).reshape(1, 60, 50).tolist())
+        features = network.measures(torch.cat((torch.zeros(1, 3, 50), frames), 1), torch.cat((torch.zeros(1, 4), frames.mean(2)), 1))[0]
+        rising, stopped = features[35, :2].expm1(), features[50, :2].expm1()
+        # A mean of 50 samples has a noise of 70/sqrt(50) counts, a change over 5 ms sqrt(2) times as much.
+        self.assertAlmostEqual(float(rising[0]), 150 / (70 / 50**0.5 * 2**0.5), delta=0.3)
+        self.assertLess(float(stopped.abs().max()), 0.01)
 
     # Nine units that move as a rigid body, each with its own depth, and one that is not in contact;
     # then the third that is pressed least slips back by a half, from one frame to the next.

@@ -209,6 +209,105 @@ class PiezoSlip(nn.Module):
         return after
 
 
+class PiezoForce(nn.Module):
+    """piezo_force: how the force on the skin goes on or breaks off, and the spectrum of the signal,
+    through a GRU. Not published.
+
+    The amplifier is a high-pass of first order. Its inverse gives the change of the force from the
+    signal y:
+
+        force(t) - force(s) = y(t) - y(s) + integral of y from s to t / time constant
+
+    A load that holds rises as steadily as the motion. When the pad slips, the force stays behind the
+    motion or falls. A level that rises or falls steadily would leak into all bins, so the straight
+    line of a frame is removed before its spectrum.
+
+    | layer | output |
+    |---|---|
+    | frame of 5 ms; states hold three earlier frames and 64 earlier means | 50 |
+    | change of the force over 5 to 160 ms, in deviations of its noise, `signed_log` | 6 |
+    | its difference from the change over the same time before, `signed_log` | 6 |
+    | ratio of both changes | 6 |
+    | log power of 20 ms from 50 Hz to 1.5 kHz | 30 |
+    | log power of 5 ms from 200 Hz to 2 kHz | 10 |
+    | batch norm | 58 |
+    | linear, ReLU | 64 |
+    | GRU | 64 |
+    | linear | 2 |
+
+    Args:
+        lags: frames
+        period: s, of a frame
+        noise: counts, of a sample
+        corner: Hz, of the amplifier
+    """
+
+    def __init__(self, inputs: int, classes: int, lags: tuple[int, ...] = (1, 2, 4, 8, 16, 32), period: float = 5e-3, noise: float = 70.0,
+                 corner: float = 3.0) -> None:
+        super().__init__()
+        self.scale = 1 / noise
+        # Filters [2 lags, 1, history + 1] of the means: the change over a lag, and that over the same time before.
+        history = 2 * lags[-1]
+        # The force at each frame less that at the first, from all means.
+        force = torch.zeros(history + 1, history + 1, dtype=torch.float64)
+        share = 2 * torch.pi * corner * period
+        for i in range(history + 1):
+            force[i, i] += 1
+            force[i, 0] -= 1
+            force[i, :i] += share / 2
+            force[i, 1 : i + 1] += share / 2
+        now = [force[history] - force[history - lag] for lag in lags]
+        then = [force[history - lag] - force[history - 2 * lag] for lag in lags]
+        filters = torch.stack(now + then)
+        filters = filters / filters.norm(dim=1, keepdim=True) * inputs**0.5
+        self.register_buffer("filters", filters.float().unsqueeze(1))
+        self.earlier = history
+        self.register_buffer("long", _waves(4 * inputs, 30))
+        self.register_buffer("short", _waves(inputs, 10))
+        features = 3 * len(lags) + 40
+        self.norm = nn.BatchNorm1d(features)
+        self.rest = FrameGru(features, classes, width=64)
+
+    def measures(self, frames: Tensor, means: Tensor) -> Tensor:
+        """[N, T + 3, inputs] and [N, T + 2 greatest lag], with the earlier frames and means, to
+        features [N, T, 58]."""
+        count = frames.shape[1] - 3
+        changes = nn.functional.conv1d(means.unsqueeze(1), self.get_buffer("filters")).transpose(1, 2)
+        now, then = changes.chunk(2, 2)
+        ratio = torch.clamp(now * then / (then**2 + 9), -2, 2)
+        joined = torch.cat([frames[:, k : k + count] for k in range(4)], 2)
+        powers = [_log_power(joined, self.get_buffer("long")), _log_power(frames[:, 3:], self.get_buffer("short"))]
+        return torch.cat((signed_log(now), signed_log(now - then), ratio, *powers), 2)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """Returns logits, and the state if the network has one (see the module)."""
+        frames = self.scale * frames
+        if state is None:
+            state = (frames.new_zeros((frames.shape[0], 3, frames.shape[2])), frames.new_zeros((frames.shape[0], self.earlier)))
+        means = torch.cat((state[1], frames.mean(2)), 1)
+        frames = torch.cat((state[0], frames), 1)
+        features = self.measures(frames, means)
+        features = self.norm(features.flatten(0, 1)).reshape(features.shape)
+        logits, after = self.rest(features, state[2:] or None)
+        return logits, (frames[:, -3:], means[:, -self.earlier :], *after)
+
+
+def _waves(samples: int, bins: int) -> Tensor:
+    """Cosines and sines [samples, 2 bins] of the first bins of a frame, without its straight line."""
+    time = torch.arange(samples, dtype=torch.float64)
+    line = torch.stack((torch.ones_like(time), time - time.mean()))
+    line = line / line.norm(dim=1, keepdim=True)
+    angle = 2 * torch.pi * time[:, None] * torch.arange(1, bins + 1, dtype=torch.float64) / samples
+    waves = torch.cat((angle.cos(), angle.sin()), 1) * (2 / samples) ** 0.5
+    return (waves - line.t() @ (line @ waves)).float()
+
+
+def _log_power(frames: Tensor, waves: Tensor) -> Tensor:
+    """Log power of each bin of `_waves`."""
+    cosine, sine = torch.matmul(frames, waves).chunk(2, 2)
+    return torch.log(cosine**2 + sine**2 + 0.03)
+
+
 class PapillarrayGru(nn.Module):
     """The network of RedmondLabUCD/Incipient-Slip-Detection-PapillArray.
 
