@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT, WHEEL = Path(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None
 # Scripts that act at random, or need the renderer.
 RANDOM = ("grasp.py", "grasps.py")
-# Scripts that need PyTorch, which takes gigabytes; install() tests what the package says without it.
+# Scripts that need PyTorch, which takes gigabytes. tests/python/examples_test.py runs them.
 WITH_PYTORCH = ("train.py",)
 EPISODE = """
 import gymnasium, slipbench.gym

@@ -17,7 +17,7 @@ constexpr std::array all{
     RecipeLine{"piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32"},
     RecipeLine{"piezo_slip", "The level of the signal, its changes and its spectrum in 20 ms, through two GRUs at 100 Hz"},
     RecipeLine{"piezo_force",
-               "How the force on the skin goes on or breaks off over 5 to 160 ms, and its spectrum, through a GRU at 200 Hz"},
+               "How the force on the skin continues or breaks off over 5 to 160 ms, and its spectrum, through a GRU at 200 Hz"},
     RecipeLine{"piezo_grasp", "Level of the signal and its changes over 2 to 100 ms, through two GRUs at 100 Hz"},
     RecipeLine{"papillarray_gru", "Tangential forces of the eight outer pillars, 40 ms at a time, through a GRU"},
     RecipeLine{"papillarray_gru5", "Five networks of papillarray_gru, whose probabilities are averaged in one graph"},

@@ -189,12 +189,7 @@ class PiezoSlip(nn.Module):
     def __init__(self, inputs: int, classes: int, bins: int = 30, parts: int = 4) -> None:
         super().__init__()
         self.parts = parts
-        time = torch.arange(inputs, dtype=torch.float64)
-        line = torch.stack((torch.ones_like(time), time - time.mean()))
-        line = line / line.norm(dim=1, keepdim=True)
-        angle = 2 * torch.pi * time[:, None] * torch.arange(1, bins + 1, dtype=torch.float64) / inputs
-        waves = torch.cat((angle.cos(), angle.sin()), 1) * (2 / inputs) ** 0.5
-        self.register_buffer("waves", (waves - line.t() @ (line @ waves)).float())
+        self.register_buffer("waves", _waves(inputs, bins))
         self.norm = nn.BatchNorm1d(2 * parts - 1 + bins)
         self.rest = FrameGru(2 * parts - 1 + bins, classes, layers=2)
 
@@ -202,15 +197,14 @@ class PiezoSlip(nn.Module):
         """Returns logits, and the state if the network has one (see the module)."""
         levels = frames.reshape(*frames.shape[:2], self.parts, -1).mean(3)
         changes = levels[:, :, 1:] - levels[:, :, :-1]
-        cosine, sine = torch.matmul(frames, self.get_buffer("waves")).chunk(2, 2)
-        features = torch.cat((signed_log(100 * levels), signed_log(100 * changes), torch.log(cosine**2 + sine**2 + 1e-6)), 2)
+        features = torch.cat((signed_log(100 * levels), signed_log(100 * changes), _log_power(frames, self.get_buffer("waves"), 1e-6)), 2)
         features = self.norm(features.flatten(0, 1)).reshape(features.shape)
         after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(features, state)
         return after
 
 
 class PiezoForce(nn.Module):
-    """piezo_force: how the force on the skin goes on or breaks off, and the spectrum of the signal,
+    """piezo_force: how the force on the skin continues or breaks off, and the spectrum of the signal,
     through a GRU. Not published.
 
     The amplifier is a high-pass of first order. Its inverse gives the change of the force from the
@@ -220,7 +214,8 @@ class PiezoForce(nn.Module):
 
     A load that holds rises as steadily as the motion. When the pad slips, the force stays behind the
     motion or falls. A level that rises or falls steadily would leak into all bins, so the straight
-    line of a frame is removed before its spectrum.
+    line of a frame is removed before its spectrum. Before the first frame the signal counts as 0, so
+    the changes in the first 64 frames of a clip that starts under load are false.
 
     | layer | output |
     |---|---|
@@ -274,14 +269,15 @@ class PiezoForce(nn.Module):
         count = frames.shape[1] - 3
         changes = nn.functional.conv1d(means.unsqueeze(1), self.get_buffer("filters")).transpose(1, 2)
         now, then = changes.chunk(2, 2)
-        ratio = torch.clamp(now * then / (then**2 + 9), -2, 2)
+        ratio = torch.clamp(now * then / (then**2 + 9), -2, 2)  # 9: below 3 deviations the change before is noise
         joined = torch.cat([frames[:, k : k + count] for k in range(4)], 2)
-        powers = [_log_power(joined, self.get_buffer("long")), _log_power(frames[:, 3:], self.get_buffer("short"))]
+        # The noise has a power of 2 in each bin, far above 0.03, which avoids the logarithm of 0.
+        powers = [_log_power(joined, self.get_buffer("long"), 0.03), _log_power(frames[:, 3:], self.get_buffer("short"), 0.03)]
         return torch.cat((signed_log(now), signed_log(now - then), ratio, *powers), 2)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """Returns logits, and the state if the network has one (see the module)."""
-        frames = self.scale * frames
+        frames = frames.mul(self.scale)
         if state is None:
             state = (frames.new_zeros((frames.shape[0], 3, frames.shape[2])), frames.new_zeros((frames.shape[0], self.earlier)))
         means = torch.cat((state[1], frames.mean(2)), 1)
@@ -302,10 +298,10 @@ def _waves(samples: int, bins: int) -> Tensor:
     return (waves - line.t() @ (line @ waves)).float()
 
 
-def _log_power(frames: Tensor, waves: Tensor) -> Tensor:
-    """Log power of each bin of `_waves`."""
+def _log_power(frames: Tensor, waves: Tensor, least: float) -> Tensor:
+    """Log of the power of each bin of `_waves`, plus `least`."""
     cosine, sine = torch.matmul(frames, waves).chunk(2, 2)
-    return torch.log(cosine**2 + sine**2 + 0.03)
+    return torch.log(cosine**2 + sine**2 + least)
 
 
 class PapillarrayGru(nn.Module):

@@ -64,8 +64,9 @@ SLIP_TRAINING = Training(steps=3000, batch=64, clip=150, learning_rate=3e-3, fin
 
 
 def either_sign(clips: Tensor, generator: torch.Generator) -> Tensor:
-    """Each clip, or with even odds its opposite: a load to the other side."""
-    return clips * (2 * torch.randint(2, (len(clips), 1, 1), generator=generator) - 1)
+    """Each clip, or with even odds its opposite, as if all forces were reversed."""
+    signed: Tensor = clips.mul(torch.randint(2, (len(clips), 1, 1), generator=generator).mul(2).sub(1))
+    return signed
 
 
 def _slip(name: str, summary: str, frames: Input, network: Callable[[int, int], nn.Module], training: Training = SLIP_TRAINING, scaling: str = "standard",
@@ -98,7 +99,7 @@ def _piezo() -> list[Recipe]:
         recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", networks.PiezoGru, 300, 64, 4e-3, signal),
         _slip("piezo_slip", "The level of the signal, its changes and its spectrum in 20 ms, through two GRUs at 100 Hz",
               frames=replace(signal, window=200), network=networks.PiezoSlip, scaling="common"),
-        _slip("piezo_force", "How the force on the skin goes on or breaks off over 5 to 160 ms, and its spectrum, through a GRU at 200 Hz",
+        _slip("piezo_force", "How the force on the skin continues or breaks off over 5 to 160 ms, and its spectrum, through a GRU at 200 Hz",
               frames=replace(signal, window=50, stride=50), network=networks.PiezoForce, scaling="none",
               training=replace(SLIP_TRAINING, steps=2400, batch=48, clip=200, validate_every=400, onset_frames=40, augment=either_sign)),
         _slip("piezo_grasp", "Level of the signal and its changes over 2 to 100 ms, through two GRUs at 100 Hz",

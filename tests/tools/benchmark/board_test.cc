@@ -284,11 +284,26 @@ TEST(Protocol, ControlsAreToldTheBest) {
 TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
   const auto seed = [](const std::string& scene) { return SceneFile::load(project_file(scene)).root().find("seed")->text; };
   std::set<std::string> learnt;
-  for (const char* scene : {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/nib_pad", "learn/biotac_sp",
-                            "learn/biotac_stage", "learn/grasp", "learn/disturbed", "learn/taxels", "learn/magnetic_skin",
-                            "learn/gel_markers", "learn/short_papillarray", "learn/short_taxels", "learn/short_magnetic_skin",
-                            "learn/short_nib_pad", "learn/short_piezo_skin", "learn/short_gel_markers", "learn/short_myrmex",
-                            "learn/short_biotac_sp"})
+  for (const char* scene : {"grasp/learn",
+                            "learn/papillarray",
+                            "learn/piezo_skin",
+                            "learn/nib_pad",
+                            "learn/biotac_sp",
+                            "learn/biotac_stage",
+                            "learn/grasp",
+                            "learn/disturbed",
+                            "learn/taxels",
+                            "learn/magnetic_skin",
+                            "learn/gel_markers",
+                            "learn/short_papillarray",
+                            "learn/short_taxels",
+                            "learn/short_magnetic_skin",
+                            "learn/short_nib_pad",
+                            "learn/short_piezo_skin",
+                            "learn/short_gel_markers",
+                            "learn/short_myrmex",
+                            "learn/short_biotac_sp",
+                            "learn/motor"})
     learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the included networks
   for (const Protocol& protocol : protocols()) {
     for (const Lesson& lesson : protocol.lessons) learnt.insert(seed(lesson.scene));

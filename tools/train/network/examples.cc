@@ -164,6 +164,7 @@ void add_slips_between(std::vector<std::uint8_t>& states, const std::vector<doub
 }
 
 // Masks the samples of each slip before the object has moved by least_slip_distance. `joined`: as above.
+// A slip stays masked throughout if the object reaches this distance in a sample of stick.
 void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states, const std::vector<double>& path,
                      bool joined) {
   double begin = 0.0;

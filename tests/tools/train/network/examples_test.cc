@@ -133,7 +133,7 @@ TEST(Example, CountsASlipOnceTheObjectHasMoved) {
   EXPECT_THAT(example(slipping_skin(0.2e-6), LabelRule::moved).frames.label, ElementsAre(0, 0, 0)) << "40 um";
 }
 
-// A slip in two parts of 35 um.
+// Two slips of 31.5 um, 90 samples each; the path grows by 7 um between them.
 TEST(Example, JoinsTheSlipsOfAContactOnAStage) {
   SensorRecord sensor = slipping_skin(0.35e-6);
   set(sensor.labels.state_micro, 240, 260, PadState::non_slip);
@@ -143,6 +143,14 @@ TEST(Example, JoinsTheSlipsOfAContactOnAStage) {
   EXPECT_THAT(joined.frames.label, ElementsAre(masked, 1, masked));
   EXPECT_THAT(joined.scored, ElementsAre(1, 1, masked));
   EXPECT_THAT(example(sensor, LabelRule::moved, grasp).frames.label, ElementsAre(0, 0, 0));
+
+  // In two contacts each slip is below 0.05 mm.
+  set(sensor.labels.state_micro, 240, 260, PadState::no_contact);
+  EXPECT_THAT(example(sensor, LabelRule::moved).frames.label, ElementsAre(0, 0, 0));
+  // Slips of 54 um: the second begins anew, so its frame after 24 um is masked.
+  SensorRecord large = slipping_skin(0.6e-6);
+  set(large.labels.state_micro, 240, 260, PadState::no_contact);
+  EXPECT_THAT(example(large, LabelRule::moved).frames.label, ElementsAre(masked, masked, masked));
 }
 
 // The object moves between two samples, and sticks in both.
