@@ -207,8 +207,8 @@ class PiezoForce(nn.Module):
     """piezo_force: how the force on the skin continues or breaks off, and the spectrum of the signal,
     through a GRU. Not published.
 
-    The amplifier is a high-pass of first order. Its inverse gives the change of the force from the
-    signal y:
+    The amplifier is a high-pass of first order (sensors/piezo_skin). Its inverse gives the change of
+    the force [counts] from the signal y [counts]; the time constant is 1/(2 pi corner):
 
         force(t) - force(s) = y(t) - y(s) + integral of y from s to t / time constant
 

@@ -137,11 +137,12 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
   return states;
 }
 
+bool touches(std::uint8_t state) { return state != static_cast<std::uint8_t>(PadState::no_contact); }
+
 // Declares the samples of a slip as stick if the object moves by less than least_slip_distance in this slip.
 // `joined`: all slips of one contact are one slip. The elements of a skin may stick and slip in turns, so that
 // a slide consists of many short slips.
 void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<double>& path, bool joined) {
-  constexpr auto touches = [](std::uint8_t state) { return state != static_cast<std::uint8_t>(PadState::no_contact); };
   for (std::size_t first = 0; first < states.size(); ++first) {
     if (!slips(states[first])) continue;
     std::size_t end = first;
@@ -170,7 +171,7 @@ void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::u
   double begin = 0.0;
   bool slipped = false;  // in this contact
   for (std::size_t row = 0; row < states.size(); ++row) {
-    if (states[row] == static_cast<std::uint8_t>(PadState::no_contact)) slipped = false;
+    if (!touches(states[row])) slipped = false;
     if (!slips(states[row])) {
       if (!joined || !slipped) begin = path[row];
       continue;
@@ -188,7 +189,7 @@ std::vector<std::uint8_t> labels_by(const std::vector<std::uint8_t>& states, boo
   bool slipped = false;          // in this contact
   std::uint8_t latest = masked;  // class of its latest slip
   for (std::size_t row = 0; row < states.size(); ++row) {
-    if (states[row] == static_cast<std::uint8_t>(PadState::no_contact)) slipped = false;
+    if (!touches(states[row])) slipped = false;
     if (slips(states[row])) {
       const std::uint8_t kind = kind_of_row(row);
       if (kind != masked || !slipped) latest = kind;
@@ -220,11 +221,11 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
     const bool truth = rule == LabelRule::latched && sensor.labels.stuck_fraction.size() == states.size();
     bool slipped = !truth;  // more than half of the touching units, in this contact
     for (std::size_t row = 0; row < states.size(); ++row) {
-      const bool touches = states[row] != static_cast<std::uint8_t>(PadState::no_contact);
-      const bool slides = truth && touches && sensor.labels.stuck_fraction[row] < 0.5F;
-      if (truth) slipped = touches && (slipped || slides);
+      const bool contact = touches(states[row]);
+      const bool slides = truth && contact && sensor.labels.stuck_fraction[row] < 0.5F;
+      if (truth) slipped = contact && (slipped || slides);
       const bool neither = truth && (direction == 0 ? slides : !slipped && slips(sensor.labels.state[row]));
-      labels.push_back(!touches || neither ? masked : slipped ? direction : std::uint8_t{0});
+      labels.push_back(!contact || neither ? masked : slipped ? direction : std::uint8_t{0});
     }
     return labels;
   }
