@@ -441,7 +441,7 @@ class Recipes(unittest.TestCase):
         features = network.measures(torch.cat((torch.zeros(1, 3, 50), frames), 1), torch.cat((torch.zeros(1, 4), frames.mean(2)), 1))[0]
         rising, stopped = features[35, :2].expm1(), features[50, :2].expm1()
         # A mean of 50 samples has a noise of 70/sqrt(50) counts, a change over 5 ms sqrt(2) times as much.
-        np.testing.assert_allclose(rising.numpy(), np.array([150, 300]) / (70 / 50**0.5 * 2**0.5), rtol=0.01)
+        np.testing.assert_allclose(rising.tolist(), np.array([150, 300]) / (70 / 50**0.5 * 2**0.5), rtol=0.01)
         self.assertLess(float(stopped.abs().max()), 0.01)
 
     # Nine units that move as a rigid body, each with its own depth, and one that is not in contact;

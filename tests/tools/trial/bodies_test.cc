@@ -139,12 +139,12 @@ TEST_F(BodiesRun, DatasetsOpenInReportAndExport) {
   }
 }
 
-TEST_F(BodiesRun, BytesDoNotDependOnTheJobs) {
+TEST_F(BodiesRun, ContentDoesNotDependOnTheJobs) {
   const std::vector<Override> sweep{{"sweep", "{bodies.box.mass: [100 g, 50 g], friction.scale: [0.8, 1, 1.2]}"},
                                     {"duration", "0.3 s"}};
   run(scenes + "held_box.yaml", "one.h5", 1, sweep);
   run(scenes + "held_box.yaml", "two.h5", 2, sweep);
-  EXPECT_EQ(bytes_of(path("one.h5")), bytes_of(path("two.h5")));
+  EXPECT_EQ(DatasetReader(path("one.h5")).content_sha256(), DatasetReader(path("two.h5")).content_sha256());
 }
 
 TEST_F(BodiesRun, ArticulatedPadsRunTheSameScene) {

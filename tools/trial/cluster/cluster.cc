@@ -128,7 +128,7 @@ constexpr const char* readme = R"(# A sweep in @N@ shards
 | Snakemake | `snakemake --cores 8`; other executors: see its manual |
 | neither | `bash shard.sh 1 by-hand`, and so on to @N@, on any machines; then `bash merge.sh` |
 
-`@RAW_NAME@` is then bit-identical to the dataset of the undivided sweep.
+`@RAW_NAME@` then has the content and the digests of the undivided sweep.
 
 | name | content |
 |---|---|

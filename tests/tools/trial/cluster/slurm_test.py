@@ -1,4 +1,4 @@
-"""A sweep as a Slurm array merges to the bytes of the undivided sweep, despite kills and reruns.
+"""A sweep as a Slurm array merges to the content of the undivided sweep, despite kills and reruns.
 
 usage: slurm_test.py SLIPBENCH ROUNDS
 

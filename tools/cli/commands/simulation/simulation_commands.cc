@@ -269,9 +269,9 @@ void RunCommand::declare(Arguments& arguments) {
   arguments.about("run", "Simulate one trial of a scene", R"(
 Runs the first trial of the scene's sweep, if it has a sweep. --trials N runs the first N trials; if
 the scene has fewer, they are repeated with new random draws. --trial K runs only trial K of these,
-with a bit-identical result. The same command and seed write a bit-identical FILE.h5 for any number
-of --jobs. Relative paths in a scene start from its folder. Relative paths in --set, or in a scene
-on standard input, start from the current folder.
+with a bit-identical result. The same command and seed write the same content into FILE.h5 for any
+number of --jobs. Relative paths in a scene start from its folder. Relative paths in --set, or in a
+scene on standard input, start from the current folder.
 
 Examples:
   slipbench run scenes/papillarray/stage.yaml
