@@ -333,8 +333,8 @@ class Scene:
     def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
               resume: bool = False, progress: Callable[[int, int], None] | None = None, isolate: bool | None = None,
               trial_limit: float | None = None) -> dict[str, Any]:
-        """Runs the sweep into the dataset at `path`, with the same content as `slipbench sweep`
-        writes, or with `trials` as `slipbench run --trials` writes.
+        """Runs the sweep and writes it as a dataset to `path`. The content is that of `slipbench
+        sweep`, or with `trials` that of `slipbench run --trials`.
 
         `draws`, `seed`, `jobs`: as for `sweep()`. `record`: "full" or "outcome". `resume`:
         continues with a file that an interrupted call left. Returns the summary that `--json`
