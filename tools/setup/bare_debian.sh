@@ -86,7 +86,7 @@ mount --rbind /sys "$root/sys"
 mount --rbind /dev "$root/dev"
 settings=()
 while IFS= read -r -d '' pair; do settings+=("$pair"); done \
-  < <(env -0 | grep -zE '^(CI|SLIPBENCH_UNTIL|PIP_[A-Z_]*|SSL_CERT_[A-Z]*|REQUESTS_CA_BUNDLE|(https?|no)_proxy|(HTTPS?|NO)_PROXY)=' || true)
+  < <(env -0 | grep -zE '^(CI|PIP_[A-Z_]*|SSL_CERT_[A-Z]*|REQUESTS_CA_BUNDLE|(https?|no)_proxy|(HTTPS?|NO)_PROXY)=' || true)
 # shellcheck disable=SC2016  # expanded by the shell in the chroot
 chroot "$root" /usr/bin/env -i "${settings[@]}" HOME=/root TERM="${TERM:-dumb}" LANG=C.UTF-8 \
   PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin sh -c 'cd /tree && exec "$@"' sh "$@"
