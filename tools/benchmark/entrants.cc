@@ -39,7 +39,7 @@ constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
 struct ShippedNetwork {
   const char *name, *path, *sensor;
 };
-constexpr std::array<ShippedNetwork, 13> shipped_networks{
+constexpr std::array<ShippedNetwork, 14> shipped_networks{
     {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray"},
      {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
      {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin"},
@@ -52,7 +52,8 @@ constexpr std::array<ShippedNetwork, 13> shipped_networks{
      {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"},
      {"magnetic_skin_slip", "scenes/learn/magnetic_skin_slip.onnx", "magnetic_skin"},
      {"magnetic_skin_grasp", "scenes/learn/magnetic_skin_grasp.onnx", "magnetic_skin"},
-     {"gel_slip", "scenes/learn/gel_slip.onnx", "gel_markers"}}};
+     {"gel_slip", "scenes/learn/gel_slip.onnx", "gel_markers"},
+     {"gel_grasp", "scenes/learn/gel_grasp.onnx", "gel_markers"}}};
 constexpr const char* no_engine = "OpenVINO, which runs networks, is missing; see slipbench doctor";
 constexpr const char* no_training =
     "training needs the Python package slipbench and PyTorch, one of which is missing; `slipbench describe slip_gru` says how to install them";
