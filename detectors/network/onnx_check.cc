@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <optional>
 
 #include <google/protobuf/stubs/logging.h>
@@ -17,7 +18,7 @@ namespace {
 
 constexpr std::int64_t least_opset = 13;
 constexpr std::int64_t most_opset = 23;
-constexpr std::size_t most_nodes = 100'000;  // of all graphs
+constexpr int most_nodes = 100'000;
 
 // Returns the bytes of an element; empty for a type that a numeric network does not use.
 std::optional<std::size_t> bytes_of(int type) {
@@ -40,6 +41,157 @@ std::optional<std::size_t> bytes_of(int type) {
   }
 }
 
+// An operator of ONNX that a network may use.
+struct Operator {
+  std::string_view name;
+  int inputs = 1;  // that are required, the first ones
+  // Input k must be constant if bit k is set: it is an index, a shape, an axis or a length.
+  unsigned constant = 0;
+};
+
+constexpr unsigned input_1 = 1u << 1u;
+constexpr unsigned inputs_1_to_4 = 0b11110u;
+constexpr unsigned input_4 = 1u << 4u;
+constexpr unsigned all_inputs = ~0u;
+
+// Every tensor of these operators has the same shape and the same addresses at each step, because
+// only constants decide them. Sorted by name. README.md lists the same names.
+constexpr std::array operators = std::to_array<Operator>({
+    {"Abs"},
+    {"Acos"},
+    {"Acosh"},
+    {"Add", 2},
+    {"And", 2},
+    {"Asin"},
+    {"Asinh"},
+    {"Atan"},
+    {"Atanh"},
+    {"Attention", 3},
+    {"AveragePool"},
+    {"BatchNormalization", 5},
+    {"Cast"},
+    {"CastLike", 2},
+    {"Ceil"},
+    {"Celu"},
+    {"Clip"},
+    {"Concat"},
+    {"Constant", 0},
+    {"ConstantOfShape", 1, all_inputs},
+    {"Conv", 2},
+    {"ConvTranspose", 2},
+    {"Cos"},
+    {"Cosh"},
+    {"DepthToSpace"},
+    {"Div", 2},
+    {"Dropout"},
+    {"Einsum"},
+    {"Elu"},
+    {"Equal", 2},
+    {"Erf"},
+    {"Exp"},
+    {"Expand", 2, input_1},
+    {"Flatten"},
+    {"Floor"},
+    {"GRU", 3, input_4},
+    {"Gather", 2, input_1},
+    {"Gelu"},
+    {"Gemm", 2},
+    {"GlobalAveragePool"},
+    {"GlobalMaxPool"},
+    {"Greater", 2},
+    {"GreaterOrEqual", 2},
+    {"GroupNormalization", 3},
+    {"HardSigmoid"},
+    {"HardSwish"},
+    {"Identity"},
+    {"InstanceNormalization", 3},
+    {"IsInf"},
+    {"IsNaN"},
+    {"LRN"},
+    {"LSTM", 3, input_4},
+    {"LayerNormalization", 2},
+    {"LeakyRelu"},
+    {"Less", 2},
+    {"LessOrEqual", 2},
+    {"Log"},
+    {"LogSoftmax"},
+    {"LpNormalization"},
+    {"MatMul", 2},
+    {"Max"},
+    {"MaxPool"},
+    {"Mean"},
+    {"Min"},
+    {"Mish"},
+    {"Mod", 2},
+    {"Mul", 2},
+    {"Neg"},
+    {"Not"},
+    {"Or", 2},
+    {"PRelu", 2},
+    {"Pad", 2, inputs_1_to_4},
+    {"Pow", 2},
+    {"RMSNormalization", 2},
+    {"RNN", 3, input_4},
+    {"Range", 3, all_inputs},
+    {"Reciprocal"},
+    {"ReduceL1", 1, input_1},
+    {"ReduceL2", 1, input_1},
+    {"ReduceLogSum", 1, input_1},
+    {"ReduceLogSumExp", 1, input_1},
+    {"ReduceMax", 1, input_1},
+    {"ReduceMean", 1, input_1},
+    {"ReduceMin", 1, input_1},
+    {"ReduceProd", 1, input_1},
+    {"ReduceSum", 1, input_1},
+    {"ReduceSumSquare", 1, input_1},
+    {"Relu"},
+    {"Reshape", 2, input_1},
+    {"Resize", 1, inputs_1_to_4},
+    {"Round"},
+    {"Selu"},
+    {"Shape"},
+    {"Sigmoid"},
+    {"Sign"},
+    {"Sin"},
+    {"Sinh"},
+    {"Size"},
+    {"Slice", 3, inputs_1_to_4},
+    {"Softmax"},
+    {"Softplus"},
+    {"Softsign"},
+    {"SpaceToDepth"},
+    {"Split", 1, input_1},
+    {"Sqrt"},
+    {"Squeeze", 1, input_1},
+    {"Sub", 2},
+    {"Sum"},
+    {"Swish"},
+    {"Tan"},
+    {"Tanh"},
+    {"ThresholdedRelu"},
+    {"Tile", 2, input_1},
+    {"Transpose"},
+    {"Trilu", 1, input_1},
+    {"Unsqueeze", 2, input_1},
+    {"Where", 3},
+    {"Xor", 2},
+});
+static_assert(std::ranges::is_sorted(operators, {}, &Operator::name));
+
+// Returns why an operator is not in the list, where the reason helps; else "".
+std::string reason_against(const std::string& type) {
+  constexpr std::array random{"Bernoulli",        "Multinomial",   "RandomNormal",
+                              "RandomNormalLike", "RandomUniform", "RandomUniformLike"};
+  constexpr std::array control{"If", "Loop", "Scan"};
+  constexpr std::array indexed{"CumSum",  "GatherElements",  "GatherND",  "MaxUnpool",       "OneHot",    "RoiAlign",
+                               "Scatter", "ScatterElements", "ScatterND", "ReverseSequence", "GridSample"};
+  const auto is_one_of = [&](const auto& names) { return std::ranges::find(names, type) != names.end(); };
+  if (is_one_of(random)) return ", which draws random numbers";
+  if (is_one_of(control)) return ", which contains other graphs and may not terminate; use GRU or LSTM instead";
+  if (is_one_of(indexed)) return ", which can address memory outside of its tensors; use Gather with constant indices instead";
+  return "";
+}
+
 class Checker {
  public:
   explicit Checker(const std::string& subject) : subject_(subject) {}
@@ -47,31 +199,83 @@ class Checker {
   [[noreturn]] void refuse(const std::string& what) const { throw InputError(subject_ + ": " + what); }
 
   void check(const onnx::GraphProto& graph) {
-    for (const onnx::TensorProto& tensor : graph.initializer()) check(tensor);
-    if (graph.sparse_initializer_size() != 0) refuse("contains sparse tensors, which are not supported");
-    for (const onnx::NodeProto& node : graph.node()) {
-      if (++nodes_ > most_nodes) refuse("has more than " + std::to_string(most_nodes) + " operators, the most that is allowed");
-      if (!is_onnx(node.domain())) {
-        refuse("uses the operator " + quote(node.op_type()) + " of " + quote(node.domain()) +
-               "; only operators of ONNX are supported");
-      }
-      if (node.op_type() == "Loop" || node.op_type() == "Scan") {
-        refuse("uses the operator " + quote(node.op_type()) + ", which may not terminate; use GRU or LSTM instead");
-      }
-      check_random(graph, node);
-      for (const onnx::AttributeProto& attribute : node.attribute()) check(attribute);
+    for (const onnx::TensorProto& tensor : graph.initializer()) {
+      check(tensor);
+      define(tensor.name(), Origin::constant, "the weights");
     }
+    // Old files list the weights among the inputs.
+    for (const onnx::ValueInfoProto& value : graph.input()) values_.try_emplace(value.name(), Origin::computed);
+    if (graph.sparse_initializer_size() != 0) refuse("contains sparse tensors, which are not supported");
+    if (graph.node_size() > most_nodes)
+      refuse("has more than " + std::to_string(most_nodes) + " operators, the most that is allowed");
+    for (const onnx::NodeProto& node : graph.node()) check(graph, node);
   }
 
  private:
-  // Equal samples must give equal classes.
-  void check_random(const onnx::GraphProto& graph, const onnx::NodeProto& node) const {
-    constexpr std::array random{"Bernoulli",        "Multinomial",   "RandomNormal",
-                                "RandomNormalLike", "RandomUniform", "RandomUniformLike"};
-    if (std::ranges::find(random, node.op_type()) != random.end()) {
-      refuse("uses the operator " + quote(node.op_type()) +
-             ", which draws random numbers; only deterministic operators are supported");
+  enum class Origin { constant, computed };  // computed: from the network's inputs
+
+  // Returns the words for a node in messages.
+  static std::string about(const onnx::NodeProto& node) {
+    const bool named = !node.name().empty() || node.output_size() == 0;
+    return "the operator " + quote(node.op_type()) + " (" +
+           (named ? "node " + quote(node.name()) : "output " + quote(node.output(0))) + ")";
+  }
+
+  void define(const std::string& name, Origin origin, const std::string& by) {
+    if (!values_.try_emplace(name, origin).second)
+      refuse("defines the value " + quote(name) + " twice, the second time in " + by);
+  }
+
+  void check(const onnx::GraphProto& graph, const onnx::NodeProto& node) {
+    if (!is_onnx(node.domain())) {
+      refuse("uses " + about(node) + " of " + quote(node.domain()) + "; only operators of ONNX are supported");
     }
+    const auto found = std::ranges::lower_bound(operators, std::string_view(node.op_type()), {}, &Operator::name);
+    if (found == operators.end() || found->name != node.op_type()) {
+      const std::string reason = reason_against(node.op_type());
+      const std::string near = reason.empty() ? nearest_name(node.op_type(), names()) : "";
+      refuse("uses " + about(node) + reason + (near.empty() ? "" : "; did you mean " + quote(near) + "?") +
+             "; allowed: the operators that detectors/network/README.md lists");
+    }
+    // OpenVINO reads required inputs without a check.
+    const auto begin = node.input().begin();
+    if (node.input_size() < found->inputs ||
+        std::any_of(begin, begin + found->inputs, [](const auto& name) { return name.empty(); })) {
+      refuse(about(node) + " needs " + counted(static_cast<std::size_t>(found->inputs), "input"));
+    }
+    Origin made = Origin::constant;
+    for (int k = 0; k < node.input_size(); ++k) {
+      const std::string& name = node.input(k);
+      if (name.empty()) continue;  // an optional input that is absent
+      const auto value = values_.find(name);
+      if (value == values_.end()) {
+        refuse(about(node) + " reads " + quote(name) + ", which no input, weight or earlier operator defines");
+      }
+      if (value->second == Origin::constant) continue;
+      made = Origin::computed;
+      const bool constant = found->constant == all_inputs || (k < 32 && (found->constant >> static_cast<unsigned>(k) & 1u) != 0);
+      if (constant) {
+        refuse(about(node) + " has the input " + quote(name) +
+               " that depends on the network's inputs; indices, shapes, axes and lengths must be constant");
+      }
+    }
+    // Extents are fixed.
+    if (node.op_type() == "Shape" || node.op_type() == "Size") made = Origin::constant;
+    check_dropout(graph, node);
+    for (const onnx::AttributeProto& attribute : node.attribute()) check(attribute, node);
+    for (const std::string& name : node.output()) {
+      if (!name.empty()) define(name, made, about(node));
+    }
+  }
+
+  static std::vector<std::string> names() {
+    std::vector<std::string> all;
+    for (const Operator& one : operators) all.emplace_back(one.name);
+    return all;
+  }
+
+  // Equal samples must give equal classes.
+  void check_dropout(const onnx::GraphProto& graph, const onnx::NodeProto& node) const {
     constexpr int training = 2;  // input of Dropout
     if (node.op_type() != "Dropout" || node.input_size() <= training || node.input(training).empty()) return;
     if (is_false(graph, node.input(training))) return;
@@ -97,15 +301,20 @@ class Checker {
 
   static bool is_onnx(const std::string& domain) { return domain.empty() || domain == "ai.onnx"; }
 
-  void check(const onnx::AttributeProto& attribute) {
+  void check(const onnx::AttributeProto& attribute, const onnx::NodeProto& node) const {
     if (std::isnan(attribute.f()) || std::ranges::any_of(attribute.floats(), &is_nan<float>))
       refuse("has NaN in the attribute " + quote(attribute.name()));
     if (attribute.has_t()) check(attribute.t());
     for (const onnx::TensorProto& tensor : attribute.tensors()) check(tensor);
+    const bool text = node.op_type() == "Constant" && attribute.name().starts_with("value_string");
+    if (text || (node.op_type() == "Cast" && attribute.name() == "to" && !bytes_of(static_cast<int>(attribute.i())))) {
+      refuse(about(node) + " makes values of an unsupported type; allowed: numbers and booleans");
+    }
     if (attribute.has_sparse_tensor() || attribute.sparse_tensors_size() != 0)
       refuse("contains sparse tensors, which are not supported");
-    if (attribute.has_g()) check(attribute.g());
-    for (const onnx::GraphProto& graph : attribute.graphs()) check(graph);
+    if (attribute.has_g() || attribute.graphs_size() != 0) {
+      refuse(about(node) + " has the graph " + quote(attribute.name()) + "; graphs inside operators are not supported");
+    }
   }
 
   void check(const onnx::TensorProto& tensor) const {
@@ -188,7 +397,7 @@ class Checker {
   }
 
   const std::string& subject_;
-  std::size_t nodes_ = 0;
+  std::map<std::string, Origin> values_;  // all values that are defined so far
 };
 
 // Silences protobuf's output about damaged bytes; the InputError reports them.

@@ -38,12 +38,13 @@ class SceneValueError : public InputError {
 // Levenshtein distance of two words.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// `text` in single quotes for a message: unprintable bytes as \xNN, long text cut after 60 bytes
-// with "...".
+// `text` in single quotes for a message: made printable, long text cut after 60 bytes with "...".
+// Names the first character that looks like one of ASCII: "'4 mm' (with U+00A0 no-break space)".
 std::string quote(std::string_view text);
 
-// Returns `text` for a terminal or a file name, with control characters as \xNN: those of ASCII
-// (line ends only unless `lines`) and U+0080 to U+009F. `text` may come from an untrusted file.
+// Returns `text` from an untrusted file for a terminal, a page or a file name. Writes as \xNN control
+// characters (ASCII's, line ends unless `lines`, and U+0080 to U+009F) and bytes that are not UTF-8,
+// and as \uNNNN characters that are invisible or change the direction of text.
 std::string printable(std::string_view text, bool lines = false);
 
 // Returns the candidate nearest to `word` in edit distance if it is close enough to be a likely
