@@ -13,6 +13,7 @@
 
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
@@ -45,6 +46,29 @@ void limit_time(const std::string& path) {
   ::setrlimit(RLIMIT_CPU, &limit);
   constexpr rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
+}
+
+// What the reader writes if it needs more memory; prepared, because writing it may not allocate.
+std::string too_large;
+
+// A small file may declare any amount of memory. The limit counts data (RLIMIT_DATA), not addresses
+// (RLIMIT_AS): threads of OpenVINO reserve addresses that they never use. A dataset may need what
+// the machine has.
+void limit_memory(const std::string& kind, const std::string& path) {
+  const bool bounded = kind == reader_word(FileKind::network) || kind == reader_word(FileKind::model);
+  rlimit limit{};
+  ::getrlimit(RLIMIT_DATA, &limit);
+  const auto installed = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, bounded ? most_reader_memory : installed);
+  ::setrlimit(RLIMIT_DATA, &limit);
+  if (!bounded) return;
+  too_large = path + ": needs more than " + reader_memory_text + " of memory, the most that is allowed" +
+              static_cast<char>(ReaderVerdict::refused);
+  // Libraries that catch std::bad_alloc would report something else, or crash.
+  std::set_new_handler([] {
+    [[maybe_unused]] const ssize_t written = ::write(STDOUT_FILENO, too_large.data(), too_large.size());
+    ::_exit(0);
+  });
 }
 
 void print_files(const DatasetReader& reader) {
@@ -99,6 +123,7 @@ void read(const std::string& kind, const std::string& path) {
 ReaderVerdict judge(const std::string& kind, const std::string& path) {
   try {
     limit_time(path);
+    limit_memory(kind, path);
     read(kind, path);
     return ReaderVerdict::readable;
   } catch (const NotChecked& error) {

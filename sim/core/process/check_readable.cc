@@ -41,6 +41,8 @@ class Reader {
     posix_spawn_file_actions_t actions;
     ::posix_spawn_file_actions_init(&actions);
     ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    // Libraries print parts of a file before they crash.
+    ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
     const int error = ::posix_spawn(&process_, program.c_str(), &actions, nullptr, words, environ);
     ::posix_spawn_file_actions_destroy(&actions);
     ::close(ends[1]);
@@ -112,7 +114,13 @@ std::string check_readable(FileKind kind, const std::string& path) {
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
   if (signal == SIGXCPU) throw InputError(path + ": is damaged: reading it does not end");
-  if (is_crash(signal)) throw InputError(path + ": is damaged: reading it crashed (" + ::strsignal(signal) + ")");
+  if (is_crash(signal)) {
+    // Without memory MuJoCo crashes.
+    const bool bounded = kind == FileKind::network || kind == FileKind::model;
+    throw InputError(path + ": is damaged" +
+                     (bounded ? " or needs more than " + std::string(reader_memory_text) + " of memory" : "") +
+                     ": reading it crashed (" + ::strsignal(signal) + ")");
+  }
   throw NotChecked(path + ": cannot be read: slipbench-reader was stopped" +
                    (signal == 0 ? "" : " (" + std::string(::strsignal(signal)) + ")"));
 }

@@ -2,6 +2,7 @@
 // check few of the bytes that they read.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "sim/core/error.h"
@@ -27,12 +28,16 @@ class NotChecked : public InputError {
 // Written by slipbench-reader after its message. A crash leaves none.
 enum class ReaderVerdict : char { readable = '+', refused = '-', not_checked = '?' };
 
+// Largest memory of slipbench-reader for a network or a model [bytes], and as text.
+inline constexpr std::uint64_t most_reader_memory = 4'000'000'000;
+inline constexpr const char* reader_memory_text = "4 GB";
+
 // Runs the program slipbench-reader on the file, so that damage ends that process and not this one.
 // Afterwards this process can read the file itself. Returns the reader's output: for a dataset the
 // names of its files, each followed by a zero byte. May be called with any threads running. Throws
 // InputError "PATH: is damaged: ..." if the reader crashes or takes longer than 8 s of the
-// processor plus 2 s per MB; InputError with the reader's message if it refuses the
-// file; NotChecked; Interrupted (interrupted.h).
+// processor plus 2 s per MB; InputError with the reader's message if it refuses the file, also if a
+// network or model needs more than `most_reader_memory`; NotChecked; Interrupted (interrupted.h).
 std::string check_readable(FileKind kind, const std::string& path);
 
 // The same, but only once per process while the file is unchanged. For networks and models, which
