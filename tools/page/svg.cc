@@ -19,34 +19,65 @@ std::string text_at(std::string_view kind, std::string_view place, std::string_v
   return fmt::format("<text class=\"{}\" {}>{}</text>\n", kind, place, escape_html(text));
 }
 
+// Shorter steps are no longer exact, because their multiples are not normal numbers.
+constexpr double finest_step = 1e-300;
+
+// An axis with ticks at its ends alone. Equal values share it with zero.
+Axis axis_of_ends(double least, double most, double begin, double end) {
+  const bool apart = 0.5 * most - 0.5 * least >= finest_step;
+  const double low = apart ? least : std::min(least, 0.0);
+  double high = apart ? most : std::max(most, 0.0);
+  if (high - low < finest_step) high = low + 1.0;
+  return {.low = low, .high = high, .begin = begin, .end = end, .ticks = {low, high}};
+}
+
 }  // namespace
 
 double Axis::at(double value) const {
-  const double share = logarithmic ? math::log10(value / low) / math::log10(high / low) : (value - low) / (high - low);
-  return begin + (end - begin) * share;
+  if (logarithmic) {
+    const double whole = high / low, part = value / low;
+    const double share = std::isfinite(whole) && std::isfinite(part)
+                             ? math::log10(part) / math::log10(whole)
+                             : (math::log10(value) - math::log10(low)) / (math::log10(high) - math::log10(low));
+    return begin + (end - begin) * share;
+  }
+  // Halves, because a difference of two doubles may overflow.
+  return begin + (end - begin) * ((0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low));
 }
 
 Axis linear_axis(std::span<const double> values, double step, double begin, double end) {
+  constexpr double most_ticks = 1000.0, most_multiple = 1e12;
   const auto [least, most] = std::ranges::minmax(values);
   const double first = std::floor(least / step), last = std::max(std::ceil(most / step), first + 1.0);
-  Axis axis{.low = step * first, .high = step * last, .begin = begin, .end = end};
+  const bool plain = step >= finest_step && last - first <= most_ticks && std::abs(first) <= most_multiple &&
+                     std::abs(last) <= most_multiple && std::isfinite(step * first) && std::isfinite(step * last);
+  if (!plain) return axis_of_ends(least, most, begin, end);
+  // The ends include values that a product misses by its rounding.
+  Axis axis{.low = std::min(step * first, least), .high = std::max(step * last, most), .begin = begin, .end = end};
   for (double k = first; k <= last; ++k) axis.ticks.push_back(step * k);
   return axis;
 }
 
 Axis decade_axis(std::span<const double> values, double begin, double end) {
+  constexpr int lowest_power = -307, highest_power = 308;  // of the normal doubles
   const auto [least, most] = std::ranges::minmax(values);
   const int lowest = decade_of(least), highest = decade_of(most);
   // If the lowest value is a power of ten, the axis begins one decade below it.
-  const int first = power_of_ten(lowest) == least ? lowest - 1 : lowest;
-  const int last = std::max(power_of_ten(highest) == most ? highest : highest + 1, first + 1);
-  Axis axis{.low = power_of_ten(first), .high = power_of_ten(last), .begin = begin, .end = end, .logarithmic = true};
+  const int first = std::clamp(power_of_ten(lowest) == least ? lowest - 1 : lowest, lowest_power, highest_power - 1);
+  const int last = std::clamp(power_of_ten(highest) == most ? highest : highest + 1, first + 1, highest_power);
+  Axis axis{.low = std::min(power_of_ten(first), least),
+            .high = std::max(power_of_ten(last), most),
+            .begin = begin,
+            .end = end,
+            .logarithmic = true};
   for (int k = first; k <= last; ++k) axis.ticks.push_back(power_of_ten(k));
   return axis;
 }
 
 double round_step(double range, double times) {
-  const double rough = range > 0.0 ? range / times : 1.0, decade = power_of_ten(decade_of(rough));
+  constexpr double largest_step = 1e307;
+  const double rough = range > 0.0 ? std::clamp(range / times, finest_step, largest_step) : 1.0;
+  const double decade = power_of_ten(decade_of(rough));
   for (const double step : {1.0, 2.0, 5.0}) {
     if (rough <= step * decade) return step * decade;
   }

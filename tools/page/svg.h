@@ -21,7 +21,9 @@ struct Axis {
   [[nodiscard]] double at(double value) const;
 };
 
-// The shortest axis of whole multiples of `step` that contains all `values`; at least one step.
+// The shortest axis of whole multiples of `step` that contains all `values`; at least one step. If it
+// would have more than 1000 ticks, or multiples that doubles cannot tell apart, it ends at the
+// smallest and the largest value and has ticks there alone.
 Axis linear_axis(std::span<const double> values, double step, double begin, double end);
 // The shortest axis of whole decades that begins below all `values` (all > 0) and ends at or above
 // them; at least one decade.
