@@ -54,8 +54,8 @@ double GripForce::total(const SensorFrame& frame) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < units(); ++i) sum += normal(frame, i);
   if (!std::isfinite(sum)) {
-    throw InputError("controller " + controller_ + ": the sum of the sensor's normal forces is " + format_number(sum) +
-                     " N at t = " + readable_quantity(frame.time, Quantity::time) + "; it must be finite");
+    throw SceneValueError("controller", quote(controller_) + ": the sum of the sensor's normal forces is " + format_number(sum) +
+                                            " N at t = " + readable_quantity(frame.time, Quantity::time) + "; it must be finite");
   }
   return sum;
 }

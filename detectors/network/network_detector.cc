@@ -16,7 +16,8 @@ namespace {
 
 class NetworkDetector final : public Detector {
  public:
-  NetworkDetector(std::unique_ptr<network::Engine> engine, network::Frames frames, double threshold, double latency)
+  NetworkDetector(std::unique_ptr<network::Engine> engine, network::Frames frames, const FrameSource& source, double threshold,
+                  double latency)
       : engine_(std::move(engine)),
         frames_(std::move(frames)),
         about_(engine_->description()),
@@ -25,6 +26,7 @@ class NetworkDetector final : public Detector {
     if (threshold > 0.0) about_.threshold = threshold;
     const std::size_t history = about_.input.history, made = history * frames_.size();
     if (fed_.size() != made) {
+      refuse_other_size(source, frames_.size(), history);
       const std::string open =
           fed_.size() < made
               ? " (an extent that the file leaves open, also that of time, is taken as 1; export the network with fixed extents)"
@@ -43,7 +45,7 @@ class NetworkDetector final : public Detector {
     std::shift_left(fed_.begin(), fed_.end(), static_cast<std::ptrdiff_t>(latest.size()));
     std::ranges::copy(latest, fed_.end() - static_cast<std::ptrdiff_t>(latest.size()));
     if (++complete_ < about_.input.history) return estimate_;
-    const std::span<const float> output = engine_->run(fed_);
+    const std::span<const float> output = run();
     estimate_.time = frame.time;
     const double probability = network::slip_probability(about_, output);
     estimate_.state = network::state_of(about_, output, gate_.push(probability >= about_.threshold));
@@ -59,6 +61,39 @@ class NetworkDetector final : public Detector {
   }
 
  private:
+  std::span<const float> run() {
+    try {
+      return engine_->run(fed_);
+    } catch (const InputError& error) {
+      throw SceneValueError("detector.model", error.what());
+    }
+  }
+
+  // Compares the values of a sample, where the network's size follows from them: the sensor may be
+  // of another variant than the one for which the network was trained.
+  void refuse_other_size(const FrameSource& source, std::size_t frame, std::size_t history) const {
+    const std::vector<network::ChannelPick>& picks = about_.input.channels;
+    // With listed values the sensor's size does not matter.
+    const auto lists = [](const network::ChannelPick& pick) { return !pick.values.empty(); };
+    if (!about_.input.pixels.empty() || std::ranges::any_of(picks, lists)) return;
+    std::size_t read = 0, row = 1;
+    std::string names;
+    for (const network::ChannelPick& pick : picks) {
+      const auto channel = std::ranges::find(source.channels, pick.name, &Channel::name);
+      read += channel->size();
+      names += (names.empty() ? "" : " and ") + pick.name;
+      if (picks.size() == 1) row = channel->size() / channel->shape.front();
+    }
+    // Features of a frame, for each value of a sample.
+    if (read == 0 || frame % read != 0) return;
+    const std::size_t features = history * (frame / read);
+    if (fed_.size() % features != 0) return;
+    const std::size_t expected = fed_.size() / features;
+    const bool units = row > 1 && expected % row == 0 && read % row == 0;
+    throw InputError("the network expects " + counted(units ? expected / row : expected, units ? "unit" : "value") + " of " +
+                     names + ", but sensor " + quote(source.sensor) + " has " + std::to_string(units ? read / row : read));
+  }
+
   std::unique_ptr<network::Engine> engine_;
   network::Frames frames_;
   network::Description about_;
@@ -74,7 +109,7 @@ std::unique_ptr<Detector> make_network(const Parameters& parameters, const Frame
   try {
     std::unique_ptr<network::Engine> engine = network::load_engine(model);
     network::Frames frames(engine->description().input, source.type, source.rate, source.channels);
-    return std::make_unique<NetworkDetector>(std::move(engine), std::move(frames), parameters.number("threshold"),
+    return std::make_unique<NetworkDetector>(std::move(engine), std::move(frames), source, parameters.number("threshold"),
                                              parameters.number("latency"));
   } catch (const InputError& error) {
     const std::string what = error.what();

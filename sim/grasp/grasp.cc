@@ -55,9 +55,9 @@ double linear(int value, double least, double most) {
 int byte_of(int value, const char* name, bool wrap, double time) {
   if (value >= 0 && value <= max_register) return value;
   if (wrap) return static_cast<int>(static_cast<unsigned char>(value));
-  throw InputError(
-      fmt::format("at {2:.6g} s the controller commanded the {0} {1}; allowed: 0 to {3} (grip.wrap: true takes the low byte)",
-                  name, value, time, max_register));
+  throw SceneValueError(
+      "controller", fmt::format("at {2:.6g} s it commanded the {0} {1}; allowed: 0 to {3} (grip.wrap: true takes the low byte)",
+                                name, value, time, max_register));
 }
 
 constexpr Range byte{0.0, 255.0};

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -58,6 +59,8 @@ std::array<Size, 8> sizes_of(const std::string& part) {
            {own[2], &slipbench_abi::result_size}}};
 }
 
+std::atomic<bool> objects_stay{false};
+
 // Copies a text of a library, which may lack its terminating zero.
 std::string bounded_text(const char* text) { return text == nullptr ? "" : std::string(text, strnlen(text, max_text)); }
 
@@ -70,6 +73,10 @@ Quantity quantity_in(const std::string& unit) {
 }
 
 }  // namespace
+
+void keep_plugin_objects() { objects_stay = true; }
+
+bool plugin_objects_stay() { return objects_stay; }
 
 PluginLibrary::PluginLibrary(std::string part, std::string where, std::string key, std::string name)
     : part_(std::move(part)),

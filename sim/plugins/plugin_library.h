@@ -107,6 +107,11 @@ class PluginSensors {
   std::vector<slipbench_sensor> sensors_;
 };
 
+// In this process, no longer destroys the objects that libraries make. For a child process that only
+// checks scenes: a crash in `destroy` then fails the trials in which it happens, and not the check.
+void keep_plugin_objects();
+[[nodiscard]] bool plugin_objects_stay();
+
 // The object that a library makes for one trial: a slipbench_readout, slipbench_detector or
 // slipbench_controller.
 template <class Object>
@@ -157,7 +162,7 @@ class PluginObject {
   // Destroys the object. Throws SceneValueError if that throws.
   void finish() {
     const auto destroy = std::exchange(object.destroy, nullptr);
-    if (destroy != nullptr) library.call("destroy", [&] { destroy(object.self); });
+    if (destroy != nullptr && !plugin_objects_stay()) library.call("destroy", [&] { destroy(object.self); });
   }
 
   PluginLibrary library;  // must outlive its object

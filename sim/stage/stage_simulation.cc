@@ -36,9 +36,11 @@ bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 void refuse_lost(const Field& field, double thickness, double time) {
   const std::optional<Field::Lost>& lost = field.lost();
   if (!lost) return;
-  throw InputError(fmt::format(
-      "surface: at {} element {} of the pad, which was {:.3g} mm deep, passed through the shape, which is {:.3g} mm thick; choose a larger shape or less motion.compression",
-      readable_quantity(time, Quantity::time), lost->element, 1e3 * lost->depth, 1e3 * thickness));
+  throw SceneValueError(
+      "surface",
+      fmt::format(
+          "at {} element {} of the pad, which was {:.3g} mm deep, passed through the shape, which is {:.3g} mm thick; choose a larger shape or less motion.compression",
+          readable_quantity(time, Quantity::time), lost->element, 1e3 * lost->depth, 1e3 * thickness));
 }
 
 }  // namespace

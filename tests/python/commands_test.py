@@ -179,15 +179,26 @@ def test_nothing(slipbench_check):
     slipbench_check("grasp/lift.yaml")
 def test_missing(slipbench_check):
     slipbench_check("gone.yaml")
+@slipbench.controller("still")
+class Still:
+    def __init__(self, source):
+        pass
+    def act(self, frame, slip):
+        return 100
+def test_own(slipbench_check):
+    slipbench_check(scene(max_slip="1 um").set(controller={"type": "still"}))
 """
         status, output = self.pytest({"test_grasp.py": test})
         self.assertEqual(status, 1)
-        self.assertIn("3 failed, 1 passed", output)
+        self.assertIn("4 failed, 1 passed", output)
         self.assertIn("gone.yaml: cannot be read", output)
         self.assertNotIn("Traceback", output)
         self.assertNotIn("_pytest_plugin.py", output)
         self.assertRegex(output, r"max_slip +at most 1 um")
         self.assertIn("the scene has no expectations", output)
+        # The program does not know the controller of test_own, so only Python can repeat its trial.
+        self.assertRegex(output, r"replay: in Python, .*slipbench\.Scene\.load\(\"[^\n]*still[^\n]*\)\.run\(0, seed=\d+\)")
+        self.assertRegex(output, r"replay: .*slipbench run ")
 
 
 if __name__ == "__main__":

@@ -106,7 +106,7 @@ std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::st
                      {"output", output},
                      {"json", !teaching.say}};  // silent
   const int status = PythonModule("slipbench._train", "benchmark: " + lesson.recipe, "")
-                         .run(request.dump(), PythonModule::Errors::shown, teaching.interrupt);
+                         .run(request_text(request), PythonModule::Errors::shown, teaching.interrupt);
   end_if(teaching.interrupt);
   if (status != 0) reject("benchmark: the training of {} ended with status {}", lesson.recipe, status);
   return output;

@@ -14,9 +14,11 @@
 #include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/scene/entry_reader.h"
 #include "tools/page/page.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/report/report.h"
+#include "tools/trial/libraries.h"
 #include "tools/workers/interrupt_guard.h"
 
 namespace slipbench {
@@ -123,6 +125,16 @@ SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::siz
   return run;
 }
 
+// The call in Python that repeats the trial: the program does not know parts that Python registered.
+std::string python_command(const SweepOptions& replay) {
+  std::string changes;
+  for (const Override& change : replay.overrides) {
+    changes += fmt::format("{}{}: {}", changes.empty() ? "" : ", ", json_text(change.path), json_text(change.value));
+  }
+  return fmt::format("in Python, where its parts are registered: slipbench.Scene.load({}){}.run({}, seed={})",
+                     json_text(replay.scene_path), changes.empty() ? "" : ".set({" + changes + "})", *replay.only, *replay.seed);
+}
+
 ExpectationResult result_of(const Named& expectation, const CheckOptions& options, const SweepSummary& summary,
                             const std::vector<CheckedTrial>& trials) {
   const ExpectationKind& kind = kind_of(expectation.name);
@@ -153,7 +165,8 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   result.median = observed_in(kind, middle);
   if (kind.comparison != Comparison::equal && !std::isnan(other)) result.median = 0.5 * (result.median + other);
   result.median_text = middle.failure.empty() ? value_text(kind, result.median, limit) : "failed to run";
-  result.replay = canonical_command(replay_of(options, summary.seed, result.worst.trial));
+  const SweepOptions replay = replay_of(options, summary.seed, result.worst.trial);
+  result.replay = has_registered_parts(summary.scene) ? python_command(replay) : canonical_command(replay);
   return result;
 }
 

@@ -49,7 +49,7 @@ struct ExpectationResult {
   ObservedValue worst;                      // the earliest worst trial
   std::string median_text, worst_text;      // as text in the limit's unit: "2.31 mm", "never", "no delay"
   std::optional<std::size_t> control_kept;  // trials of the negative control; empty: no control
-  std::string replay;                       // command that repeats the worst trial bit-exactly, without `-o`
+  std::string replay;                       // command or call in Python that repeats the worst trial bit-exactly, without `-o`
 
   [[nodiscard]] bool passed() const { return kept >= needed; }
 };

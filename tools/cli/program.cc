@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
@@ -28,7 +29,7 @@ int print_version(bool json) {
   if (json)
     return print_json(
         Json{{"version", info.version}, {"commit", info.commit}, {"compiler", info.compiler}, {"build_type", info.build_type}});
-  fmt::print("slipbench {} (commit {}, {}, {})\n", info.version, info.commit, info.compiler, info.build_type);
+  print_text("slipbench {} (commit {}, {}, {})\n", info.version, info.commit, info.compiler, info.build_type);
   return exit_good;
 }
 
@@ -79,6 +80,11 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
   } catch (const std::bad_alloc&) {
     print_error("out of memory");
     return exit_bad_input;
+  } catch (const std::filesystem::filesystem_error& error) {
+    // Such as a loop of links, a name that is too long, or a folder that was removed.
+    const std::string path = error.path1().empty() ? "" : error.path1().string() + ": ";
+    print_error(path.c_str(), error.code().message().c_str());
+    return exit_bad_input;
   } catch (const std::exception& error) {
     // Includes exceptions of fmt.
     const auto* const system = dynamic_cast<const std::system_error*>(&error);
@@ -100,6 +106,7 @@ int run_program(const Commands& commands, const std::vector<std::string>& words)
     if (std::signal(signal, [](int) { _exit(exit_interrupted); }) == SIG_IGN) std::signal(signal, SIG_IGN);
   }
   std::signal(SIGCHLD, SIG_DFL);  // if inherited as ignored, children would have no status
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit of a file's size then fails as on a full disk
   return run_to_status(commands, words);
 }
 

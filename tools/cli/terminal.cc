@@ -25,8 +25,17 @@ int stdout_aside = -1;
 constexpr const char* name_variable = "SLIPBENCH_CALLED_AS";
 constexpr std::size_t default_width = 100;
 
+// All that Style writes.
+constexpr std::array<std::string_view, 6> style_marks{"\033[0m", "\033[1m", "\033[2m", "\033[32m", "\033[1;31m", "\033[1;36m"};
+
 std::string escape(bool colour, std::string_view code, std::string_view text) {
-  return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
+  return colour ? fmt::format("\033[{}m{}\033[0m", code, printable(text, true)) : std::string(text);
+}
+
+// Writes text with control sequences.
+void draw(std::FILE* stream, const std::string& text) noexcept {
+  std::fputs(text.c_str(), stream);
+  std::fflush(stream);
 }
 
 double monotonic_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -90,10 +99,22 @@ Style style_for(std::FILE* stream) {
   return Style(is_interactive(stream) && (no_color == nullptr || *no_color == '\0'));
 }
 
-void say(std::FILE* stream, const std::string& text) noexcept {
-  std::fputs(text.c_str(), stream);
-  std::fflush(stream);
+std::string terminal_text(std::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t mark = text.find("\033[");
+    result += printable(text.substr(0, mark), true);
+    if (mark == std::string_view::npos) break;
+    text.remove_prefix(mark);
+    const auto known = std::ranges::find_if(style_marks, [&](std::string_view one) { return text.starts_with(one); });
+    const std::size_t length = known == style_marks.end() ? 1 : known->size();
+    result += known == style_marks.end() ? printable(text.substr(0, length)) : std::string(*known);
+    text.remove_prefix(length);
+  }
+  return result;
 }
+
+void say(std::FILE* stream, const std::string& text) noexcept { draw(stream, terminal_text(text)); }
 
 std::size_t terminal_width(std::FILE* stream) {
   winsize size{};
@@ -168,9 +189,16 @@ void take_stdout_back() {
   close(std::exchange(stdout_aside, -1));
 }
 
+std::string printed_json(const Json& value) {
+  // Escapes all that is not ASCII if a text contains characters that a terminal must not get.
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (printable(text) == text) return text;
+  return value.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
 int print_json(const Json& result) {
   take_stdout_back();
-  fmt::print("{}\n", result.dump(-1, ' ', false, Json::error_handler_t::replace));
+  fmt::print("{}\n", printed_json(result));
   return exit_good;
 }
 
@@ -185,11 +213,11 @@ std::string as_called(const std::string& command) {
   return called == nullptr || !command.starts_with(name) ? command : called + command.substr(name.size());
 }
 
-void print_next(const std::string& command) { fmt::print("{} {}\n", style_for(stdout).dim("next:"), as_called(command)); }
+void print_next(const std::string& command) { print_text("{} {}\n", style_for(stdout).dim("next:"), as_called(command)); }
 
 void print_written(const std::vector<std::string>& files) {
   if (stdout_aside >= 0) return;
-  for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);
+  for (const std::string& file : files) print_text("{} {}\n", style_for(stdout).good("written:"), file);
 }
 
 std::string short_count(double value) {
@@ -244,7 +272,7 @@ void Progress::update(std::size_t done, std::size_t total, std::optional<double>
   const ProgressState state{done, total, sim_seconds, now - start_};
   if (mode_ == Mode::bar) {
     // One column stays free: some terminals wrap when the last column is written.
-    say(stream_, "\r\033[K" + progress_bar_text(state, terminal_width(stream_) - 1) + (finished ? "\n" : ""));
+    draw(stream_, "\r\033[K" + progress_bar_text(state, terminal_width(stream_) - 1) + (finished ? "\n" : ""));
     on_screen_ = !finished;
   } else {
     say(stream_, progress_line_text(state) + '\n');
@@ -257,14 +285,14 @@ void Progress::part(double share) {
   if (mode_ == Mode::off || elapsed < line_period || now - last_drawn_ < (mode_ == Mode::bar ? bar_period : line_period)) return;
   const std::string left = share > 0.0 ? clock_text(elapsed * (1.0 - share) / share) : "?";
   const std::string text = fmt::format("{:.3g} % of the trial, {}, ETA {}", 100.0 * share, clock_text(elapsed), left);
-  say(stream_, mode_ == Mode::bar ? "\r\033[K" + text : text + '\n');
+  draw(stream_, mode_ == Mode::bar ? "\r\033[K" + text : text + '\n');
   on_screen_ = mode_ == Mode::bar;
   last_drawn_ = now;
 }
 
 void Progress::clear() {
   if (!on_screen_) return;
-  say(stream_, "\r\033[K");
+  draw(stream_, "\r\033[K");
   on_screen_ = false;
 }
 

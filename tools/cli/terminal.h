@@ -7,7 +7,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "tools/dataset/record/json.h"
 #include "tools/page/page.h"
@@ -37,9 +40,20 @@ bool is_interactive(std::FILE* stream);
 // Colours if is_interactive() and the variable NO_COLOR is unset or empty (no-color.org).
 Style style_for(std::FILE* stream);
 
-// Writes `text` for the user. Errors (a closed or full stderr) are ignored, so that the work
-// continues.
+// Returns `text` for a terminal: printable(), but with the marks of Style. Text from outside (names in
+// files, messages of libraries) can thus not move the cursor, hide or reorder text, or set a title.
+std::string terminal_text(std::string_view text);
+
+// Writes `text` for the user, as terminal_text(). Errors (a closed or full stderr) are ignored, so
+// that the work continues.
 void say(std::FILE* stream, const std::string& text) noexcept;
+
+// Prints the result of a command on stdout, as terminal_text(). All commands print by it, except JSON
+// (print_json) and files (`-o -`).
+template <class... Values>
+void print_text(fmt::format_string<Values...> format, Values&&... values) {
+  fmt::print("{}", terminal_text(fmt::format(format, std::forward<Values>(values)...)));
+}
 
 // Columns of the terminal behind `stream`, 100 if it is not a terminal.
 std::size_t terminal_width(std::FILE* stream);
@@ -76,6 +90,8 @@ void take_stdout_back();
 // Prints the result of `--json`, one object on a line of stdout, after take_stdout_back(); bytes
 // that are not UTF-8 are replaced. Returns exit_good.
 int print_json(const Json& result);
+// The text that print_json() prints, without control, invisible and direction characters.
+std::string printed_json(const Json& value);
 
 // Sets the environment variable SLIPBENCH_CALLED_AS to `argument`, the first word of the command
 // line, for as_called() and for Python code that does a command's work. Does nothing if the

@@ -190,6 +190,20 @@ TrialRecord record_of(const Place& place, std::size_t trial, DemoInfo demo) {
   return record;
 }
 
+// The name of a run's folder is easily taken for that of a dataset.
+void refuse_run_folder(std::string path) {
+  constexpr std::string_view ending = ".h5.partial";
+  while (path.size() > 1 && path.ends_with('/')) path.pop_back();
+  std::error_code error;
+  if (!path.ends_with(ending) || !std::filesystem::is_directory(path, error)) return;
+  const std::string target = path.substr(0, path.size() - std::string_view(".partial").size());
+  const std::string batch = first_batch_path(target);
+  reject("{}: is the folder of the unfinished dataset {}; the same command with --resume finishes it{}", path, target,
+         std::filesystem::exists(batch, error)
+             ? fmt::format(", and {} has its finished trials, which verify and report read", batch)
+             : ", but it has no finished trials yet");
+}
+
 }  // namespace
 
 struct DatasetReader::State {
@@ -230,7 +244,8 @@ struct DatasetReader::State {
   // record.
   std::size_t add_file(const std::string& path, bool alone = false) {
     const std::size_t index = files.size();
-    if (index > 0 && !std::filesystem::exists(path))
+    std::error_code error;  // opening the file reports it
+    if (index > 0 && !std::filesystem::exists(path, error))
       reject("{}: no such file; expected file {} of the dataset that begins with {}", path, index, files.front());
     files.push_back(path);
     const Place place = root(index);
@@ -254,7 +269,7 @@ struct DatasetReader::State {
     const bool has_digest = about.shards || H5Aexists(root.get(), file_sha256_name) > 0;
     digests.push_back(has_digest ? hdf5::text_of(place, root, file_sha256_name) : "");
     // Batches do not record their number.
-    if (!about.shards) return index + (std::filesystem::exists(shard_path(files.front(), index + 1)) ? 2 : 1);
+    if (!about.shards) return index + (std::filesystem::exists(shard_path(files.front(), index + 1), error) ? 2 : 1);
     complete = about.complete && (index == 0 || complete);
     return *about.shards;
   }
@@ -332,6 +347,7 @@ struct DatasetReader::State {
 };
 
 std::optional<FileAbout> file_about(const std::string& path) {
+  refuse_run_folder(path);
   return read_safely(path, [&]() -> std::optional<FileAbout> {
     const Handle file = open_file(path);
     const Place place{file.get(), path, "/"};
@@ -343,7 +359,9 @@ std::optional<FileAbout> file_about(const std::string& path) {
 }
 
 DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
-  if (!std::filesystem::exists(path) && std::filesystem::exists(first_batch_path(path))) {
+  refuse_run_folder(path);
+  std::error_code error;  // opening the file reports it
+  if (!std::filesystem::exists(path, error) && std::filesystem::exists(first_batch_path(path), error)) {
     reject("{}: no such file; {} contains finished trials of its unfinished sweep, which --resume continues", path,
            first_batch_path(path));
   }

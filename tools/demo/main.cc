@@ -1,6 +1,7 @@
 // Records all trials of a scene and writes their report: slipbench_demo SCENE.yaml FILE.h5 FILE.html.
 // `slipbench sweep` and `slipbench report` do the same with any scene.
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -32,12 +33,12 @@ void record_and_report(const std::string& scene, const std::string& dataset, con
   if (!summary.failed.empty()) throw InputError(summary.failed.front().message);
   const Style style = style_for(stdout);
   if (summary.trials.size() == 1) {
-    fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
+    print_text("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
                trial_text(summary.trials.front(), sensors_of(summary.scene), style));
   } else {
-    fmt::print("{}", sweep_text(summary, style));
+    print_text("{}", sweep_text(summary, style));
   }
-  fmt::print("\n{}\n", speed_text(summary, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+  print_text("\n{}\n", speed_text(summary, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
   write_report(dataset, page);
   print_written({dataset, page});
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw InputError("cannot write to standard output");
@@ -47,6 +48,7 @@ void record_and_report(const std::string& scene, const std::string& dataset, con
 }  // namespace slipbench
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit of a file's size then fails as on a full disk
   try {
     const std::vector<std::string> words(argv + 1, argv + argc);
     if (words.size() != 3) throw slipbench::InputError("expected: slipbench_demo SCENE.yaml FILE.h5 FILE.html");

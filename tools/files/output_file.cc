@@ -66,8 +66,11 @@ void check_target(const std::string& path) {
     return;
   }
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    refuse(path, fmt::format("the folder {} does not exist", folder.string()));
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
+    const bool missing = !error || error == std::errc::no_such_file_or_directory;
+    refuse(path, missing ? fmt::format("the folder {} does not exist", folder.string())
+                         : fmt::format("the folder {}: {}", folder.string(), error.message()));
   }
 }
 

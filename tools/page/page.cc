@@ -3,13 +3,16 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <new>
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include "sim/core/error.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/files/output_file.h"
 #include "tools/files/reject.h"
@@ -85,15 +88,48 @@ std::string skeleton(const Page& page, const std::string& own_styles, std::strin
                                                   {"scripts", std::move(elements)}});
 }
 
+// The number of four hexadecimal digits.
+char32_t hex_number(std::string_view digits) {
+  std::uint32_t number = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), number, 16);
+  return number;
+}
+
+std::string utf8(char32_t code) {
+  const auto low = [code](unsigned shift) { return static_cast<char>(0x80u | (code >> shift & 0x3fu)); };
+  if (code < 0x80) return {static_cast<char>(code)};
+  if (code < 0x800) return {static_cast<char>(0xc0u | code >> 6u), low(0)};
+  if (code < 0x10000) return {static_cast<char>(0xe0u | code >> 12u), low(6), low(0)};
+  return {static_cast<char>(0xf0u | code >> 18u), low(12), low(6), low(0)};
+}
+
 // JSON as the content of a <script> element. '<' and everything beyond ASCII is escaped, so that no
-// content can end the element.
+// content can end the element. Control, invisible and direction characters become texts, \\u202e
+// for \u202e: the page shows them.
 std::string script_json(const Json& data) {
+  const std::string text = data.dump(-1, ' ', true, Json::error_handler_t::replace);
+  constexpr std::size_t escape = 6;  // \uXXXX
   std::string safe;
-  for (const char c : data.dump(-1, ' ', true, Json::error_handler_t::replace)) {
-    if (c == '<') {
+  safe.reserve(text.size());
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '<') {
       safe += "\\u003c";
+    } else if (text[at] != '\\') {
+      safe += text[at];
+    } else if (text[at + 1] != 'u') {
+      safe.append(text, at++, 2);
     } else {
-      safe += c;
+      const std::string_view whole = text;
+      char32_t code = hex_number(whole.substr(at + 2, 4));
+      const bool pair = code >= 0xd800 && code < 0xdc00;  // of UTF-16
+      if (pair) code = 0x10000 + ((code - 0xd800) << 10u) + (hex_number(whole.substr(at + escape + 2, 4)) - 0xdc00);
+      const std::string character = utf8(code);
+      const std::size_t length = pair ? 2 * escape : escape;
+      for (std::size_t k = at; k < at + length; ++k) {
+        if (text[k] == '\\' && printable(character) != character) safe += '\\';
+        safe += text[k];
+      }
+      at += length - 1;
     }
   }
   return safe;
@@ -135,8 +171,14 @@ std::string_view embedded(const std::vector<Asset>& files, std::string_view name
 }
 
 std::string escape_html(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
+  std::string safe, shown;
+  for (bool more = true; more;) {  // a tab is white space in HTML
+    const std::size_t tab = text.find('\t');
+    more = tab != std::string_view::npos;
+    shown += printable(text.substr(0, tab), true) + (more ? "\t" : "");
+    text.remove_prefix(more ? tab + 1 : text.size());
+  }
+  for (const char c : shown) {
     switch (c) {
       case '&': safe += "&amp;"; break;
       case '<': safe += "&lt;"; break;

@@ -28,7 +28,8 @@ const std::vector<Asset>& assets();
 // fetch. Throws std::logic_error if `files` lacks the name.
 std::string_view embedded(const std::vector<Asset>& files, std::string_view name);
 
-// Escapes text for the content and the quoted attributes of HTML and SVG.
+// Escapes text for the content and the quoted attributes of HTML and SVG. It may come from an
+// untrusted file: control, invisible and direction characters are escaped as by printable().
 std::string escape_html(std::string_view text);
 
 // Parts of a page that depend on the command.

@@ -175,7 +175,9 @@ std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<s
     std::ranges::move(split_warnings(plan, own), std::back_inserter(warnings));
     return warnings;
   } catch (const InputError& error) {
-    return {{"scene", std::string("this version of slipbench cannot read the scene: ") + error.what()}};
+    return {{"scene",
+             std::string("the page shows no warnings about the scene, because this program does not know all of its parts: ") +
+                 error.what()}};
   }
 }
 

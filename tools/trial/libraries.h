@@ -12,4 +12,8 @@ namespace slipbench {
 // Python program registers count as a user's library.
 std::string libraries_of(const Scene& scene);
 
+// True if the scene has a sensor, detector or controller that a Python program registered, which the
+// command line does not know.
+bool has_registered_parts(const Scene& scene);
+
 }  // namespace slipbench

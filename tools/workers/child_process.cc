@@ -11,10 +11,12 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -34,8 +36,41 @@ constexpr std::chrono::milliseconds between_looks{50};
 // Status of a child that another part of this process waited for, or with SIGCHLD ignored.
 constexpr int no_status = -1;
 
-// A child's message begins with one of the first three marks and ends with the last.
-constexpr char result_mark = 'r', bad_input_mark = 'i', failure_mark = 'f', end_mark = '.';
+// A child's message is a Header and a text that begins with one of these marks.
+constexpr char result_mark = 'r', bad_input_mark = 'i', failure_mark = 'f';
+
+// User code in a child may write to any descriptor, also to the pipe.
+struct Header {
+  std::uint64_t size, checksum;  // of the text
+};
+
+// FNV-1a over words of 8 bytes.
+std::uint64_t checksum_of(std::string_view text) {
+  std::uint64_t sum = 14695981039346656037ULL;
+  for (std::size_t at = 0; at < text.size(); at += sizeof sum) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, text.data() + at, std::min(sizeof word, text.size() - at));
+    sum = (sum ^ word) * 1099511628211ULL;
+  }
+  return sum;
+}
+
+std::string framed(const std::string& text) {
+  const Header header{text.size(), checksum_of(text)};
+  std::string message(sizeof header, '\0');
+  std::memcpy(message.data(), &header, sizeof header);
+  return message + text;
+}
+
+// Returns the text of a whole message; nothing if it lacks bytes or contains others.
+std::optional<std::string_view> unframed(std::string_view message) {
+  Header header{};
+  if (message.size() <= sizeof header) return std::nullopt;
+  std::memcpy(&header, message.data(), sizeof header);
+  const std::string_view text = message.substr(sizeof header);
+  if (text.size() != header.size || checksum_of(text) != header.checksum) return std::nullopt;
+  return text;
+}
 
 std::string message_of(const std::function<std::string()>& action) {
   try {
@@ -56,7 +91,7 @@ std::string message_of(const std::function<std::string()>& action) {
   // would stop it.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
   const pid_t self = ::getpid();
-  const std::string message = message_of(action) + end_mark;
+  const std::string message = framed(message_of(action));
   if (::getpid() != self) ::_exit(0);  // the action forked; this is the copy
   std::fflush(nullptr);                // output of libraries
   for (std::size_t sent = 0; sent < message.size();) {
@@ -76,6 +111,7 @@ void end_group(pid_t process) {
 
 std::string ChildEnd::loss(double limit) const {
   if (late) return fmt::format("was still running at the limit of {:g} s", limit);
+  if (corrupt) return "returned an invalid result: its code wrote to a file descriptor that it had not opened";
   if (status == no_status) return "ended before its work was done";
   if (!WIFSIGNALED(status)) return fmt::format("ended with status {} before its work was done", WEXITSTATUS(status));
   const char* const name = ::sigabbrev_np(WTERMSIG(status));
@@ -101,6 +137,9 @@ ChildProcesses::~ChildProcesses() {
 void ChildProcesses::start(std::size_t index, const std::function<std::string()>& action) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) reject("cannot make a pipe: {}", std::strerror(errno));
+  // A high number, which user code does not hit by chance.
+  constexpr int least_descriptor = 500;
+  if (const int high = ::fcntl(ends[1], F_DUPFD_CLOEXEC, least_descriptor); high >= 0) ::close(std::exchange(ends[1], high));
   ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
   std::fflush(nullptr);  // otherwise the child would write the pending output too
   const pid_t process = fork_();
@@ -139,11 +178,13 @@ ChildEnd ChildProcesses::end_of(Child& child) {
   if (child.channel >= 0) ::close(child.channel);  // a process started by the action may hold the other end open
   if (child.end >= 0) ::close(child.end);
   if (child.process > 0) ::kill(-child.process, SIGKILL);
-  const bool whole = child.sent.size() >= 2 && child.sent.back() == end_mark;
-  if (!whole || (end.status != no_status && end.status != 0)) return end;
-  const char mark = child.sent.front();
+  if (end.status != no_status && end.status != 0) return end;
+  const std::optional<std::string_view> text = unframed(child.sent);
+  end.corrupt = !text && !child.sent.empty() && end.status == 0;
+  if (!text) return end;
+  const char mark = text->front();
   end.kind = mark == result_mark ? Kind::result : mark == bad_input_mark ? Kind::bad_input : Kind::failure;
-  end.text = child.sent.substr(1, child.sent.size() - 2);
+  end.text = text->substr(1);
   return end;
 }
 

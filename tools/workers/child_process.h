@@ -28,12 +28,13 @@ struct ChildEnd {
     lost,       // the process ended, or was killed, without an answer
   };
   Kind kind = Kind::lost;
-  std::string text;   // return value, or the exception's message
-  int status = 0;     // as reported by waitpid(); -1: unknown
-  bool late = false;  // killed at the time limit
+  std::string text;      // return value, or the exception's message
+  int status = 0;        // as reported by waitpid(); -1: unknown
+  bool late = false;     // killed at the time limit
+  bool corrupt = false;  // it ended normally, but its answer is not what it sent
 
   // "was ended by SIGSEGV (Segmentation fault)", "ended with status 0 before its work was done",
-  // "was still running after 2 s, the limit". `limit` [s].
+  // "was still running after 2 s, the limit", "returned an invalid result ...". `limit` [s].
   [[nodiscard]] std::string loss(double limit) const;
   // Returns the action's result. Throws InputError if the action did, InputError "SUBJECT: its
   // process was ended by ..." for a lost child, and std::runtime_error for any other exception of

@@ -328,7 +328,15 @@ void DynamicSimulation::State::advance(std::size_t from) {
     drive_free_joint(m(), d(), stage_joint, motion->pad_at(time).pose, motion->pad_at(time_of(from + 1)).pose, dt);
   }
   before = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
-  free_bodies ? step_free() : call_mujoco([this] { mj_step(m(), d()); });
+  try {
+    free_bodies ? step_free() : call_mujoco([this] { mj_step(m(), d()); });
+  } catch (const SceneValueError&) {
+    throw;
+  } catch (const FailedRun&) {
+    throw;
+  } catch (const InputError& error) {  // a pad's, which knows no scene
+    throw SceneValueError("sensors", error.what());
+  }
   refuse_warnings(m(), d(), time);
   after = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
   if (implicit && d()->nefmcon == 0 && touching()) {

@@ -74,9 +74,11 @@ void PadFollower::go_to(double time, bool arrives) {
   step_on_surfaces(fields_, poses_, dt, arrives ? std::span<const Twist>(motions_) : std::span<const Twist>());
   for (const Field& field : fields_) {
     if (!field.lost()) continue;
-    throw InputError(fmt::format(
-        "the sensor that follows '{}': at {:.6g} s its element {}, which was {:.3g} mm deep, passed through the touched body; press less or make the body thicker",
-        followed_.config().name, time, field.lost()->element, 1e3 * field.lost()->depth));
+    throw SceneValueError(
+        "sensors",
+        fmt::format(
+            "the sensor that follows '{}': at {:.6g} s its element {}, which was {:.3g} mm deep, passed through the touched body; press less or make the body thicker",
+            followed_.config().name, time, field.lost()->element, 1e3 * field.lost()->depth));
   }
   labels_.update(fields_, time, dt);
   time_ = time;

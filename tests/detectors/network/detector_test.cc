@@ -132,6 +132,31 @@ TEST(NetworkDetector, SaysThatAnOpenExtentIsOne) {
   std::filesystem::remove(path);
 }
 
+// mlp13.onnx, which takes two frames of the three values of one pillar, with a description that
+// reads all pillars.
+TEST(NetworkDetector, SaysThatTheSensorHasOtherUnits) {
+  std::string bytes = bytes_of(shipped("mlp13.onnx"));
+  const std::string values = ", \"values\": [0, 1, 2]";
+  bytes.replace(bytes.find(values), values.size(), std::string(values.size(), ' '));
+  const std::string path = testing::TempDir() + "network-" + std::to_string(::getpid()) + "-units.onnx";
+  std::ofstream(path, std::ios::binary) << bytes;
+  EXPECT_THAT(refusal(parameters(path), papillarray()), mentions({"expects 1 unit of force", "sensor 'pad' has 9"}));
+  FrameSource flat = papillarray();
+  flat.channels.front().shape = {19};
+  EXPECT_THAT(refusal(parameters(path), flat), mentions({"expects 3 values of force", "sensor 'pad' has 19"}));
+  std::filesystem::remove(path);
+}
+
+// 3e38 times the weights exceeds a float32.
+TEST(NetworkDetector, NamesTheSceneWhereItsNetworkFails) {
+  const auto detector = network_detector().create(parameters(shipped("mlp13.onnx")), papillarray());
+  const std::vector<float> values(27, 3e38F);
+  EXPECT_THAT(scene_refusal_of([&] {
+                for (int n = 0; n < 10; ++n) detector->update({.time = 1e-3 * n, .values = values});
+              }),
+              mentions({"detector.model", "mlp13.onnx", "finite"}));
+}
+
 TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {
   EXPECT_THAT(refusal(parameters("none"), papillarray()), mentions({"detector.model", "no network"}));
   EXPECT_THAT(refusal(parameters("/nowhere.onnx"), papillarray()), mentions({"detector.model", "/nowhere.onnx", "opened"}));

@@ -183,6 +183,15 @@ TEST(StyleFor, AFileGetsNoColours) {
   std::fclose(file);
 }
 
+// ESC ] 0 ; sets a terminal's title, ESC [ 2 J clears it, ESC [ 8 m hides the following text.
+TEST(TerminalText, KeepsTheMarksOfStyleAlone) {
+  const Style style(true);
+  EXPECT_EQ(terminal_text(style.error("no") + "\033]0;x\007\033[2J\033[8m\n"),
+            "\033[1;31mno\033[0m\\x1b]0;x\\x07\\x1b[2J\\x1b[8m\n");
+  EXPECT_EQ(style.bold("a\033[0mb"), "\033[1ma\\x1b[0mb\033[0m");
+  EXPECT_EQ(terminal_text("\xe2\x80\xae \xc2\xb5"), "\\u202e \xc2\xb5");
+}
+
 TEST(Say, DoesNothingWhereItCannotBeWritten) {
   std::FILE* full = std::fopen("/dev/full", "w");
   ASSERT_NE(full, nullptr);

@@ -19,6 +19,21 @@ const std::string hostile = "</script><script>alert('x')</script><!-- {{title}} 
 const std::vector<Asset> files = {
     {"own.css", ".own {}"}, {"own.js", "one();\n//# sourceMappingURL=own.js.map"}, {"own.txt", "free"}};
 
+// U+202E, e2 80 ae in UTF-8, shows "gnp.exe" as "exe.png"; ESC begins a command for a terminal that
+// shows the page's source.
+TEST(EscapeHtml, ShowsHiddenCharacters) { EXPECT_EQ(escape_html("a\xe2\x80\xae\x1b\tb\nc"), "a\\u202e\\x1b\tb\nc"); }
+
+// A script gets the six characters \u202e as a text, in which JSON doubles the backslash. The tag
+// U+E0041 is a pair in UTF-16, d800 + (d0041 >> 10) = db40 and dc00 + 41.
+TEST(ComposeDrawnPage, ShowsHiddenCharacters) {
+  const std::vector<Asset> files;
+  const std::string page = compose_drawn_page({"slipbench", "title"}, files,
+                                              {{"name", "a\xe2\x80\xae"}, {"tag", "\xf3\xa0\x81\x81"}, {"letter", "\xc2\xb5\\"}});
+  EXPECT_THAT(page, HasSubstr(R"("name":"a\\u202e")"));
+  EXPECT_THAT(page, HasSubstr(R"("tag":"\\udb40\\udc41")"));
+  EXPECT_THAT(page, HasSubstr(R"("letter":"\u00b5\\")"));
+}
+
 TEST(EscapeHtml, LeavesNoMarkup) { EXPECT_EQ(escape_html("<b a='1' c=\"2\">&"), "&lt;b a=&#39;1&#39; c=&quot;2&quot;&gt;&amp;"); }
 
 TEST(DrawnPage, DataCannotEndItsElement) {

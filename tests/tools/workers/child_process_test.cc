@@ -1,5 +1,6 @@
 #include "tools/workers/child_process.h"
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -38,6 +39,24 @@ TEST(ChildProcesses, SayHowTheyEnded) {
   EXPECT_EQ(refused.text, "bad");
   EXPECT_EQ(ended([]() -> std::string { throw std::runtime_error("worse"); }).kind, Kind::failure);
   EXPECT_EQ(ended([]() -> std::string { throw std::bad_alloc(); }).text, "out of memory");
+}
+
+// User code may write to any descriptor: the answer arrives as it was sent, or not at all.
+TEST(ChildProcesses, KnowWhetherTheirAnswerIsWhole) {
+  const auto writes = [](int first, int last) {
+    return [=]() -> std::string {
+      for (int descriptor = first; descriptor < last; ++descriptor) {
+        struct stat about {};
+        const bool pipe = ::fstat(descriptor, &about) == 0 && S_ISFIFO(about.st_mode);
+        [[maybe_unused]] const ssize_t written = pipe ? ::write(descriptor, "r1.", 3) : 0;  // fails for a read end
+      }
+      return "done";
+    };
+  };
+  EXPECT_EQ(ended(writes(3, 100)).text, "done");  // numbers that code guesses
+  const ChildEnd end = ended(writes(3, 1024));
+  EXPECT_EQ(end.kind, Kind::lost);
+  EXPECT_THAT(end.loss(plenty), HasSubstr("returned an invalid result"));
 }
 
 // A host that ignores its children's ends leaves no exit status.

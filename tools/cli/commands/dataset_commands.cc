@@ -146,7 +146,7 @@ int ReportCommand::run() {
   if (json) return print_json({{"report", page}});
   if (streams()) return exit_good;
   print_written({page});
-  fmt::print("{} open it in a browser\n", style_for(stdout).dim("next:"));
+  print_text("{} open it in a browser\n", style_for(stdout).dim("next:"));
   return exit_good;
 }
 
@@ -235,7 +235,7 @@ int ExportCommand::run() {
   std::uintmax_t bytes = 0;
   for (const std::string& file : files) bytes += std::filesystem::file_size(file);
   const std::string what = files.size() == 1 ? files.front() : fmt::format("{} files", files.size());
-  fmt::print("{} {}, {}{}\n", style_for(stdout).good("written:"), what, size_text(bytes),
+  print_text("{} {}, {}{}\n", style_for(stdout).good("written:"), what, size_text(bytes),
              files.size() == 1 ? "" : ", in " + output);
   return exit_good;
 }
@@ -302,7 +302,7 @@ void ImportCommand::import_by_map() {
                      {"json", json},
                      {"install", module.install()}};
   take_stdout_back();
-  module.start(request.dump());
+  module.start(request_text(request));
 }
 
 void print_import(const ImportSummary& summary, const ImportOptions& options, bool json) {
@@ -322,12 +322,12 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
                 {"files", summary.files}});
     return;
   }
-  fmt::print("{} of {}, {}{}\n", counted(summary.trials, "recording"), counted(summary.sources, "file"),
+  print_text("{} of {}, {}{}\n", counted(summary.trials, "recording"), counted(summary.sources, "file"),
              counted(summary.samples, "sample"), summary.objects.empty() ? "" : ", " + counted(summary.objects.size(), "object"));
   if (summary.repeated_rows > 0)
-    fmt::print("{} skipped, because the previous row is identical\n", counted(summary.repeated_rows, "row"));
+    print_text("{} skipped, because the previous row is identical\n", counted(summary.repeated_rows, "row"));
   if (options.rate) {
-    fmt::print("resampled at {} by linear interpolation\n", format_quantity(*options.rate, Quantity::frequency));
+    print_text("resampled at {} by linear interpolation\n", format_quantity(*options.rate, Quantity::frequency));
   }
   print_written(summary.files);
   if (summary.files.empty()) {
@@ -366,11 +366,11 @@ int VerifyCommand::run() {
       say(stderr,
           fmt::format("{} {}\n", style_for(stderr).error("slipbench:"), printable(dataset["error"].get<std::string>(), true)));
     } else if (!json) {
-      fmt::print("{}", dataset.contains("part_of") ? fmt::format("verified with the first file: {}\n", text_of(dataset["file"]))
+      print_text("{}", dataset.contains("part_of") ? fmt::format("verified with the first file: {}\n", text_of(dataset["file"]))
                                                    : report_of(dataset, style));
     }
   }
-  if (!json && !verified.sweep.is_null()) fmt::print("{}", sweep_report(verified.sweep, style));
+  if (!json && !verified.sweep.is_null()) print_text("{}", sweep_report(verified.sweep, style));
   if (!verified.readable) return exit_bad_input;
   return verified.holds ? exit_good : exit_check_failed;
 }
@@ -405,7 +405,7 @@ int ListCommand::run() {
   }
   const Style style = style_for(stdout);
   const std::size_t width = terminal_width(stdout);
-  fmt::print("{}{}{}", list_text(items, kinds, style, width), kinds.empty() || !recipes ? "" : "\n",
+  print_text("{}{}{}", list_text(items, kinds, style, width), kinds.empty() || !recipes ? "" : "\n",
              recipes ? recipe_list_text(style, width) : "");
   return exit_good;
 }
@@ -439,7 +439,7 @@ int DescribeCommand::run() {
   if (!in_catalogue && std::ranges::find(keys, name) != keys.end()) {
     const Json schema = scene_schema(catalogues);
     if (json) return print_json({{"name", name}, {"entries", Json::array({describe_key_json(name, schema)})}});
-    fmt::print("{}", describe_key_text(name, schema, style_for(stdout), terminal_width(stdout)));
+    print_text("{}", describe_key_text(name, schema, style_for(stdout), terminal_width(stdout)));
     return exit_good;
   }
   std::vector<std::string> others = train::recipe_names();
@@ -452,7 +452,7 @@ int DescribeCommand::run() {
   }
   const Style style = style_for(stdout);
   for (std::size_t i = 0; i < found.size(); ++i)
-    fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style, terminal_width(stdout)));
+    print_text("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style, terminal_width(stdout)));
   return exit_good;
 }
 

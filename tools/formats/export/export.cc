@@ -333,7 +333,7 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
   request["quiet"] = said.quiet;
   request["verbose"] = said.verbose;
   request["install"] = module.install();
-  const std::string text = request.dump();
+  const std::string text = request_text(request);
   const int file = ::memfd_create("slipbench-export", 0);
   for (std::size_t done = 0; done < text.size();) {
     const ::ssize_t count = ::write(file, text.data() + done, text.size() - done);

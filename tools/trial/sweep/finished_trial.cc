@@ -9,6 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim/core/error.h"
+
 namespace slipbench {
 namespace {
 
@@ -108,10 +110,10 @@ TrialSummary summary_of(const json& value) {
 
 }  // namespace
 
-FinishedTrial failed_trial(std::size_t trial, std::string why) {
+FinishedTrial failed_trial(std::size_t trial, const std::string& why) {
   FinishedTrial failed;
   failed.summary.trial = trial;
-  failed.failure = std::move(why);
+  failed.failure = printable(why, true);  // may quote bytes of a file; a dataset stores UTF-8
   return failed;
 }
 

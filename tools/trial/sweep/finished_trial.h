@@ -22,7 +22,7 @@ struct FinishedTrial {
 };
 
 // Returns the result of a trial that failed with the message `why`.
-FinishedTrial failed_trial(std::size_t trial, std::string why);
+FinishedTrial failed_trial(std::size_t trial, const std::string& why);
 
 // Returns the summary of a trial. Moves the outcomes of the units out of `result`.
 TrialSummary summary_of(TrialResult& result);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/process/interrupted.h"
+#include "sim/plugins/plugin_library.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/dataset/record/json.h"
 #include "tools/files/reject.h"
@@ -96,7 +97,11 @@ void run_trials(const SweepQueue& queue, const SweepOptions& options, TrialWorke
 std::string run_before_trials(const SweepOptions& options, std::size_t trials, const std::function<std::string()>& action) {
   if (!options.isolation.on) return action();
   const double limit = static_cast<double>(trials) * options.isolation.limit;
-  return run_in_child("before the first trial", action, options.interrupt, limit, options.isolation.fork);
+  const auto check = [&action] {
+    keep_plugin_objects();
+    return action();
+  };
+  return run_in_child("before the first trial", check, options.interrupt, limit, options.isolation.fork);
 }
 
 void keep_outcome(TrialRecord& record) {

@@ -48,6 +48,20 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
+void check_utf8(const Json& value) {
+  for (const auto& [key, inner] : value.items()) {
+    if (inner.is_structured()) check_utf8(inner);
+    if (!inner.is_string()) continue;
+    const auto& text = inner.get_ref<const std::string&>();
+    try {
+      static_cast<void>(inner.dump());
+    } catch (const Json::type_error&) {
+      reject("{}: the {} is not UTF-8, which Python's part of the command needs; rename the file or folder", printable(text),
+             key);
+    }
+  }
+}
+
 }  // namespace
 
 PythonModule::PythonModule(std::string name, std::string purpose, const std::string& extra)
@@ -70,6 +84,11 @@ PythonModule::PythonModule(std::string name, std::string purpose, const std::str
   reject(
       "{} needs the Python package slipbench, which is not in {}; use the program slipbench of the package (pip install {}), or of a build of the source tree",
       purpose_, folder_, package);
+}
+
+std::string request_text(const Json& request) {
+  check_utf8(request);
+  return request.dump();
 }
 
 std::vector<std::string> PythonModule::words(std::string request) const {

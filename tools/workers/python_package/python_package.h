@@ -6,7 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "tools/dataset/record/json.h"
+
 namespace slipbench {
+
+// Returns a request as the JSON that a module reads. Throws InputError for a text that is not UTF-8,
+// such as the name of a folder in Latin-1.
+std::string request_text(const Json& request);
 
 // A module of the package `slipbench`.
 //

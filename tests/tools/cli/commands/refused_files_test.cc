@@ -117,6 +117,75 @@ TEST_F(RefusedFiles, ControlCharactersDoNotReachTheTerminal) {
               AllOf(HasSubstr(R"(a\x1b[31m\xc2\x9b.h5: no such file)"), Not(HasSubstr("\x1b")), Not(HasSubstr("\xc2\x9b"))));
 }
 
+// A name or a description from another person's file. U+202E reverses the text that follows.
+TEST_F(RefusedFiles, HiddenCharactersDoNotReachTheTerminal) {
+  const std::string scene = folder_ / "a.yaml", hidden = "\xe2\x80\xae";
+  std::string text = bytes_of(stage);
+  const std::string_view words = "PapillArray pressed on acrylic and moved sideways";
+  text.replace(text.find(words), words.size(), "\"gnp." + hidden + "exe\"");
+  std::ofstream(scene) << text;
+  const ChildResult run = run_program_file({"run", scene, "--set", "duration=0.6 s"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("gnp.\\u202eexe"), Not(HasSubstr(hidden))));
+  const ChildResult json =
+      run_program_file({"run", scene, "--set", "duration=0.6 s", "--set", "motion." + hidden + "=1", "--json"});
+  EXPECT_THAT(json.err, AllOf(HasSubstr("\\u202e"), Not(HasSubstr(hidden))));
+  EXPECT_THAT(run_program_file({"run", stage, "--set", "motion.speed=4\xc2\xa0mm/s"}).err, HasSubstr("U+00A0 no-break space"));
+}
+
+// Names that the system accepts, but of which it finds nothing, or that are not UTF-8 (b\xe9ton in
+// Latin-1).
+TEST_F(RefusedFiles, UnusualPathsAreNoInternalErrors) {
+  std::filesystem::create_symlink("loop", folder_ / "loop");
+  std::filesystem::create_directory(folder_ / "b\xe9ton");
+  const std::string data = folder_ / "b\xe9ton/a.h5";
+  ASSERT_EQ(run_program_file({"run", stage, "--set", "duration=0.6 s", "--set", "sensors.pad.rate=100 Hz", "--quiet", "-o", data})
+                .status,
+            0);
+  const std::vector<std::string> loop{"loop", "symbolic links"};
+  expect_refusal({"report", folder_ / "loop/a.h5"}, loop);
+  expect_refusal({"report", data, "-o", folder_ / "loop/a.html"}, loop);
+  expect_refusal({"run", stage, "-o", folder_ / "loop/a.h5"}, loop);
+  expect_refusal({"view", folder_ / "loop/a.h5"}, loop);
+  expect_refusal({"export", data, "--format", "csv", "-o", folder_ / "loop/out"}, loop);
+  const std::string name(300, 'x');
+  expect_refusal({"run", stage, "-o", folder_ / name + ".h5"}, {"File name too long"});
+  expect_refusal({"export", data, "--format", "parquet", "-o", folder_ / "b\xe9ton/out"}, {"b\\xe9ton", "UTF-8"});
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"verify", data},
+                                             {"report", data},
+                                             {"eval", data, "--detector", "force_ratio", "--json"},
+                                             {"verify", data, "--json"}}) {
+    const ChildResult result = run_program_file(words);
+    EXPECT_THAT(result.err, Not(HasSubstr("internal error"))) << words.front();
+  }
+}
+
+TEST_F(RefusedFiles, FolderOfAnUnfinishedDatasetIsNamed) {
+  std::filesystem::create_directory(folder_ / "a.h5.partial");
+  for (const char* command : {"verify", "report"}) {
+    expect_refusal({command, folder_ / "a.h5.partial"}, {"a.h5.partial", "unfinished dataset", folder_ / "a.h5", "--resume"});
+    expect_refusal({command, folder_ / "a.h5.partial/"}, {"unfinished dataset"});
+  }
+  std::ofstream(folder_ / "a.h5.partial/batch.h5") << "x";
+  expect_refusal({"verify", folder_ / "a.h5.partial"}, {"a.h5.partial/batch.h5"});
+}
+
+// dash counts blocks of 512 bytes: 4 kB are less than a page or a dataset, and more than a message.
+TEST_F(RefusedFiles, LimitOfAFilesSizeIsAFullDisk) {
+  ASSERT_EQ(run_program_file({"run", stage, "--set", "duration=0.6 s", "--quiet", "-o", folder_ / "a.h5"}).status, 0);
+  for (const std::string& words : {std::string("report a.h5 -o b.html"), std::string("export a.h5 --format npz -o b"),
+                                   "run " + stage + " --set 'duration=0.6 s' --quiet -o b.h5"}) {
+    const ChildResult result = run_shell("ulimit -f 8; slipbench " + words, folder_ / "");
+    EXPECT_EQ(result.status, 2) << words;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("File too large"), Not(HasSubstr("internal error")))) << words;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path())) {
+      if (!entry.is_regular_file()) continue;
+      EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("partial"))) << words;
+    }
+  }
+}
+
 // Exit statuses 0, 1 and 2.
 TEST_F(RefusedFiles, VerifyTellsByItsStatus) {
   const std::string data = folder_ / "a.h5";

@@ -35,6 +35,8 @@ DEEDS = {
     "heap": KILLED_BY + "SIGABRT",
     "thread": KILLED_BY + "SIGSEGV",
     "kill": KILLED_BY + "SIGKILL",
+    "destroy": KILLED_BY + "SIGSEGV",
+    "pipe": "its worker process returned an invalid result",
     "exit": UNFINISHED.format(0),
     "_exit": UNFINISHED.format(0),
     "files": UNFINISHED.format(1),

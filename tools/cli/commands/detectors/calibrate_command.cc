@@ -132,7 +132,7 @@ int CalibrateCommand::fit_snapshots() const {
     print_json(result);
   } else if (!quiet) {
     const Style style = style_for(stdout);
-    fmt::print("{}{}{}", Table(calibrate::snapshot_key_table(result)).text(style),
+    print_text("{}{}{}", Table(calibrate::snapshot_key_table(result)).text(style),
                Table(calibrate::snapshot_unit_table(result)).text(style), calibrate::snapshot_text(result));
   }
   return exit_good;
@@ -157,7 +157,7 @@ int CalibrateCommand::run() {
     print_json(result.json);
   } else {
     if (!quiet)
-      fmt::print("{}{}\n", Table(calibrate::parameter_table(result.json)).text(style_for(stdout)),
+      print_text("{}{}\n", Table(calibrate::parameter_table(result.json)).text(style_for(stdout)),
                  calibrate::residual_text(result.json));
     print_written(files);
   }

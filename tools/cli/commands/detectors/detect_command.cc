@@ -44,7 +44,7 @@ void print_detection(Json result, const std::vector<std::string>& files, bool js
   text += table.text(style);
   if (const std::size_t trials = result.at("trials").size(); trials > most_trials_shown)
     text += fmt::format("  {}; -o FILE writes all of them\n", counted(trials - most_trials_shown, "more trial"));
-  fmt::print("{}", text);
+  print_text("{}", text);
   print_written(files);
 }
 
@@ -95,7 +95,7 @@ void DetectCommand::detect_in_python() {
                      {"output", output},           {"json", json},
                      {"install", module.install()}};
   take_stdout_back();
-  module.start(request.dump());
+  module.start(request_text(request));
 }
 
 }  // namespace slipbench

@@ -151,7 +151,7 @@ int EvalCommand::run() {
     files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, place, options.detector), result);
   }
   if (json) return print_json(result);
-  fmt::print("{}{}", eval_text(result, style_for(stdout)), step);
+  print_text("{}{}", eval_text(result, style_for(stdout)), step);
   print_written(files);
   return exit_good;
 }
@@ -247,11 +247,11 @@ int BenchmarkCommand::verify() const {
     print_json({{"file", verified}, {"same", difference.empty()}, {"difference", difference}, {"same_machine", same_machine}});
   } else {
     const Style style = style_for(stdout);
-    fmt::print("{}\n", difference.empty()
+    print_text("{}\n", difference.empty()
                            ? style.good(verified +
                                         ": recomputed with the same result: numbers agree within 1e-9, everything else exactly")
                            : style.error(verified + ": differs: ") + difference);
-    if (!same_machine) fmt::print("made on another machine or by another build; see `machine` in the file\n");
+    if (!same_machine) print_text("made on another machine or by another build; see `machine` in the file\n");
   }
   return difference.empty() ? exit_good : exit_check_failed;
 }
@@ -272,7 +272,7 @@ int BenchmarkCommand::run() {
     files.push_back(submission);
   }
   if (json) return print_json(result);
-  fmt::print("{}", text(result));
+  print_text("{}", text(result));
   print_written(files);
   return exit_good;
 }

@@ -98,7 +98,7 @@ int HdReplayCommand::run() {
   const std::unique_ptr<hd::Engine> classifier = make_hd_engine(engine, saved.model, saved.memories);
 
   Json steps = Json::array();
-  if (!json) fmt::print("step,class,d1,d2,d3\n");
+  if (!json) print_text("step,class,d1,d2,d3\n");
   for (const HdVector& vector : frames) {
     const hd::Decision decision = classifier->update(vector.frame);
     if (decision.state == PadState::no_contact) continue;  // the window is not full yet
@@ -106,7 +106,7 @@ int HdReplayCommand::run() {
     if (json) {
       steps.push_back({{"step", vector.step}, {"class", state}, {"distances", decision.distance}});
     } else {
-      fmt::print("{},{},{}\n", vector.step, state, fmt::join(decision.distance, ","));
+      print_text("{},{},{}\n", vector.step, state, fmt::join(decision.distance, ","));
     }
   }
   if (json) print_json({{"steps", steps}});

@@ -220,7 +220,7 @@ int TrainCommand::run() {
   const PythonModule module("slipbench._train", "train --recipe " + recipe_, "");
   take_stdout_back();
   request["json"] = json;
-  module.start(request.dump());
+  module.start(request_text(request));
 }
 
 int TrainCommand::train_hd() {
@@ -239,7 +239,7 @@ int TrainCommand::train_hd() {
       summary.own_split ? fmt::format("trained on {} of {}, the part train of the dataset's split; --all trains on all trials\n",
                                       summary.sequences, counted(summary.trials, "trial"))
                         : "";
-  fmt::print(
+  print_text(
       "{}\n{}\n{}\n{}{}\n{}{}{} {}\n{}\n",
       style.heading(fmt::format("{}, labels {}: {}, {}", model_name(options.model), slip_rule_name(options.sequences.labels),
                                 counted(summary.sequences, "sequence"), counted(summary.samples, "frame"))),

@@ -75,7 +75,7 @@ void print_total(const std::vector<SceneCheck>& checks, const Style& style) {
   for (const Verdict verdict : {Verdict::failed, Verdict::tests_nothing, Verdict::not_checked}) {
     if (count(verdict) > 0) text += fmt::format(", {} {}", count(verdict), verdict_text(verdict));
   }
-  fmt::print("{}\n", std::ranges::all_of(checks, good) ? style.good(text) : style.error(text));
+  print_text("{}\n", std::ranges::all_of(checks, good) ? style.good(text) : style.error(text));
 }
 
 // Returns the checks, with a folder for each scene. Throws InputError before anything runs: for a
@@ -161,7 +161,7 @@ int CheckCommand::run() {
     for (CheckOptions& check : planned) {
       checks.push_back(check_settled(check, catalogues, *this));
       if (prints) {
-        fmt::print("{}\n", check_text(checks.back(), style));
+        print_text("{}\n", check_text(checks.back(), style));
         std::fflush(stdout);
       }
     }

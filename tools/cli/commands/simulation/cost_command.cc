@@ -117,7 +117,7 @@ int CostCommand::run() {
   if (json) {
     print_json(found);
   } else {
-    if (!quiet) fmt::print("{}", text);
+    if (!quiet) print_text("{}", text);
     print_written(files);
   }
   return interrupted ? exit_interrupted : exit_good;

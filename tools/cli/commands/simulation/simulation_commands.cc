@@ -95,7 +95,7 @@ void print_json(const Finished& finished, const std::vector<Warning>& warnings, 
     json["detectors"] = detectors_json(scores);
   }
   if (std::vector<GraspRow> rows = grasp_rows(finished.summary); !rows.empty()) json["grasps"] = grasp_json(rows);
-  trials.print(json.dump());
+  trials.print(printed_json(json));
 }
 
 // Reads the scene that is piped to the command `verb`.
@@ -120,10 +120,10 @@ std::string with_input(const SweepOptions& options, const std::string& command) 
 
 void print_only_trial(const SweepOptions& options, const SweepSummary& summary, const Catalogues& catalogues,
                       const Style& style) {
-  fmt::print("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
+  print_text("{}{}", scene_text(summary.scene, catalogues, style, terminal_width(stdout)),
              trial_text(summary.trials.front(), sensors_of(summary.scene), style));
   if (summary.available > 1) {
-    fmt::print("  trial {} of the {} trials of the scene's sweep; run all of them with: {}\n", summary.trials.front().trial,
+    print_text("  trial {} of the {} trials of the scene's sweep; run all of them with: {}\n", summary.trials.front().trial,
                summary.available, as_called(with_input(options, "slipbench sweep " + shell_word(options.scene_path))));
   }
 }
@@ -135,7 +135,7 @@ void print_next_step(const SweepOptions& options, const SweepSummary& summary, b
     print_next(with_input(options, fmt::format("slipbench {} {} -o FILE.h5", options.verb, shell_word(options.scene_path))) +
                " stores the recordings");
   } else {
-    fmt::print("{} {}\n", style.good("written:"), files_text(summary.files));
+    print_text("{} {}\n", style.good("written:"), files_text(summary.files));
     print_next(summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, when all shards are finished"
                              : "slipbench report " + shell_word(summary.files.front()));
   }
@@ -158,12 +158,12 @@ void print_summary(const SweepOptions& options, const Finished& finished, bool s
   if (summary.trials.size() == 1) {
     print_only_trial(options, summary, catalogues, style);
   } else {
-    fmt::print("{}", sweep_text(summary, style));
+    print_text("{}", sweep_text(summary, style));
   }
   if (summary.shard)
-    fmt::print("shard {}: {} of {} of the sweep\n", shard_text(*summary.shard), summary.planned,
+    print_text("shard {}: {} of {} of the sweep\n", shard_text(*summary.shard), summary.planned,
                counted(summary.shard->trials, "trial"));
-  fmt::print("\n{}\n{}", speed_text(summary, finished.elapsed), steps_text(summary));
+  print_text("\n{}\n{}", speed_text(summary, finished.elapsed), steps_text(summary));
   print_next_step(options, summary, streams, style);
 }
 
@@ -252,7 +252,7 @@ int SimulationCommand::run() {
   if (json) {
     print_json(finished, warnings, trials);
   } else if (summary.was_complete && sums_up) {
-    fmt::print("{} is complete with {}; there is nothing to resume\n", sweep.output, counted(summary.resumed, "trial"));
+    print_text("{} is complete with {}; there is nothing to resume\n", sweep.output, counted(summary.resumed, "trial"));
   } else if (sums_up && !summary.interrupted && !summary.trials.empty()) {
     print_summary(sweep, finished, streams(), catalogues);
   }
@@ -339,7 +339,7 @@ int MergeCommand::run() {
     about += fmt::format(", {} were in several files ({} bit-identical, {} within 1e-9)", merged.duplicates,
                          merged.duplicates - merged.within_rounding, merged.within_rounding);
   }
-  fmt::print("{} {}: {}\n", style_for(stdout).good("written:"), files_text(merged.files), about);
+  print_text("{} {}: {}\n", style_for(stdout).good("written:"), files_text(merged.files), about);
   print_next("slipbench report " + shell_word(merged.files.front()));
   return exit_good;
 }
@@ -372,7 +372,7 @@ int ClusterCommand::run() {
   const std::vector<std::string> files = write_cluster_folder(options, catalogues);
   if (json) return print_json({{"files", files}});
   print_written(files);
-  fmt::print("{} read {}\n", style_for(stdout).dim("next:"), files.front());
+  print_text("{} read {}\n", style_for(stdout).dim("next:"), files.front());
   return exit_good;
 }
 

@@ -133,9 +133,9 @@ int ViewCommand::run() {
   if (scene) print_written({dataset});
   print_written({page});
   if (browser) {
-    fmt::print("opened by {}\n", *browser);
+    print_text("opened by {}\n", *browser);
   } else {
-    fmt::print("{} open it in a browser: {}\n", style_for(stdout).dim("next:"), std::filesystem::absolute(page).string());
+    print_text("{} open it in a browser: {}\n", style_for(stdout).dim("next:"), std::filesystem::absolute(page).string());
   }
   return exit_good;
 }
