@@ -48,7 +48,7 @@ void limit_time(const std::string& path) {
   ::setrlimit(RLIMIT_CORE, &no_core);
 }
 
-// What the reader writes if it needs more memory; prepared, because writing it may not allocate.
+// The message for a file that needs more memory; prepared, because writing it may not allocate.
 std::string too_large;
 
 // A small file may declare any amount of memory. The limit counts data (RLIMIT_DATA), not addresses

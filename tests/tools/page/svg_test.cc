@@ -40,7 +40,7 @@ TEST(LinearAxis, EndsAtAConstantBeyondWholeNumbers) {
   EXPECT_NEAR(axis.at(1.7e18), 100.0, 1e-9);
 }
 
-// Whether axes of two values keep their promises: few ticks, in ascending order, within ends that
+// Checks that an axis of two values keeps its promises: few ticks, in ascending order, within ends that
 // contain both values, which have a place between the ends.
 void expect_axis(const Axis& axis, double least, double most) {
   ASSERT_LE(axis.ticks.size(), 1001u);
