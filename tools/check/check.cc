@@ -234,29 +234,21 @@ void check_reliabilities(const TrialPlan& plan, const ExpectScene& expect) {
   }
 }
 
-// XML 1.0 allows no other control characters, escaped or not. Bytes beyond ASCII pass: scenes and
-// paths are UTF-8.
-bool allowed_in_xml(char c) { return static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n' || c == '\r'; }
-
 // Text inside double quotes. Line ends and tabs are escaped, since XML reads plain ones as spaces.
+// XML has no escapes for other control characters, which escape_html() writes as text.
 std::string attribute(std::string_view text) {
   std::string result;
-  for (const char c : page::escape_html(text)) {
-    if (c == '\n' || c == '\r' || c == '\t') {
-      result += fmt::format("&#{};", int{c});
-    } else {
-      result += allowed_in_xml(c) ? c : '?';
-    }
-  }
+  for (const char c : page::escape_html(text))
+    result += c == '\n' || c == '\t' ? fmt::format("&#{};", int{c}) : std::string(1, c);
   return result;
 }
 
 // A CDATA section. An end mark inside the text is split between two sections.
 std::string cdata(std::string_view text) {
   std::string result = "<![CDATA[";
-  for (const char c : text) {
+  for (const char c : printable(text, true)) {
     if (c == '>' && result.ends_with("]]")) result += "]]><![CDATA[";
-    result += allowed_in_xml(c) ? c : '?';
+    result += c;
   }
   return result + "]]>";
 }

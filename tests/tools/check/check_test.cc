@@ -214,7 +214,7 @@ for suite in root:
   const ChildResult read = run_shell("python3 read.py", folder / "");
   EXPECT_EQ(read.status, 0) << read.err;
   EXPECT_EQ(read.out, R"x(testsuites ['6', '2', '0', '1']
-testsuite 'a&b<"\'>\t?.yaml' ['3', '1', '0', '0']
+testsuite 'a&b<"\'>\t\\x01.yaml' ['3', '1', '0', '0']
   testcase max_slip True
     failure expectation max_slip: at most 3 mm in 18 of 20 trials, needed in 20; worst: 4.1 mm in trial 7
 max_slip: at most 3 mm in 18 of 20 trials, needed in 20; worst: 4.1 mm in trial 7
