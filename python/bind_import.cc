@@ -1,7 +1,6 @@
 // Bindings for `import --map`: sources, YAML with line numbers, and the writer of recordings.
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -96,15 +95,17 @@ class MappedImport {
     writer_.add(std::move(record), path, 0, std::exchange(time_units_, {}));
   }
   void warn(const std::string& path, const std::string& text) { writer_.warn(path, text); }
-  // Prints the summary of the import as the program does.
-  void finish(std::size_t sources, bool json) {
-    print_import(writer_.finish(sources), options_, json);
-    std::fflush(stdout);
+  void finish(std::size_t sources) { summary_ = writer_.finish(sources); }
+  // Prints the summary of the finished import as the program does. Raises OSError if stdout cannot
+  // be written.
+  void print(bool json) const {
+    print_whole([&] { print_import(summary_, options_, json); });
   }
 
  private:
   ImportOptions options_;
   RecordingWriter writer_;
+  ImportSummary summary_;
   std::vector<SensorRecord> sensors_;
   std::vector<double> time_units_;  // of each sensor
 };
@@ -124,7 +125,8 @@ void bind_import(nb::module_& module) {
            nb::arg("channels"))
       .def("add", &MappedImport::add, nb::arg("path"), nb::arg("params"), nb::arg("object"))
       .def("warn", &MappedImport::warn, nb::arg("path"), nb::arg("text"))
-      .def("finish", &MappedImport::finish, nb::arg("sources"), nb::arg("json"));
+      .def("finish", &MappedImport::finish, nb::arg("sources"))
+      .def("print", &MappedImport::print, nb::arg("json"));
 }
 
 }  // namespace slipbench::python

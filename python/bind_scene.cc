@@ -424,7 +424,7 @@ void bind_scene(nb::module_& module) {
   module.def("evaluate", &evaluate);
   module.def("detect", &detect);
   module.def("print_detection", [](const std::string& result, const std::vector<std::string>& files, bool json) {
-    print_detection(Json::parse(result), files, json);
+    print_whole([&] { print_detection(Json::parse(result), files, json); });
   });
   module.def("evenly_spaced", [](const Times& times, double resolution) { return evenly_spaced(span_of(times), resolution); });
   module.def("timing_text", [](const Times& times, double resolution) {

@@ -78,6 +78,7 @@ void bind_values(nb::module_& module) {
       .def("integer", [](RandomStream& stream, std::uint64_t bound) { return stream.integer(bound); })
       .def("permutation", &permutation)
       .def("copy", [](const RandomStream& stream) { return RandomStream(stream); });
+  module.def("printable", [](const std::string& text, bool lines) { return printable(text, lines); });
   module.def("parse_quantity", &parsed_quantity, nb::arg("text"), nb::arg("unit").none());
 }
 

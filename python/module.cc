@@ -1,6 +1,9 @@
 #include "python/module.h"
 
+#include <cerrno>
+#include <cstdio>
 #include <exception>
+#include <system_error>
 
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -15,6 +18,17 @@ std::vector<slipbench::Override> slipbench::python::overrides_of(const Pairs& pa
   std::vector<Override> overrides;
   for (const auto& [path, value] : pairs) overrides.push_back({path, value});
   return overrides;
+}
+
+void slipbench::python::print_whole(const std::function<void()>& print) {
+  try {
+    print();
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  } catch (const std::system_error& error) {  // of fmt
+    errno = error.code().value();
+  }
+  PyErr_SetFromErrno(PyExc_OSError);
+  throw nb::python_error();
 }
 
 // The extension `_core`, which the package `slipbench` wraps and documents.

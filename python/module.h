@@ -1,6 +1,7 @@
 // Functions that define the parts of the Python module, one per file.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,10 @@ std::vector<Override> overrides_of(const Pairs& pairs);
 // Warnings in Python: subject and text.
 using Texts = std::vector<std::pair<std::string, std::string>>;
 Texts texts_of(const std::vector<Warning>& warnings);
+
+// Prints the result of a command on stdout and flushes it. Raises Python's OSError if stdout cannot
+// be written.
+void print_whole(const std::function<void()>& print);
 
 void bind_trial(nanobind::module_& module);
 void bind_scene(nanobind::module_& module);

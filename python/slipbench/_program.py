@@ -7,10 +7,14 @@ import os
 import shutil
 import signal
 import sys
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import TextIO
 
+from slipbench.bin import _core
+
+GOOD, BAD_INPUT, INTERRUPTED = 0, 2, 130  # exit statuses, as the program's
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -55,29 +59,6 @@ class Interrupt:
             os.write(2, (("\r\033[K" if os.isatty(2) else "") + self._notice).encode())
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Writes PATH.partial, syncs it and renames it, so that PATH is complete at any time.
-
-    Args:
-        path: path of the file; an existing file is replaced
-        data: content of the file
-
-    Raises:
-        OSError: the file cannot be written; PATH is unchanged and no other file remains
-    """
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with partial.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            partial.unlink(missing_ok=True)
-        raise
-
-
 def counted(count: int, what: str) -> str:
     """ "1 file", "2 files". `what`: the singular of a word whose plural ends in s."""
     return f"{count} {what}{'' if count == 1 else 's'}"
@@ -98,6 +79,27 @@ def text_width() -> int:
     return max(LEAST_WIDTH, min(WIDTH, shutil.get_terminal_size((WIDTH, 1)).columns)) if watched(sys.stdout) else WIDTH
 
 
+def printable(text: str, lines: bool = False) -> str:
+    """Text for a terminal or a page, with control characters, and characters that change the
+    direction of text or are invisible, as escapes. Line ends stay with `lines`. The text may come
+    from an untrusted file."""
+    return _core.printable(text.encode("utf-8", "backslashreplace").decode(), lines)  # names of files may not be UTF-8
+
+
+def say(text: str) -> None:
+    """Writes text on stderr. Errors are ignored, so that the work continues if stderr is closed or
+    full."""
+    with contextlib.suppress(OSError, ValueError):
+        if sys.stderr is not None:
+            sys.stderr.write(text)
+            sys.stderr.flush()
+
+
+def say_error(message: str) -> None:
+    """Prints an error as the program does: "slipbench: MESSAGE"."""
+    say(f"{styled(sys.stderr, '1;31', 'slipbench:')} {printable(message, lines=True)}\n")
+
+
 def write_result(write: Callable[[], None]) -> int:
     """Prints the result of a command; returns the exit status. If the reader has closed the pipe,
     SIGPIPE ends the process, as it ends the program."""
@@ -108,8 +110,69 @@ def write_result(write: Callable[[], None]) -> int:
         write()
         sys.stdout.flush()
     except OSError as error:
-        print(f"{styled(sys.stderr, '1;31', 'slipbench:')} cannot write to standard output: {error.strerror}", file=sys.stderr)
+        say_error(f"cannot write to standard output: {error.strerror}")
         if sys.stdout is not None:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise the exit would fail to write the rest
-        return 2
-    return 0
+        return BAD_INPUT
+    return GOOD
+
+
+def catch_signals() -> None:
+    """Lets the signals of SIGNALS that are not ignored raise KeyboardInterrupt, including those
+    that the program has blocked until now. For commands that need no Interrupt."""
+    for number in SIGNALS:
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+
+
+def run_command(work: Callable[[], int], *, needs: str = "", install: str = "", target: str = "",
+                interrupted: Callable[[], str] = lambda: "interrupted; nothing is kept") -> int:
+    """Runs a command and ends it as the program ends its own: every error is one message on stderr.
+
+    Args:
+        work: the command; returns its exit status
+        needs: the feature that needs further packages, such as "import --map"
+        install: command that installs these packages; empty: the error states it
+        target: path that is named if an error of the system names none
+        interrupted: text for the user after a signal; empty: none
+
+    Returns:
+        The exit status of `work`; 2 after bad input, an error of the system or an internal error;
+        130 after a signal.
+    """
+    try:
+        return work()
+    except (Interrupted, KeyboardInterrupt) as stop:  # the latter also from C++ code
+        if text := str(stop) or interrupted():
+            say(f"slipbench: {text}\n")
+        return INTERRUPTED
+    except _core.InputError as error:
+        message = str(error)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] in ("slipbench", "slipbench_studies"):
+            message = _internal(error)
+        elif "install it" in str(error):  # of slipbench.learning
+            message = f"{needs}: {error}"
+        else:
+            message = f"{needs} needs the Python package {error.name}, which {sys.executable} does not have; install it: {install or f'pip install {error.name}'}"
+    except OSError as error:
+        named = isinstance(error.filename, (str, bytes))
+        message = f"{os.fsdecode(error.filename) if named else f'cannot write {target}'}: {error.strerror or error}"
+    except MemoryError:
+        message = "out of memory"
+    except Exception as error:  # noqa: BLE001  a bug: the user is the only one who can report it
+        message = _internal(error)
+    sys.unraisablehook = lambda _: None  # writers that are destroyed unclosed would repeat the error with a traceback
+    say_error(message)
+    return BAD_INPUT
+
+
+def _internal(error: Exception) -> str:
+    """"internal error, please report it: KeyError: 'x', at _import/text.py:12": the kind of an
+    error, its first line, and the innermost line of the package."""
+    root = Path(__file__).parent
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).is_relative_to(root)]
+    place = f", at {Path(frames[-1].filename).relative_to(root)}:{frames[-1].lineno}" if frames else ""
+    first = next(iter(str(error).splitlines()), "")
+    return f"internal error, please report it: {type(error).__name__}{': ' if first else ''}{first}{place}"

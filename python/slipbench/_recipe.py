@@ -6,14 +6,13 @@ from __future__ import annotations
 import inspect
 import json
 import re
-import signal
 import sys
 import textwrap
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from slipbench._program import SIGNALS, counted, styled, text_width, write_result
+from slipbench._program import catch_signals, counted, run_command, styled, text_width, write_result
 
 if TYPE_CHECKING:
     from slipbench.learning import Input, Recipe, Training
@@ -107,21 +106,18 @@ def show(recipe: Recipe, as_json: bool) -> None:
     print(f"\n{styled(sys.stdout, '1', 'On the command line')}\n  slipbench train DATA.h5 --recipe {recipe.name} -o detector.onnx")
 
 
-def main(request: dict[str, Any]) -> int:
+def run(request: dict[str, Any]) -> int:
     """Prints the requested recipe, optionally as JSON; returns the exit status."""
-    for number in SIGNALS:  # blocked by the program until now; nothing here needs clean-up
-        if signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
-    try:
-        from slipbench.learning import find_recipe
-    except ModuleNotFoundError as error:
-        if error.name not in ("torch", "onnx"):
-            raise
-        print(f"{styled(sys.stderr, '1;31', 'slipbench:')} describe {request['name']}: {error}", file=sys.stderr)
-        return 2
+    catch_signals()
+    from slipbench.learning import find_recipe
+
     recipe = find_recipe(request["name"])
     return write_result(lambda: show(recipe, request["json"]))
+
+
+def main(request: dict[str, Any]) -> int:
+    """Runs the request; returns the exit status."""
+    return run_command(lambda: run(request), needs=f"describe {request['name']}", interrupted=lambda: "interrupted")
 
 
 if __name__ == "__main__":

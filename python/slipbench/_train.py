@@ -11,10 +11,9 @@ import shutil
 import sys
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
-from slipbench import InputError
-from slipbench._program import Interrupt, Interrupted, counted, styled
+from slipbench._program import Interrupt, counted, printable, run_command, say, styled, write_result
 
 if TYPE_CHECKING:
     from slipbench.learning import Report, Trained
@@ -92,8 +91,7 @@ class ProgressReporter:
     def write_line(self, text: str) -> None:
         """Writes a line, unless JSON was requested."""
         if not self._quiet:
-            sys.stderr.write(f"slipbench: {text}\n")
-            sys.stderr.flush()
+            say(f"slipbench: {printable(text)}\n")
 
     def show_read(self, done: int, trials: int) -> None:
         """Draws a bar on a terminal. Raises Interrupted after a signal."""
@@ -104,8 +102,7 @@ class ProgressReporter:
         self._drawn, width = now, min(30, shutil.get_terminal_size().columns // 3)
         filled = width * done // trials
         end = "\r\033[K" if done == trials else ""
-        sys.stderr.write(f"\r\033[K[{'#' * filled}{'-' * (width - filled)}] {done}/{trials}{end}")
-        sys.stderr.flush()
+        say(f"\r\033[K[{'#' * filled}{'-' * (width - filled)}] {done}/{trials}{end}")
 
     def show_validation(self, member: int, report: Report) -> None:
         """Writes a line for each validation, with the remaining time."""
@@ -147,7 +144,7 @@ def next_text(request: Request, trained: Trained) -> str:
     """Command that evaluates the trained detector on data outside of its training."""
     rule: str = trained.description["trained"]["labels"]
     judged = "masked" if rule in ("tightened", "moved") else rule
-    options = f" --sensor {shlex.quote(trained.sensors[0])} --labels {judged}"
+    options = f" --sensor {shlex.quote(printable(trained.sensors[0]))} --labels {judged}"
     command = f"{styled(sys.stdout, '2', 'next:')} {os.environ.get('SLIPBENCH_CALLED_AS', 'slipbench')} eval {shlex.quote(request.output)} "
     data, part = trained.judged_from
     if data:
@@ -170,12 +167,12 @@ def print_summary(request: Request, trained: Trained) -> None:
     print(f"  validation: {share_text(trained.validation)} balanced accuracy, {'nan' if rate is None else f'{rate:.1f}'} false alarms per minute of hold")
     if facts["by_score"]:
         print(score_text(facts["validation"]))
-    print(styled(sys.stdout, "32", "written:"), request.output)
+    print(styled(sys.stdout, "32", "written:"), printable(request.output))
     print(next_text(request, trained))
 
 
-def run(request: Request) -> None:
-    """Trains a network and prints its figures."""
+def run(request: Request) -> int:
+    """Trains a network and prints its figures; returns the exit status."""
     from slipbench.learning import find_recipe, train  # reports a missing PyTorch before reading data
     from slipbench.learning._names import naming_options
 
@@ -186,35 +183,31 @@ def run(request: Request) -> None:
                         held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned,
                         alarms=math.inf if request.frame_by_frame else request.alarms, by_score=request.by_score,
                         specificity=request.specificity, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
-    if request.json:
-        described = trained.description
-        summary: dict[str, Any] = described["trained"] | {"output": request.output, "threshold": described["threshold"], "alarm": described["alarm"]}
-        print(json.dumps(summary, separators=(",", ":")))
-    else:
+    return write_result(lambda: print_trained(request, trained))
+
+
+def print_trained(request: Request, trained: Trained) -> None:
+    """Prints the result of a training, or with --json one JSON object."""
+    if not request.json:
         print_summary(request, trained)
+        return
+    described = trained.description
+    summary: dict[str, Any] = described["trained"] | {"output": request.output, "threshold": described["threshold"], "alarm": described["alarm"]}
+    print(json.dumps(summary, separators=(",", ":")))
+
+
+def interrupted_text(request: Request) -> str:
+    """States what an interrupted training has kept."""
+    if os.path.exists(f"{request.output}.checkpoint-0"):
+        return f"interrupted: kept in {request.output}.checkpoint-0; continue by the same command with --resume"
+    return "interrupted; nothing is kept"
 
 
 def main(text: str) -> int:
     """Runs the request; returns the exit status."""
     request = Request(**json.loads(text))
-    try:
-        run(request)
-        return 0
-    except (Interrupted, KeyboardInterrupt):  # the latter from C++ code that reads data
-        kept = os.path.exists(f"{request.output}.checkpoint-0")
-        print(f"slipbench: interrupted: kept in {request.output}.checkpoint-0; continue by the same command with --resume" if kept
-              else "slipbench: interrupted; nothing is kept", file=sys.stderr)
-        return 130
-    except ModuleNotFoundError as error:
-        if error.name not in ("torch", "onnx"):
-            raise
-        message = f"train --recipe {request.recipe}: {error}"
-    except InputError as error:
-        message = str(error)
-    except OSError as error:
-        message = f"{error.filename or request.output}: cannot be written: {error.strerror or error}"
-    print(f"{styled(sys.stderr, '1;31', 'slipbench:')} {message}", file=sys.stderr)
-    return 2
+    return run_command(lambda: run(request), needs=f"train --recipe {request.recipe}", target=request.output,
+                       interrupted=lambda: interrupted_text(request))
 
 
 if __name__ == "__main__":

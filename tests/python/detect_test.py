@@ -1,6 +1,8 @@
 """`slipbench detect`: alarms of recordings with and without labels, as tables and as a page."""
 
 import json
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -135,6 +137,43 @@ class DetectTest(unittest.TestCase):
         with self.assertRaisesRegex(slipbench.InputError, "cannot write .*e.parquet"):
             self.detect("plain", "e.parquet")
         self.assertEqual(sorted(path.name for path in self.place.glob("e*.parquet*")), ["e_samples.parquet.partial"])
+
+    def test_a_planted_link_is_not_written_through(self):
+        victim = self.place / "victim"
+        victim.write_text("mine")
+        for name in ("f.parquet", "f_samples.parquet", "f.csv", "f_samples.csv"):
+            link = self.place / f"{name}.partial"
+            link.symlink_to(victim)
+            with self.assertRaisesRegex(slipbench.InputError, "symbolic link"):
+                self.detect("plain", name.replace("_samples", ""))
+            link.unlink()
+        (self.place / "f.parquet").symlink_to(victim)
+        with self.assertRaisesRegex(slipbench.InputError, "f.parquet: it is a symbolic link"):
+            self.detect("plain", "f.parquet")
+        self.assertEqual((victim.read_text(), len(list(self.place.glob("f[._]*")))), ("mine", 1))
+
+    def test_a_full_disk_leaves_both_tables_or_none(self):
+        """The table of samples is longer than that of alarms: a limit between both emulates the full disk."""
+        for ending in ("csv", "parquet"):
+            self.detect("plain", f"g.{ending}")
+            sizes = [(self.place / name).stat().st_size for name in (f"g.{ending}", f"g_samples.{ending}")]
+            self.assertLess(sizes[0], sizes[1])
+            command = [sys.executable, "-m", "slipbench", "detect", "force_ratio", "plain.h5", "--set", "ratio=0.35", "-o", f"h.{ending}"]
+            limit = (sizes[0] + sizes[1]) // 2
+            done = subprocess.run(command, cwd=self.place, capture_output=True, text=True, check=False,
+                                  preexec_fn=lambda limit=limit: (signal.signal(signal.SIGXFSZ, signal.SIG_IGN), resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))))
+            self.assertEqual((done.returncode, [path.name for path in self.place.glob("h*")]), (2, []))
+            self.assertRegex(done.stderr, r"^slipbench: cannot write h(_samples)?\.\w+: File too large\n$")
+
+    def test_a_name_is_no_address(self):
+        """pyarrow would take b:c.parquet for an address of a file system b."""
+        command = [sys.executable, "-m", "slipbench", "detect", "force_ratio", "plain.h5", "--set", "ratio=0.35", "-o", "b:c.parquet"]
+        for _ in range(2):  # the second run replaces the files of the first
+            done = subprocess.run(command, cwd=self.place, capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run(command, cwd=self.place, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (2, "slipbench: cannot write to standard output: No space left on device\n"))
 
     def test_a_recording_counts_once(self):
         with self.assertRaisesRegex(slipbench.InputError, r"\./plain\.h5: was given twice; give each recording once"):

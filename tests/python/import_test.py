@@ -16,10 +16,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 import slipbench
+from backports import zstd
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from slipbench._import import arrays, bags
+from slipbench._import import arrays, bags, labels, limits, times
 from slipbench._import.block import read_map
 from slipbench._import.keys import BLOCKS
 from slipbench._import.recordings import Importer, Map
@@ -84,8 +85,9 @@ class ImportTest(unittest.TestCase):
         files = described.files([str(source) for source in sources])
         for file in files:
             importer.add(file)
+        writer.finish(len(files))
         with printed(self.folder / "printed") as text:
-            writer.finish(len(files), json=True)
+            writer.print(json=True)
         data = slipbench.open(output)
         self.addCleanup(data.close)
         return list(data.values()), [warning["text"] for warning in json.loads(text())["warnings"]]
@@ -189,10 +191,10 @@ class Tables(ImportTest):
             "one row": ("t,f1,f2\n0,1,2\n", "a.csv: has 1 sample; at least two are needed to determine the rate"),
             "back": (
                 changed("0.02", "0.01"),
-                "a.csv:4: column 1, time: 0.01 s comes after 0.01 s; expected ascending times",
+                "a.csv:4: column 1, time: 0.01 s is the time of line 3, too; expected ascending times",
             ),
             "twice": (table(titles=("t", "f1", "f1")).replace("f1,f1", "f1,f1,f2"), "a.csv:1: has 2 columns 'f1'"),
-            "bytes": (b"t,f1\0\xff" * 9, "a.csv: the file is not text"),
+            "bytes": (b"t,f1\0\xff" * 9, "a.csv: is not text"),
             "no value": (
                 changed("0.600", ""),
                 "a.csv:3: column f1 has no value; expected a number in each row, or missing: gap",
@@ -224,7 +226,7 @@ class Tables(ImportTest):
         # 40,000 letters without a number: the search takes time proportional to their number, and
         # the message has few of them.
         message = self.refused(MAP % "", self.write("a.csv", ("a" * 40_000 + "\n") * 50))
-        self.assertRegex(message, r"has no column 'f1'; found: a{60}…; read with one column between the cells")
+        self.assertRegex(message, r"has no column 'f1'; found: a{60}…; read as one column")
 
     def test_missing_cells_are_gaps_or_nan_and_reported_with_place_and_length(self):
         rows = [[f"{k / 100:.2f}", f"{k}", "1"] for k in range(10)]
@@ -309,6 +311,131 @@ class Tables(ImportTest):
                 "time: expected one of unit, scale, format and nanoseconds, found",
                 self.refused((MAP % "").replace("{column: t}", "{column: t, " + keys + "}"), path),
             )
+
+    def test_iso_8601_is_read_right_or_refused(self):
+        # 2024-03-11 is day 71 of its year, the Monday of week 11, and 19,793 days after 1970-01-01:
+        # 54 years of 365 days, 13 leap days (1972 to 2020), 31 + 29 days of 2024 and 10 days of March.
+        day = 86400 * (54 * 365 + 13 + 31 + 29 + 10)
+        for text, seconds, resolution in (
+            ("2024-03-11T23:40:05", day + 23 * 3600 + 40 * 60 + 5, 1),
+            ("2024-03-11T23:40:05.25", day + 23 * 3600 + 40 * 60 + 5.25, 0.01),
+            ("2024-03-11 23:40:05,25Z", day + 23 * 3600 + 40 * 60 + 5.25, 0.01),
+            # A fraction counts in the last part that is written: 0.05 min is 3 s, 0.25 h is 15 min.
+            ("2024-03-11T23:40.05", day + 23 * 3600 + 40 * 60 + 3, 0.6),
+            ("2024-03-11T23,25", day + 23 * 3600 + 15 * 60, 36),
+            ("2024-03-11T23:40", day + 23 * 3600 + 40 * 60, 60),
+            ("20240311T234005", day + 23 * 3600 + 40 * 60 + 5, 1),
+            ("20240311T2340.5+0100", day + 22 * 3600 + 40 * 60 + 30, 6),
+            ("2024-03-11T23:40:05-05:30", day + 86400 + 5 * 3600 + 10 * 60 + 5, 1),
+            ("2024-03-11T23:40:05\N{MINUS SIGN}05", day + 86400 + 4 * 3600 + 40 * 60 + 5, 1),
+            ("2024-W11-1T01:00", day + 3600, 60),
+            ("2024W111T01", day + 3600, 3600),
+            ("2024-071T01:00:00", day + 3600, 1),
+            ("2024071T010000", day + 3600, 1),
+            ("2024-03-10T24:00:00", day, 1),  # the end of a day is the beginning of the next
+            ("2024-03-11", day, 86400),
+            ("12:30:00,5", 45000.5, 0.1),
+            ("24:00:00", 86400, 1),
+        ):
+            with self.subTest(text):
+                self.assertTrue(times.is_moment(text))
+                found, written = times.moment_of(text)
+                self.assertEqual(found, seconds)
+                self.assertAlmostEqual(written, resolution, places=12)
+        for text in (
+            "2024-03-11T24:00:01",
+            "2024-03-11T25:00",
+            "2024-03-11T23:60",
+            "2024-03-11T23:40:60",  # seconds since 1970 know no leap second
+            "2024-02-30T00:00",
+            "2023-366T00:00",
+            "2024-W53-1T00:00",
+            "2024-0311T00:00",
+            "2024-03-11T23:4005",
+            "2024-03-11T23:40:05+24:00",
+            "2024-03-11T23:40:05.5.5",
+            "2024-03",
+            "12:30",  # minutes and seconds, or hours and minutes
+            "12:30.5",
+        ):
+            with self.subTest(text), self.assertRaises(ValueError):
+                times.moment_of(text)
+        for text in ("20240311", "12.5", "1e-3"):
+            self.assertFalse(times.is_moment(text))
+        rows = [[f"2024-03-11T23:40.0{k}", "1", "2"] for k in (5, 6, 7)]
+        np.testing.assert_allclose(
+            self.force(MAP % "", self.write("a.csv", table(rows=rows)))[1] - day, 85200 + np.array([3, 3.6, 4.2]), atol=1e-6
+        )
+        self.assertIn(
+            "a.csv:2: column t: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, or a time of day such as 10:00:00.01, found '12:30'",
+            self.refused(MAP % "", self.write("a.csv", table(rows=[["12:30", "1", "2"]] * 2))),
+        )
+
+    def test_times_that_do_not_ascend_are_explained(self):
+        def message(*cells, time="{column: t}"):
+            path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells]))
+            return self.refused((MAP % "").replace("{column: t}", time), path).split("a.csv", 1)[1]
+
+        for time in ("{column: t}", "{column: t, unit: us}"):
+            self.assertEqual(message("0", "0", "0", time=time), ":1: column 1, time: t is 0 s in all 3 samples; use time: {rate: 100 Hz}, with your rate")
+        self.assertEqual(
+            message("1710201598.118", "1710201598.120", "1710201598.120"),
+            ":4: column 1, time: 1710201598.12 s is the time of line 3, too; expected ascending times",
+        )
+        self.assertEqual(
+            message("0.1", "0.104", "0.102"),
+            ":4: column 1, time: 0.102 s comes after 0.104 s in line 3, 2 ms earlier; expected ascending times",
+        )
+        # Counters of 2^32 us and 2^16 ms, with 500 us and 1 ms between samples.
+        self.assertIn("the time jumps back by 2^32 us: a counter of 32 bits has wrapped", message("4294966.796", "4294967.296", "0.5", time="{column: t, unit: ms}"))
+        self.assertIn("the time jumps back by 2^16 ms: a counter of 16 bits has wrapped", message("65534", "65535", "0", time="{column: t, unit: ms}"))
+        self.assertIn("; the clock passed midnight; write the times with their date", message("23:59:59.8", "23:59:59.9", "00:00:00.0"))
+        self.assertIn("a clock of 12 hours passed noon or midnight", message("11:59:59.8", "11:59:59.9", "00:00:00.0"))
+        self.assertIn("if the file has several recordings, write each into its own file", message("0", "0.1", "0.2", "0"))
+
+    def test_formats_of_times_are_checked_with_the_map(self):
+        path = self.write("a.csv", table())
+        for pattern, reason in (("%Y" * 2000, "has 4000 characters; expected at most 100"), ("%Y %Y", "names a part twice"), ("%q", "'q' is a bad directive")):
+            self.assertRegex(
+                self.refused((MAP % "").replace("{column: t}", "{column: t, format: '" + pattern + "'}"), path),
+                rf"map.yaml:1: time.format: expected a format of strptime, found .*: {reason}",
+            )
+
+    def test_files_that_are_not_tables_are_named(self):
+        for beginning, message in (
+            (b"MATLAB 5.0 MAT-file, Platform", "is a MATLAB file; .*; read it by scipy.io.loadmat"),
+            (b"\x89HDF\r\n\x1a\n", "is an HDF5 file"),
+            (b"PK\x03\x04", "is a zip archive, such as Excel's .xlsx"),
+            (b"\x80\x04\x95", "is a pickle file of Python"),
+            (b"PAR1", "is a Parquet file; .*; rename it to .parquet"),
+        ):
+            self.assertRegex(self.refused(MAP % "", self.write("a.csv", beginning + bytes(8))), f"a.csv: {message}")
+        head = "LabVIEW Measurement\t\n***End_of_Header***\t\nX0\t0\t0\t\n***End_of_Header***\t\t\t\n" + table("\t")
+        self.assertIn(
+            "a.lvm:1: has no column 'f1'; found: LabVIEW Measurement; the file begins with a header of LabVIEW, and the titles are in line 5: skip: 4",
+            self.refused(MAP % "", self.write("a.lvm", head)),
+        )
+        self.assertEqual(len(self.force(MAP % ", skip: 4", self.write("a.lvm", head))[0]), 3)
+
+    def test_characters_that_look_alike_are_named(self):
+        self.assertIn(
+            "has no column 'f1'; did you mean 'f1\\u200b'? 'f1\\u200b' has U+200B (zero width space);",
+            self.refused(MAP % "", self.write("a.csv", table(titles=("t", "f1\u200b", "f2")))),
+        )
+        for cell, message in (
+            ("1\u00a0000", "found '1\\xa0000', which has U+00A0 (no-break space)"),
+            ("1\uff0e5", "found '1\uff0e5', which has U+FF0E (fullwidth full stop)"),
+            ("\u20131", "found '\u20131', which has U+2013 (en dash)"),
+        ):
+            self.assertIn(message, self.refused(MAP % "", self.write("a.csv", table().replace("0.600", cell))))
+
+    def test_a_title_cannot_stop_the_import(self):
+        path = self.write("a.csv", table(titles=("t", "f" + "1" * 5000, "f2")))
+        star = (MAP % "").replace("[f1, f2]", "['%s']")
+        # Titles with more digits than a number has are no match; a pattern that could divide digits in many ways is refused.
+        self.assertEqual(self.force(star % "f*", path)[0].shape, (3, 1))
+        self.assertIn("'f**': a * stands for a whole number", self.refused(star % "f**", path))
+        self.assertIn("'f*1*1': a * stands for a whole number", self.refused(star % "f*1*1", path))
 
     def test_tables_of_programs(self):
         """LabVIEW, pandas, numpy, Instron and R, with the text around the numbers."""
@@ -531,6 +658,62 @@ class Layouts(ImportTest):
             self.refused(map.replace(", slip: gross", ""), path),
         )
 
+    def test_a_factor_for_each_component(self):
+        star = (MAP % "").replace("columns: [f1, f2]", "%s columns: [f1, f2]")
+        path = self.write("a.csv", table())
+        values = self.force(star % "components: 2, scale: [2, -4],", path)[0]
+        self.assertEqual(values.tolist()[0], [[1.0, -5.0]])  # 0.5 * 2, 1.25 * -4
+        self.assertEqual(self.force(star % "scale: [2],", path)[0].tolist()[0], [1.0, 2.5])
+        self.assertIn(
+            "map.yaml:1: channels.force.scale: expected one factor, or one for each of the 1 component, found 3",
+            self.refused(star % "scale: [1, 2, 3],", path),
+        )
+        self.assertIn("channels.force.scale: expected a number other than 0, found '0'", self.refused(star % "scale: [1, 0],", path))
+        force = np.ones((2, 3, 3))
+        np.savez(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=force)
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, scale: [1, 2, -3], columns: [force]}}}"
+        self.assertEqual(self.force(map, self.folder / "a.npz")[0].tolist(), [[[1.0, 2.0, -3.0]] * 3] * 2)
+
+    def test_labels_may_be_booleans(self):
+        map = MAP % ", state: {column: slip, values: {%s}, rule: by hand}"
+        states = lambda text, values: self.read(map % values, self.write("a.csv", text))[0][0].labels["pad"]["state_paper"][:].tolist()
+        for off, on in (("False", "True"), ("false", "true"), ("FALSE", "TRUE")):
+            text = f"t,f1,f2,slip\n0,1,2,{off}\n1,1,2,{on}\n"
+            self.assertEqual(states(text, "false: non_slip, true: gross"), [1, 3])
+            self.assertEqual(states(text, "'False': non_slip, 'True': gross"), [1, 3])
+        self.assertIn(
+            "a.csv:2: column slip: the label 'no' is not in state.values; found there: false, true",
+            self.refused(map % "false: non_slip, true: gross", self.write("a.csv", "t,f1,f2,slip\n0,1,2,no\n1,1,2,no\n")),
+        )
+
+    def test_a_map_names_files_of_the_folders_that_the_user_named(self):
+        outside = tempfile.TemporaryDirectory()
+        self.addCleanup(outside.cleanup)
+        secret = Path(outside.name) / "secret.csv"
+        secret.write_text("root:x:0:0\n")
+        path = self.write("in/a.csv", table())
+        self.write("in/link.csv", "")
+        (self.folder / "in/link.csv").unlink()
+        (self.folder / "in/link.csv").symlink_to(secret)
+        for name in (secret, os.path.relpath(secret, self.folder), "in/link.csv"):
+            message = self.refused(MAP % f", state: {{table: {{path: {name}, column: x}}, rule: r}}", path)
+            self.assertRegex(message, "map.yaml:1: state.table.path: .*secret.csv: is outside of the folders of the map, of the recordings and of the command")
+            self.assertNotIn("root", message)
+        secret.write_text("file,label\na.csv,3\n")  # its folder is a source, too
+        states = self.read(MAP % f", state: {{table: {{path: {secret}, column: label}}, rule: r}}", path, secret)[0][0]
+        self.assertEqual(states.labels["pad"]["state_paper"][:].tolist(), [3, 3, 3])
+        with self.assertRaisesRegex(slipbench.InputError, "map.yaml:1: definitions: .* is outside of the folders"):
+            bags.read_definitions(read_map(str(self.write("map.yaml", MAP % f", definitions: [{secret}]"))), [])
+
+    def test_a_pattern_for_names_of_files_ends(self):
+        path = self.write("a" * 40 + ".csv", table())
+        state = MAP % ", state: {file: '%s', rule: r}"
+        with mock.patch.object(labels, "LONGEST_SEARCH", 0.1):
+            self.assertIn(
+                "map.yaml:1: state.file: the search in 'aaaa", self.refused(state % "((?:a+)+)$", path)
+            )  # 2^40 ways to divide the name
+        self.assertIn("its parts are nested too deeply", self.refused(state % ("(" * 3000 + ")" * 3000), path))
+
     def test_a_folder_of_texts_is_read(self):
         self.write("set/a.txt", table("\t"))
         self.write("set/b.txt", table("\t"))
@@ -593,7 +776,7 @@ class Layouts(ImportTest):
             slipbench.import_recordings(path, map="nothing")
 
     def test_the_table_of_keys_is_whole(self):
-        kinds = {"text", "name", "number", "integer", "boolean", "texts", "lines", "rate", "words", "block", "blocks"}
+        kinds = {"text", "name", "number", "numbers", "integer", "boolean", "texts", "lines", "rate", "words", "block", "blocks"}
         for block, keys in BLOCKS.items():
             self.assertEqual(len({key.name for key in keys}), len(keys), block)
             for key in keys:
@@ -627,6 +810,16 @@ class Layouts(ImportTest):
         )
         self.assertEqual(told.returncode, 2)
         self.assertRegex(told.stderr, "import --map needs the Python package pandas, .* install it: pip install x")
+
+
+    def test_a_summary_that_cannot_be_printed_is_an_error(self):
+        command = [PROGRAM, "import", str(self.write("a.csv", table())), "--map", str(self.write("map.yaml", MAP % "")), "-o", str(self.folder / "a.h5")]
+        for words in (command, [PROGRAM, "schema", "map"]):
+            with open("/dev/full", "w", encoding="utf-8") as full:
+                done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr), (2, "slipbench: cannot write to standard output: No space left on device\n"))
+            done = subprocess.run(["sh", "-c", '"$@" >&-', "sh", *words], stderr=subprocess.PIPE, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr), (2, "slipbench: cannot write to standard output: Bad file descriptor\n"))
 
 
 class Arrays(ImportTest):
@@ -728,10 +921,10 @@ class Arrays(ImportTest):
         self.assertIn("a.parquet: column 's': its lists differ in length", self.refused(map, path))
         write(2000)
         with mock.patch.object(arrays, "LARGEST", 16_000):  # 2,000 values of 8 bytes; the file has 4,000
-            self.assertIn("has 2000 rows of 2 columns; expected at most 2000 values", self.refused(map, path))
+            self.assertIn("has 4000 values in 2000 rows; expected at most 2000 values", self.refused(map, path))
         write(4)
         table = pa.parquet.read_table(path)
-        with mock.patch.object(pa.parquet, "read_table", return_value=table.slice(0, 0)):  # its list of row groups is lost
+        with mock.patch.object(pa.parquet.ParquetFile, "read", return_value=table.slice(0, 0)):  # its list of row groups is lost
             self.assertIn("a.parquet: is damaged: has 0 rows; expected 4, as its footer states", self.refused(map, path))
 
 
@@ -884,6 +1077,67 @@ class Bags(ImportTest):
             "SensorState.msg: cannot be read as the definition", self.refused(map % f"definitions: [{package}],", bag)
         )
 
+    def test_booleans_of_a_bag_are_labels(self):
+        store, kind, made = self.messages(2)
+        with Writer2(self.folder / "flags", version=9) as writer:
+            connection = writer.add_connection("/a", kind, typestore=store)
+            for row, message in enumerate(made):
+                message.pillars[0].in_contact = row > 1
+                writer.write(connection, row * 1_000_000, store.serialize_cdr(message, kind))
+        state = "state: {column: 'pillars[0].in_contact', values: {false: no_contact, true: non_slip}, rule: r},"
+        map = "{sensor: pad, type: own, %s channels: {force: {unit: N, columns: ['pillars[*].fX']}}}"
+        trial = self.read(map % state, self.folder / "flags")[0][0]
+        self.assertEqual(trial.labels["pad"]["state_paper"][:].tolist(), [0, 0, 1, 1])
+        channel = map.replace("pillars[*].fX", "pillars[0].in_contact") % ""
+        self.assertEqual(self.force(channel, self.folder / "flags")[0].ravel().tolist(), [0, 0, 1, 1])
+
+    def test_stamps_of_zero_are_explained(self):
+        store, kind, made = self.messages(2)
+        with Writer2(self.folder / "zero", version=9) as writer:
+            connection = writer.add_connection("/a", kind, typestore=store)
+            for row, message in enumerate(made):
+                message.header.stamp.sec = message.header.stamp.nanosec = 0
+                writer.write(connection, row * 1_000_000, store.serialize_cdr(message, kind))
+        map = "{sensor: pad, type: own, time: {column: header.stamp}, channels: {force: {unit: N, columns: ['pillars[*].fX']}}}"
+        self.assertRegex(
+            self.refused(map, self.folder / "zero"),
+            r"topic /a: column \d+, time: header.stamp is 0 s in all 4 samples; leave out 'time' in the map, to use the times of receipt",
+        )
+
+    def test_a_bag_of_other_messages_is_named(self):
+        dataset = self.folder / "ours.h5"
+        slipbench.Scene.load("papillarray/stage.yaml").set({"motion.speed": "8 mm/s"}).write(dataset)
+        slipbench.export(dataset, self.folder / "mcap", format="mcap")
+        self.assertRegex(
+            self.refused("{sensor: pad, type: own, channels: {force: {unit: N, columns: [f]}}}", self.folder / "mcap/demo_0.mcap"),
+            "demo_0.mcap: is an MCAP file with messages in 'protobuf'; expected those of ROS 2 in 'cdr'",
+        )
+
+    def test_files_that_unpack_to_much_more_are_refused(self):
+        def zeros(count):
+            packer, block = zstd.ZstdCompressor(), bytes(1_000_000)
+            return b"".join([*(packer.compress(block) for _ in range(count // len(block))), packer.flush()])
+
+        def record(code, content):
+            return bytes([code]) + len(content).to_bytes(8, "little") + content
+
+        map = "{sensor: pad, type: own, channels: {force: {unit: N, columns: [f]}}}"
+        size = 600_000_000
+        packed = zeros(size)
+        magic, text = b"\x89MCAP0\r\n", lambda word: len(word).to_bytes(4, "little") + word
+        chunk = bytes(16) + size.to_bytes(8, "little") + bytes(4) + text(b"zstd") + len(packed).to_bytes(8, "little") + packed
+        file = self.write("a.mcap", magic + record(1, text(b"ros2") + text(b"")) + record(6, chunk) + record(15, bytes(4)) + record(2, bytes(20)) + magic)
+        with mock.patch.object(bags, "MEMORY_OF_BAG", 300_000_000):
+            self.assertIn("a.mcap: needs more than 0.3 GB of memory when it is unpacked", self.refused(map, file))
+        self.write("bag/a.db3.zstd", packed)
+        self.write(
+            "bag/metadata.yaml",
+            "rosbag2_bagfile_information: {version: 5, storage_identifier: sqlite3, duration: {nanoseconds: 1}, starting_time: {nanoseconds_since_epoch: 0}, "
+            "message_count: 1, topics_with_message_count: [], compression_format: zstd, compression_mode: FILE, relative_file_paths: [a.db3.zstd], files: []}",
+        )
+        with mock.patch.object(limits, "UNPACKED", 100_000_000):  # the packed file has some 20 kB
+            self.assertIn("bag: a file of the bag unpacks to more than 0.1 GB", self.refused(map, self.folder / "bag"))
+
     def test_items_of_a_list_are_sensors(self):
         store = get_typestore(Stores.ROS2_JAZZY)
         store.register(
@@ -921,5 +1175,5 @@ class Bags(ImportTest):
 
 
 if __name__ == "__main__":
-    del sys.argv[1]
+    PROGRAM = sys.argv.pop(1)
     unittest.main()

@@ -3,12 +3,10 @@ status 2 for bad input, with its message, 130 after Ctrl-C."""
 
 import importlib
 import json
-import signal
 import sys
 from typing import Any
 
-from slipbench import InputError
-from slipbench._program import SIGNALS, styled, write_result
+from slipbench._program import catch_signals, printable, run_command, say, write_result
 from slipbench_studies.catalogue import STUDIES, check_options, find_study
 from slipbench_studies.kept import remove_kept
 from slipbench_studies.result import Options, Result, result_object, say_nothing
@@ -38,11 +36,22 @@ def run(name: str, options: Options) -> Result:
 
 
 def _say(text: str) -> None:
-    print(f"slipbench: {text}", file=sys.stderr, flush=True)
+    say(f"slipbench: {printable(text)}\n")
 
 
-def _say_error(text: str) -> None:
-    print(f"{styled(sys.stderr, '1;31', 'slipbench:')} {text}", file=sys.stderr)
+def _reproduce(name: str, options: Options, as_json: bool) -> int:
+    """Runs a study, writes and prints its result; returns the exit status."""
+    catch_signals()
+    check_options(find_study(name), options)
+    if options.output:
+        from slipbench_studies import page
+        page.check_charts(options.output)
+    result = run(name, options)
+    files: list[str] = []
+    if options.output:
+        files = page.write(options.output, name, result)
+        remove_kept(options.output)
+    return write_result(lambda: _print_result(name, result, files, as_json))
 
 
 def main(request: dict[str, Any]) -> int:
@@ -59,34 +68,8 @@ def main(request: dict[str, Any]) -> int:
     name, as_json, quiet, install = (request.pop(key) for key in ("name", "json", "quiet", "install"))
     options = Options(**{**request, "only": tuple(request["only"]), "say": say_nothing if as_json or quiet else _say})
     if name in ("", "list"):
-        return write_result(lambda: _print_list(as_json))
-    try:
-        for number in SIGNALS:  # blocked by the program until now
-            if signal.getsignal(number) != signal.SIG_IGN:
-                signal.signal(number, signal.default_int_handler)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
-        check_options(find_study(name), options)
-        if options.output:
-            from slipbench_studies import page
-            page.check_charts(options.output)
-        result = run(name, options)
-        files: list[str] = []
-        if options.output:
-            files = page.write(options.output, name, result)
-            remove_kept(options.output)
-    except ModuleNotFoundError as error:
-        if error.name in ("torch", "onnx"):
-            _say_error(f"reproduce: {name}: {error}")
-            return 2
-        _say_error(f"reproduce: {name} needs the Python package {error.name}, which {sys.executable} does not have; install it: {install}")
-        return 2
-    except InputError as error:
-        _say_error(str(error))
-        return 2
-    except KeyboardInterrupt as interrupt:
-        _say(str(interrupt) or "interrupted; nothing is kept")
-        return 130
-    return write_result(lambda: _print_result(name, result, files, as_json))
+        return run_command(lambda: write_result(lambda: _print_list(as_json)))
+    return run_command(lambda: _reproduce(name, options, as_json), needs=f"reproduce: {name}", install=install, target=options.output)
 
 
 def _print_list(as_json: bool) -> None:
@@ -104,7 +87,7 @@ def _print_result(name: str, result: Result, files: list[str], as_json: bool) ->
     from slipbench_studies import text
     text.show(result)
     for file in files:
-        print(f"written: {file}")
+        print(f"written: {printable(file)}")
 
 
 if __name__ == "__main__":

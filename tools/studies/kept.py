@@ -11,7 +11,8 @@ from typing import Any
 import slipbench
 import slipbench_studies
 from slipbench import InputError
-from slipbench._program import counted, write_whole
+from slipbench._output import write_whole
+from slipbench._program import counted
 from slipbench.bin import _core
 from slipbench_studies.result import Options
 
@@ -55,7 +56,7 @@ class KeptNetworks:
                 if not options.resume and self.size:
                     raise InputError(f"{self.path} contains {counted(self.size, 'network')} of an unfinished run; continue with --resume, or delete the folder")
             self.path.mkdir(exist_ok=True)
-            identity.write_text(line)
+            write_whole(identity, line.encode())
         except OSError as error:
             raise InputError(f"cannot write {self.path}: {error.strerror}") from error
         if self.size:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slipbench import InputError
-from slipbench._program import write_whole
+from slipbench._output import write_whole
 from slipbench.bin import _core
 from slipbench_studies.result import Chart, Result, Table, result_object
 

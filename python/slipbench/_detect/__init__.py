@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 from collections.abc import Mapping, Sequence
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from slipbench._commands import PathLike, _paths
+from slipbench._output import NewFiles
 from slipbench._scene import overrides_of
 from slipbench.bin import _core
 
@@ -84,16 +84,23 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
     samples = pa.schema([*place, ("time_s", number), ("state", text), ("slip", pa.bool_()), ("probability", number), ("label", text)], metadata=key)
     targets = {path: alarms, samples_path(path): samples}
     for name in targets:
+        if Path(name).is_symlink():
+            raise _core.InputError(f"cannot write {name}: it is a symbolic link, which would be replaced, not followed; give a file or a new name")
         if Path(name).exists():
             try:
-                earlier = key.items() <= (pq.read_schema(name).metadata or {}).items()
+                with open(name, "rb") as file:
+                    earlier = key.items() <= (pq.read_schema(file).metadata or {}).items()
             except (OSError, pa.ArrowInvalid):
                 earlier = False
             if not earlier:
                 raise _core.InputError(f"cannot write {name}: it exists and is not a table of slipbench detect; choose another -o")
-    partial = {name: f"{name}.partial" for name in targets}
     try:
-        with pq.ParquetWriter(partial[path], alarms) as alarm_file, pq.ParquetWriter(partial[samples_path(path)], samples) as sample_file:
+        # File objects: pyarrow takes some names, such as a:b.parquet, for addresses.
+        with (
+            NewFiles() as files,
+            pq.ParquetWriter(files.create(Path(path)), alarms) as alarm_file,
+            pq.ParquetWriter(files.create(Path(samples_path(path))), samples) as sample_file,
+        ):
             for trial in result["trials"]:
                 where = {name: trial[name] for name in ("recording", "trial", "object")}
                 rows = [{**where, "alarm": k + 1, **alarm} for k, alarm in enumerate(trial["alarms"])]
@@ -113,12 +120,9 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
                         schema=samples,
                     )
                 )
-        for name, written in partial.items():
-            Path(written).replace(name)
+            alarm_file.close()
+            sample_file.close()
+            files.publish()
     except OSError as error:
         raise _core.InputError(f"cannot write {path}: {error.strerror or error}") from error
-    finally:
-        for written in partial.values():
-            with contextlib.suppress(OSError):
-                Path(written).unlink()
     return list(targets)

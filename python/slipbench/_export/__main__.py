@@ -6,40 +6,29 @@ import json
 import sys
 from pathlib import Path
 
-from slipbench import InputError, open as open_dataset
+from slipbench import open as open_dataset
 from slipbench._export.request import Progress, Request, tell
-from slipbench._program import Interrupt, Interrupted
+from slipbench._program import Interrupt, run_command, write_result
 
 
-def repeat_nothing(_told: object) -> None:
-    """Replaces sys.unraisablehook: writers destroyed unclosed would repeat the error with a
-    traceback."""
-
-
-def main(path: str) -> int:
+def run(request: Request, progress: Progress) -> int:
     """Writes the requested files; returns the exit status."""
-    request = Request(**json.loads(Path(path).read_bytes()))
-    progress = Progress(request, Interrupt("stopping after this trial"))
     try:
         writer = importlib.import_module(f"slipbench._export.{'card' if request.files else request.format}")
         with open_dataset(request.dataset, check=False) as data:  # the program has checked the digests
             files = writer.write(data, request, progress)
         progress.end_notes()
-        tell(request, files)
-        return 0
-    except ModuleNotFoundError as error:
-        message = f"export: --format {request.format} needs the Python package {error.name}, which {sys.executable} does not have; install it: {request.install}"
-    except InputError as error:
-        message = str(error)
-    except OSError as error:
-        message = f"{error.filename or request.out}: cannot be written: {error.strerror or error}"
-        sys.unraisablehook = repeat_nothing
-    except Interrupted:
+    finally:
         progress.clear()
-        return 130
-    progress.clear()
-    print(f"slipbench: {message}", file=sys.stderr)
-    return 2
+    return write_result(lambda: tell(request, files))
+
+
+def main(path: str) -> int:
+    """Runs the request in the file `path`; returns the exit status."""
+    request = Request(**json.loads(Path(path).read_bytes()))
+    progress = Progress(request, Interrupt("stopping after this trial"))
+    return run_command(lambda: run(request, progress), needs=f"export: --format {request.format}", install=request.install, target=request.out,
+                       interrupted=lambda: "")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@ Hugging Face's dataset cards."""
 from __future__ import annotations
 
 import gzip
+import html
+import json
 import os
 import re
 from collections.abc import Iterator
@@ -15,7 +17,7 @@ from slipbench._export.layouts import LAYOUTS
 from slipbench._export.meanings import LABELS, codes_of
 from slipbench._export.request import Output, Progress, Request, check_replaceable
 from slipbench._export.series import Series, body_series, control_series, label_series, sensor_series
-from slipbench._program import counted
+from slipbench._program import counted, printable
 
 BEGINNING = "---\n# Written by slipbench export.\n"
 CARDS = (BEGINNING.encode(), croissant.BEGINNING.encode())  # first bytes of README.md and croissant.json
@@ -24,9 +26,27 @@ NAMED = {"trial": ("sc:Integer", "number of the trial"), "class": ("sc:Text", "c
 PLACES = {"sensors": "sensor", "labels": "labels of", "truth": "body", "control": "control loop"}
 
 
+def _text(value: object) -> str:
+    """A text of the dataset for Markdown: without HTML, links, code and control characters."""
+    plain = html.escape(printable(re.sub(r"\s+", " ", str(value))), quote=False)
+    return re.sub(r"([\[\]`])", r"\\\1", plain)
+
+
+def _code(value: object) -> str:
+    """A text of the dataset as code, between more backticks than it has in a run."""
+    plain = printable(re.sub(r"\s+", " ", str(value)))
+    ticks = "`" * (1 + max((len(run) for run in re.findall("`+", plain)), default=0))
+    return f"{ticks} {plain} {ticks}" if plain.startswith("`") or plain.endswith("`") else f"{ticks}{plain}{ticks}"
+
+
+def _yaml(text: str) -> str:
+    """A text as a value of YAML: in quotes if it needs them."""
+    return text if re.fullmatch(r"[A-Za-z][A-Za-z0-9_ ,.-]*", text) else json.dumps(text)
+
+
 def _row(*cells: str) -> str:
-    """A table row, with bars escaped and line ends replaced."""
-    return "| " + " | ".join(re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in cells) + " |\n"
+    """A row of cells in Markdown, with bars escaped."""
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
 
 
 def _head(*cells: str) -> str:
@@ -36,7 +56,7 @@ def _head(*cells: str) -> str:
 def _fence(text: str) -> str:
     """A code block with a fence longer than any run of backticks in the text."""
     ticks = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
-    return f"{ticks}yaml\n{text.rstrip()}\n{ticks}\n"
+    return f"{ticks}yaml\n{printable(text, lines=True).rstrip()}\n{ticks}\n"
 
 
 def _meaning(series: Series) -> str:
@@ -108,7 +128,7 @@ def _sensor_rows(data: Dataset, request: Request) -> str:
     for name in first:
         sensors = [found[name] for number in request.trials if name in (found := data[number].sensors)]
         rates = sorted({common or float(sensor.attrs["rate_hz"]) for sensor in sensors})
-        rows += _row(f"`{name}`", str(sensors[0].attrs["type"]), ", ".join(f"{rate:g} Hz" for rate in rates), str(sensors[0].attrs.get("frame", "")))
+        rows += _row(_code(name), _text(sensors[0].attrs["type"]), ", ".join(f"{rate:g} Hz" for rate in rates), _text(sensors[0].attrs.get("frame", "")))
     return f"## Sensors\n\n{_head('sensor', 'type', 'rate', 'axes')}{rows}\n"
 
 
@@ -118,13 +138,14 @@ def _array_rows(data: Dataset, request: Request) -> str:
     for one in _series(data, request):
         rule = f"; rule: {first[one.owner].labels[one.owner].attrs['rule']}" if one.name == "state_recorded" else ""
         unit = "code" if one.codes else "dimensionless" if one.unit in ("", "1") else one.unit
-        rows += _row(f"{PLACES[one.kind]} `{one.owner}`" if one.owner else PLACES[one.kind], f"`{one.name}`", str(LAYOUTS[request.format].shape(one)), unit, _meaning(one) + rule)
+        of = f"{PLACES[one.kind]} {_code(one.owner)}" if one.owner else PLACES[one.kind]
+        rows += _row(of, _code(one.name), str(LAYOUTS[request.format].shape(one)), _text(unit), _text(_meaning(one) + rule))
     for name, trial in first.items():
         if name in trial.labels and "events" in trial.labels[name]:
             kind = trial.labels[name]["events"]["kind"]
             key = Series("labels", name, "kind", "1", str(kind.attrs["codes"]), ("kind",), (), kind[:], kind[:])
             if LAYOUTS[request.format].holds(key):
-                rows += _row(f"events of `{name}`", "`kind`", "[]", "code", _meaning(key))
+                rows += _row(f"events of {_code(name)}", "`kind`", "[]", "code", _text(_meaning(key)))
     if not rows:
         return ""
     return f"## Arrays\n\nShapes are those of one sample. Codes are listed with their meaning.\n\n{_head('of', 'array', 'shape', 'unit', 'meaning')}{rows}\n"
@@ -132,7 +153,7 @@ def _array_rows(data: Dataset, request: Request) -> str:
 
 def _column_rows(request: Request) -> str:
     columns = LAYOUTS[request.format].columns(request)
-    rows = "".join(_row(f"`{one.name}`", one.unit, one.meaning) for one in columns)
+    rows = "".join(_row(_code(one.name), one.unit, one.meaning) for one in columns)
     return f"## Columns\n\n{_head('column', 'unit', 'meaning')}{rows}\n" if rows else ""
 
 
@@ -149,23 +170,23 @@ def card_text(data: Dataset, request: Request) -> str:
     """README.md of the export that `request` describes."""
     first = data[request.trials[0]]
     kinds = _kinds(data, request)
-    tags = "".join(f"- {tag}\n" for tag in _keywords(kinds, request))
-    front = f"pretty_name: {_title(kinds)}\n" + (f'license: "{request.licence}"\n' if request.licence else "")
+    tags = "".join(f"- {_yaml(tag)}\n" for tag in _keywords(kinds, request))
+    front = f"pretty_name: {_yaml(_title(kinds))}\n" + (f'license: "{request.licence}"\n' if request.licence else "")
     front += f"task_categories:\n- robotics\ntags:\n{tags}"
     if request.format == "lerobot":
         front += "configs:\n- config_name: default\n  data_files: data/*/*.parquet\n"
     files = "".join(_row(f"`{name}`", text) for name, text in LAYOUTS[request.format].files.items())
     scene = f"The scene:\n\n{_fence(data.scene)}\n" if data.scene else ""
     return (f"{BEGINNING}{front}---\n\n"
-            f"# Recordings of {', '.join(kinds)}{_with_labels(data, request)}\n\n"
+            f"# Recordings of {_text(', '.join(kinds))}{_with_labels(data, request)}\n\n"
             f"{counted(len(request.trials), 'trial')}, written by `slipbench export {_options(request)}`.\n\n"
             f"{_sensor_rows(data, request)}"
             f"## Files\n\n{_head('file', 'content')}{files}\n"
             f"{_array_rows(data, request)}{_column_rows(request)}"
-            f"## Origin\n\n{_head('what', 'value')}{_row('version', f'slipbench {data.version}')}{_row('seed', str(data.seed))}"
-            f"{_row('command', f'`{without_folders(data.command)}`')}{_row(f'SHA-256 of trial {request.trials[0]}', f'`{first.sha256}`')}\n"
+            f"## Origin\n\n{_head('what', 'value')}{_row('version', f'slipbench {_text(data.version)}')}{_row('seed', str(data.seed))}"
+            f"{_row('command', _code(without_folders(data.command)))}{_row(f'SHA-256 of trial {request.trials[0]}', _code(first.sha256))}\n"
             f"{scene}"
-            f"## Citation\n\n{_citation(data)}\n")
+            f"## Citation\n\n{_text(_citation(data))}\n")
 
 
 def check_card(request: Request) -> None:
@@ -178,10 +199,10 @@ def check_card(request: Request) -> None:
 def write_card(data: Dataset, request: Request, output: Output) -> None:
     """Writes README.md and croissant.json for the files of `output` and those of the program, after
     all other files."""
-    Path(output.path("README.md")).write_text(card_text(data, request), encoding="utf-8")
+    output.write("README.md", card_text(data, request))
     written = [(Path(os.path.relpath(file, request.out)).as_posix(), file) for file in request.files]
     text = croissant_text(data, request, [*written, *output.files()])
-    Path(output.path("croissant.json")).write_text(text, encoding="utf-8")
+    output.write("croissant.json", text)
 
 
 def _first_line(path: str) -> str:

@@ -97,7 +97,9 @@ def parquet_columns(path: str) -> list[Column]:
     """The columns of a Parquet file."""
     import pyarrow.parquet as pq  # only needed for formats written with it
 
-    return [Column(field.name, _data_type(field.type), _described(field), field.type.num_fields > 0) for field in pq.read_schema(path)]
+    with open(path, "rb") as file:  # pyarrow takes some names, such as a:b.parquet, for addresses
+        schema = pq.read_schema(file)
+    return [Column(field.name, _data_type(field.type), _described(field), field.type.num_fields > 0) for field in schema]
 
 
 def _field_of(table: Table, number: int, column: Column, source: dict[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -10,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from dataclasses import field as dataclass_field
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pyarrow as pa
@@ -21,8 +22,9 @@ from slipbench import Arrays, Dataset, InputError, StoredTrial
 from slipbench._data import check_evenly_spaced
 from slipbench._export.card import card_text, croissant_text
 from slipbench._export.parquet import encodings
-from slipbench._export.request import Progress, Request, make_folder, split_of
+from slipbench._export.request import Progress, Request, locked_folder, make_folder, split_of
 from slipbench._export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
+from slipbench._output import create_locked, sync_folder
 from slipbench._program import counted
 
 VERSION = "v3.0"
@@ -202,12 +204,17 @@ class _Writer:
         self._parts: list[str | None] = []
         self._frames = self._file = 0
         self._data: pq.ParquetWriter | None = None
+        self._data_file: BinaryIO | None = None
         self.bytes = 0
 
-    def _path(self, name: str) -> Path:
+    def _create(self, name: str) -> BinaryIO:
         path = self.folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        return path
+        return create_locked(path)
+
+    def _write(self, name: str, text: str) -> None:
+        with self._create(name) as file:
+            file.write(text.encode())
 
     def append(self, number: int, part: str | None, t: NDArray[np.float64], features: list[Feature]) -> None:
         """Writes an episode: frames of trial `number`, which is in `part` of the split. Trials are
@@ -228,7 +235,9 @@ class _Writer:
             self.close()
             self._file += 1
         if self._data is None:
-            self._data = pq.ParquetWriter(self._path(self._data_name()), schema, write_statistics=False, **encodings(schema))
+            # A file object: pyarrow takes some names, such as a:b, for addresses.
+            self._data_file = self._create(self._data_name())
+            self._data = pq.ParquetWriter(self._data_file, schema, write_statistics=False, **encodings(schema))
         self._data.write_table(pa.Table.from_arrays([one.array for one in features], schema=schema))
         stats = [Stats.measured(one.values) for one in features]
         self._stats.append(stats)
@@ -248,10 +257,17 @@ class _Writer:
 
     def close(self) -> None:
         """Closes the data file."""
-        if self._data is not None:
+        if self._data is not None and self._data_file is not None:
             self._data.close()
+            self._data_file.close()
             self._data = None
             self.bytes += self.bytes_of_file()
+
+    def abandon(self) -> None:
+        """Closes the unfinished data file, which will be removed."""
+        if self._data_file is not None:
+            with contextlib.suppress(OSError):  # a full disk: the buffer cannot be written
+                self._data_file.close()
 
     def _splits(self) -> dict[str, str]:
         """The episodes of each part, as FIRST:END."""
@@ -262,22 +278,24 @@ class _Writer:
     def finish(self, data: Dataset, request: Request) -> None:
         """Writes the metadata. `request`: with the sensors of this dataset only."""
         self.close()
-        pq.write_table(pa.Table.from_pylist(self._episodes), self._path(EPISODES), compression="zstd")
+        with self._create(EPISODES) as file:
+            pq.write_table(pa.Table.from_pylist(self._episodes), file, compression="zstd")
         columns = [{"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": None}
                    for name, kind, numpy in (("task_index", "int64", "int64"), ("task", "unicode", "object"))]
         index = json.dumps({"index_columns": ["task"], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"})
         tasks = pa.table({"task_index": pa.array([0], pa.int64()), "task": [self._task]}).replace_schema_metadata({"pandas": index})
-        pq.write_table(tasks, self._path("meta/tasks.parquet"))
+        with self._create("meta/tasks.parquet") as file:
+            pq.write_table(tasks, file)
         stats = {name: Stats.together([episode[i] for episode in self._stats]).lists(self._features[i]["shape"]) for i, name in enumerate(self._names)}
         info = {
             "codebase_version": VERSION, "robot_type": ROBOT, "total_episodes": len(self._episodes), "total_frames": self._frames, "total_tasks": 1,
             "chunks_size": FILES_A_CHUNK, "data_files_size_in_mb": FILE_BYTES // 1_000_000, "video_files_size_in_mb": 200, "fps": self._fps, "splits": self._splits(),
             "data_path": DATA, "video_path": None, "features": dict(zip(self._names, self._features, strict=True))}
         for name, content in (("stats", stats), ("info", info)):
-            self._path(f"meta/{name}.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        self._path(CARDS[0]).write_text(card_text(data, request), encoding="utf-8")
+            self._write(f"meta/{name}.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
+        self._write(CARDS[0], card_text(data, request))
         files = [(path.relative_to(self.folder).as_posix(), str(path)) for path in self.folder.rglob("*") if path.is_file()]
-        self._path(CARDS[1]).write_text(croissant_text(data, request, files), encoding="utf-8")
+        self._write(CARDS[1], croissant_text(data, request, files))
 
 
 def _is_own(folder: Path) -> bool:
@@ -312,6 +330,7 @@ def _publish(partial: Path, folder: Path) -> None:
         shutil.rmtree(old, ignore_errors=True)
         folder.rename(old)
     partial.rename(folder)
+    sync_folder(folder.parent)
     shutil.rmtree(old, ignore_errors=True)
 
 
@@ -390,20 +409,31 @@ def _pieces(frames: int, fps: int) -> list[slice]:
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes a dataset for each rate, OUT/<rate>hz; returns the names of its files."""
+    out = Path(request.out)
+    made = make_folder(out)
+    try:
+        with locked_folder(out):
+            return _write_locked(out, data, request, progress)
+    finally:
+        if made and not any(out.iterdir()):
+            out.rmdir()
+
+
+def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress) -> list[str]:
+    """As write(), in the folder `out`, which no other export writes into."""
     parts = split_of(data)
     order = [number for part in ("train", "valid", "test", None) for number in request.trials if parts.get(number) == part]
-    out = Path(request.out)
     rates = _rates(data[order[0]], request)
     targets = {rate: out / f"{round(rate)}hz" for rate in rates}
     partials = {rate: _beside(target)[0] for rate, target in targets.items()}
     for target in targets.values():
         _check_target(target)
     pointed = _check_points(data[order[0]], request, progress) if request.points else []
-    made = make_folder(out)
+    writers: dict[float, _Writer] = {}
     try:
-        writers = {}
         for rate, partial in partials.items():
             shutil.rmtree(partial, ignore_errors=True)  # left by a killed run
+            partial.mkdir()  # not through a link that has appeared since the check
             writers[rate] = _Writer(partial, round(rate), _task(data.scene))
         for done, number in enumerate(order, 1):
             trial = data[number]
@@ -428,10 +458,9 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
         progress.check()
         for rate, partial in partials.items():
             _publish(partial, targets[rate])
-        made = False
     finally:
+        for writer in writers.values():
+            writer.abandon()
         for partial in partials.values():
             shutil.rmtree(partial, ignore_errors=True)
-        if made and out.is_dir() and not any(out.iterdir()):
-            out.rmdir()
     return [str(path) for target in targets.values() for path in sorted(target.rglob("*")) if path.is_file()]

@@ -4,10 +4,8 @@ Foxglove, Lichtblick, PlotJuggler and Rerun."""
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
@@ -340,11 +338,10 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             about = {"trial": str(number), "seed": str(trial.seed), "sha256": trial.sha256, "split": parts.get(number, ""), "params": json.dumps(trial.params),
                      "outcome": json.dumps(trial.outcome), "command": without_folders(data.command), "scene": data.scene}
             if done == 1:
-                Path(output.path(LAYOUT)).write_text(_layout(topics), encoding="utf-8")
-            path = output.path(f"demo_{number}.mcap")
-            with open(path, "wb") as file:
+                output.write(LAYOUT, _layout(topics))
+            with output.create(f"demo_{number}.mcap") as file:
                 _write_messages(file, topics, library, about)
-            written += os.path.getsize(path)
+                written += file.tell()
             progress.update(done, written)
         write_card(data, request, output)
         progress.check()

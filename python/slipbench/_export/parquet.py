@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pyarrow as pa
@@ -51,7 +50,7 @@ class _Files:
     def __init__(self, output: Output, origin: dict[str, str]) -> None:
         self._output, self._origin = output, origin
         self._writers: dict[str, pq.ParquetWriter] = {}
-        self._paths: dict[str, str] = {}
+        self._files: list[BinaryIO] = []
 
     def append(self, name: str, trial: int, columns: Columns, about: About) -> None:
         rows = len(next(iter(columns.values())))
@@ -59,18 +58,17 @@ class _Files:
         schema = pa.schema([pa.field(key, pa.from_numpy_dtype(values.dtype), metadata=about.get(key))
                             for key, values in arrays.items()], metadata=self._origin)
         if name not in self._writers:
-            self._paths[name] = self._output.path(f"{name}.parquet")
-            self._writers[name] = pq.ParquetWriter(self._paths[name], schema, write_statistics=["trial", "t"], **encodings(schema))
+            # A file object: pyarrow takes some names, such as a:b.parquet, for addresses.
+            self._files.append(self._output.create(f"{name}.parquet"))
+            self._writers[name] = pq.ParquetWriter(self._files[-1], schema, write_statistics=["trial", "t"], **encodings(schema))
         elif not self._writers[name].schema.equals(schema):
             raise InputError(f"trial {trial}: {name} has other columns than in the previous trials; export one trial at a time with --trial")
         self._writers[name].write_table(pa.Table.from_arrays([pa.array(values) for values in arrays.values()], schema=schema))
 
     def close(self) -> None:
-        for writer in self._writers.values():
+        for writer, file in zip(self._writers.values(), self._files, strict=True):
             writer.close()
-
-    def size(self) -> int:
-        return sum(os.path.getsize(path) for path in self._paths.values())
+            file.close()
 
 
 def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, About]:
@@ -157,11 +155,12 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             for done, number in enumerate(request.trials, 1):
                 for name, columns, about in _tables(number, data[number], request):
                     files.append(name, number, columns, about)
-                progress.update(done, files.size())
+                progress.update(done, output.size())
         finally:
             files.close()
         table = _trials_table(data, request, origin)
-        pq.write_table(table, output.path("trials.parquet"), compression="zstd")
+        with output.create("trials.parquet") as file:
+            pq.write_table(table, file, compression="zstd")
         write_card(data, request, output)
         progress.check()
         return output.publish()

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import json
 import os
 import shutil
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, BinaryIO
 
 from slipbench import Dataset, InputError
-from slipbench._program import Interrupt, counted
+from slipbench._output import RUNNING, NewFiles, create_locked, partial_path
+from slipbench._program import Interrupt, counted, printable, say
 
 LINE_PERIOD = 5.0  # s, between lines if stderr is not a terminal
 BAR_PERIOD = 0.1  # s, between redraws
@@ -144,12 +148,12 @@ class Progress:
         self._notes += 1
         if self._notes <= MOST_NOTES:
             self.clear()
-            sys.stderr.write(f"slipbench: note: {text}\n")
+            say(f"slipbench: note: {printable(text)}\n")
 
     def end_notes(self) -> None:
         """Prints the number of notes that were not shown."""
         if self._notes > MOST_NOTES:
-            sys.stderr.write(f"slipbench: note: {counted(self._notes - MOST_NOTES, 'more note')}\n")
+            say(f"slipbench: note: {counted(self._notes - MOST_NOTES, 'more note')}\n")
 
     def clear(self) -> None:
         """Removes an unfinished bar, so that a message starts on an empty line."""
@@ -158,65 +162,95 @@ class Progress:
 
     def _say(self, text: str) -> None:
         if not self._quiet:
-            sys.stderr.write(text)
-            sys.stderr.flush()
+            say(text)
+
+
+@contextlib.contextmanager
+def locked_folder(folder: Path) -> Iterator[None]:
+    """Locks a folder against other exports, by the file export.partial in it. Raises InputError if
+    another export is writing into the folder."""
+    path = folder / "export.partial"
+    try:
+        file = create_locked(path)
+    except InputError as error:
+        if RUNNING not in str(error):
+            raise
+        raise InputError(f"cannot write into {folder}: another export is writing into it") from None
+    with file:
+        try:
+            yield
+        finally:
+            path.unlink(missing_ok=True)
 
 
 class Output:
     """The files of an export. They get their names together once all are complete; on an error all
     are removed.
 
-    Only files that begin with one of `beginnings` are replaced.
+    Only files that begin with one of `beginnings` are replaced. Another export into the same folder
+    is refused in the meantime.
     """
 
     def __init__(self, folder: str, allowed: str, *beginnings: bytes) -> None:
         self._folder, self._allowed, self._beginnings = Path(folder), allowed, beginnings
         self._made: list[Path] = []
-        self._files: list[Path] = []
+        self._paths: list[Path] = []
+        self._stack = contextlib.ExitStack()
+        self._new = NewFiles()
 
     def __enter__(self) -> Output:
         self._make(self._folder)
+        try:
+            self._stack.enter_context(locked_folder(self._folder))
+        except BaseException:
+            self._remove_folders()
+            raise
+        self._stack.enter_context(self._new)
         return self
 
-    def path(self, name: str) -> str:
-        """Path to write FOLDER/`name` to."""
+    def create(self, name: str) -> BinaryIO:
+        """Creates FOLDER/`name` for writing. Close the file once it is complete."""
         if not name.isprintable() or ".." in Path(name).parts or Path(name).is_absolute():
             raise InputError(f"cannot write a file called {name!r}; names in the dataset must not have control characters or lead out of {self._folder}")
         path = self._folder / name
         for folder in reversed(path.relative_to(self._folder).parents[:-1]):
             self._make(self._folder / folder)
-        for found in (path, self._partial(path)):
+        for found in (path, partial_path(path)):
             check_replaceable(found, self._allowed, *self._beginnings)
-        self._files.append(path)
-        return str(self._partial(path))
+        file = self._new.create(path)
+        self._paths.append(path)
+        return file
+
+    def write(self, name: str, text: str) -> None:
+        """Writes the text file FOLDER/`name`."""
+        with self.create(name) as file:
+            file.write(text.encode())
 
     def files(self) -> list[tuple[str, str]]:
         """The files so far: name relative to the folder, and path of the content."""
-        return [(path.relative_to(self._folder).as_posix(), str(self._partial(path))) for path in self._files]
+        return [(path.relative_to(self._folder).as_posix(), str(partial_path(path))) for path in self._paths]
+
+    def size(self) -> int:
+        """Bytes of the files so far."""
+        return sum(os.path.getsize(path) for _, path in self.files())
 
     def publish(self) -> list[str]:
         """Renames the files to their final names and returns these."""
-        for path in self._files:
-            with open(self._partial(path), "rb") as file:
-                os.fsync(file.fileno())
-        for path in self._files:
-            os.replace(self._partial(path), path)
-        names, self._files, self._made = [str(path) for path in self._files], [], []
-        return names
+        self._new.publish()
+        self._made = []
+        return [str(path) for path in self._paths]
 
-    def __exit__(self, *_: object) -> None:
-        for path in self._files:
-            self._partial(path).unlink(missing_ok=True)
+    def __exit__(self, *error: Any) -> None:
+        self._stack.__exit__(*error)
+        self._remove_folders()
+
+    def _remove_folders(self) -> None:
         for folder in reversed(self._made):
             try:
                 folder.rmdir()
             except OSError as error:
                 if error.errno != errno.ENOTEMPTY:
                     raise
-
-    @staticmethod
-    def _partial(path: Path) -> Path:
-        return path.with_name(path.name + ".partial")
 
     def _make(self, folder: Path) -> None:
         if make_folder(folder):
@@ -233,6 +267,6 @@ def tell(request: Request, files: list[str]) -> None:
         return
     if request.verbose:
         for file in files:
-            print(f"written: {file}")
+            print(f"written: {printable(file)}")
     size = size_text(sum(os.path.getsize(file) for file in files))
-    print(f"written: {files[0]}, {size}" if len(files) == 1 else f"written: {len(files)} files, {size}, in {request.out}")
+    print(f"written: {printable(files[0])}, {size}" if len(files) == 1 else f"written: {len(files)} files, {size}, in {printable(request.out)}")

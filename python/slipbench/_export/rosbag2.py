@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -361,11 +359,11 @@ def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Reques
     folder = f"demo_{number}"
     file = f"{folder}_0.mcap"
     topics = _checked(list(_topics(number, trial, request, types)))
-    path = output.path(f"{folder}/{file}")
-    with open(path, "wb") as stream:
+    with output.create(f"{folder}/{file}") as stream:
         write_mcap(stream, topics, "ros2", f"slipbench {data.version}", ("ros2msg", "cdr"), about)
-    Path(output.path(f"{folder}/metadata.yaml")).write_text(_metadata(file, topics), encoding="utf-8")
-    return os.path.getsize(path)
+        size = stream.tell()
+    output.write(f"{folder}/metadata.yaml", _metadata(file, topics))
+    return size
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
@@ -383,7 +381,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             progress.update(done, written)
         if types.texts:
             for name, text in _package(types, data.version):
-                Path(output.path(name)).write_text(text, encoding="utf-8")
+                output.write(name, text)
         write_card(data, request, output)
         progress.check()
         return output.publish()

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from slipbench import InputError
 from slipbench._import.block import nearest, read_map
-from slipbench._program import Interrupt, Interrupted
+from slipbench._import.limits import MOST_MEMORY, memory_limit
+from slipbench._program import Interrupt, run_command, write_result
 from slipbench.bin import _core
 
 MAPS = Path(__file__).parent / "maps"
@@ -52,8 +53,9 @@ def map_path(name: str) -> str:
     )
 
 
-def run(request: Request, interrupt: Interrupt) -> None:
-    """Imports the recordings and prints the result."""
+def run(request: Request) -> int:
+    """Imports the recordings and prints the result; returns the exit status."""
+    interrupt = Interrupt("stopping; nothing is kept")
     from slipbench._import.recordings import Importer, Map
 
     map = Map(read_map(map_path(request.map)))
@@ -66,28 +68,17 @@ def run(request: Request, interrupt: Interrupt) -> None:
     importer = Importer(map, writer)
     for file in files:
         interrupt.check()
-        importer.add(file)
+        with memory_limit(file.path, MOST_MEMORY):
+            importer.add(file)
     interrupt.check()
-    writer.finish(len(files), request.json)
+    writer.finish(len(files))
+    return write_result(lambda: writer.print(request.json))
 
 
 def main(text: str) -> int:
     """Runs the request; returns the exit status."""
     request = Request(**json.loads(text))
-    try:
-        run(request, Interrupt("stopping; nothing is kept"))
-        return 0
-    except Interrupted:
-        print("slipbench: interrupted; nothing is kept", file=sys.stderr)
-        return 130
-    except ModuleNotFoundError as error:
-        message = f"import --map needs the Python package {error.name}, which {sys.executable} does not have; install it: {request.install}"
-    except InputError as error:
-        message = str(error)
-    except OSError as error:
-        message = f"{error.filename or request.output}: {error.strerror or error}"
-    print(f"slipbench: {message}", file=sys.stderr)
-    return 2
+    return run_command(lambda: run(request), needs="import --map", install=request.install, target=request.output)
 
 
 if __name__ == "__main__":

@@ -30,6 +30,8 @@ class Columns(Source):
         column = self._columns[title]
         if column.dtype.kind not in "biuf":
             raise InputError(f"{self.path}: {title} contains {column.dtype}; expected numbers")
+        if column.size * 8 > LARGEST:
+            raise InputError(f"{self.path}: {title} has {column.size} values; expected at most {LARGEST // 8}; split the file")
         values: np.ndarray = column.astype(float)
         if np.isinf(values).any():
             raise InputError(f"{self.place(int(np.argwhere(np.isinf(values))[0][0]))}: {title} contains an infinite value")
@@ -43,6 +45,8 @@ class Columns(Source):
             return ["" if text == "NaT" else text for text in np.datetime_as_string(column).tolist()]
         if column.dtype.kind == "f":
             return ["" if np.isnan(value) else f"{value!r}" for value in column.tolist()]
+        if column.dtype.kind == "b":
+            return ["true" if value else "false" for value in column.tolist()]  # as YAML writes them
         try:
             return [str(value) for value in column.tolist()]
         except (SystemError, ValueError) as error:  # code points beyond Unicode
@@ -101,33 +105,37 @@ def read_parquet(path: str) -> Columns:
     import pyarrow.parquet
 
     try:
-        head = pyarrow.parquet.read_metadata(path)
-        titles = head.schema.to_arrow_schema().names
-        for title, count in Counter(titles).items():
-            if count > 1:
-                raise InputError(
-                    f"{path}: has {count} columns {title!r}; titles must differ; rename one of them"
-                )
-        if head.num_rows == 0:
-            raise InputError(f"{path}: the table has no rows")
-        if head.num_rows * head.num_columns * 8 > LARGEST:  # a small file may have many rows of one value
-            raise InputError(
-                f"{path}: the table has {head.num_rows} rows of {head.num_columns} columns; expected at most {LARGEST // 8} values; split the file"
-            )
-        table = pyarrow.parquet.read_table(path)
-        if table.num_rows != head.num_rows:
-            raise InputError(
-                f"{path}: is damaged: has {counted(table.num_rows, 'row')}; expected {head.num_rows}, as its footer states"
-            )
-        columns = {
-            name: _parquet_column(f"{path}: column {name!r}", column)
-            for name, column in zip(table.column_names, table.columns, strict=True)
-        }
-    except InputError:
+        # By a file object: pyarrow takes some names, such as a:b.parquet, for addresses.
+        with open(path, "rb") as stream, pyarrow.parquet.ParquetFile(stream) as file:
+            columns = _parquet_columns(path, file)
+    except (InputError, MemoryError):
         raise
     except Exception as error:  # noqa: BLE001  pages are decoded column by column, and texts when they are converted
         raise InputError(f"{path}: cannot be read as Parquet: {error}") from error
     return Columns(path, columns)
+
+
+def _parquet_columns(path: str, file: Any) -> dict[str, Any]:
+    head = file.metadata
+    for title, count in Counter(file.schema_arrow.names).items():
+        if count > 1:
+            raise InputError(f"{path}: has {count} columns {title!r}; titles must differ; rename one of them")
+    if head.num_rows == 0:
+        raise InputError(f"{path}: the table has no rows")
+    # A small file may have many rows of one value, or a long list in each row.
+    values = sum(head.row_group(group).column(k).num_values for group in range(head.num_row_groups) for k in range(head.num_columns))
+    values = max(values, head.num_rows * head.num_columns)
+    if values * 8 > LARGEST:
+        raise InputError(
+            f"{path}: the table has {values} values in {counted(head.num_rows, 'row')}; expected at most {LARGEST // 8} values; split the file"
+        )
+    table = file.read()
+    if table.num_rows != head.num_rows:
+        raise InputError(f"{path}: is damaged: has {counted(table.num_rows, 'row')}; expected {head.num_rows}, as its footer states")
+    return {
+        name: _parquet_column(f"{path}: column {name!r}", column)
+        for name, column in zip(table.column_names, table.columns, strict=True)
+    }
 
 
 def _parquet_column(where: str, column: Any) -> Any:

@@ -11,6 +11,7 @@ import numpy as np
 from slipbench import InputError
 from slipbench._import.arrays import Columns
 from slipbench._import.block import Block, nearest
+from slipbench._import.limits import MEMORY_OF_BAG, check_inside, memory_limit, unpacked_limit
 from slipbench._program import counted
 
 MOST_VALUES = 100_000  # of one list in a message
@@ -54,7 +55,10 @@ class Topic(Columns):
         return self._times
 
     def place(self, row: int) -> str:
-        return f"{self.path}: topic {self.name}, message {row + 1}"
+        return f"{self.path}: topic {self.name}, {self.row_text(row)}"
+
+    def row_text(self, row: int) -> str:
+        return f"message {row + 1}"
 
     def title_place(self) -> str:
         return f"{self.path}: topic {self.name}"
@@ -79,11 +83,12 @@ class Topic(Columns):
         return topics
 
 
-def read_definitions(map: Block) -> dict[str, Any]:
+def read_definitions(map: Block, folders: list[Path]) -> dict[str, Any]:
     """The messages of a map's key `definitions`.
 
     Args:
         map: the whole map
+        folders: folders of the recordings, in which the definitions may be, too
 
     Returns:
         rosbags' definition of each message, by its type "PACKAGE/msg/NAME".
@@ -96,6 +101,10 @@ def read_definitions(map: Block) -> dict[str, Any]:
     types: dict[str, Any] = {}
     for given in map.get("definitions", []):
         path = Path(map.node.path).absolute().parent / given
+        try:
+            check_inside(path, [Path(map.node.path).absolute().parent, *folders])
+        except InputError as error:
+            map.fail(f"definitions: {error}", "definitions")
         files = sorted(path.rglob("*.msg")) if path.is_dir() else [path]
         if not path.exists() or not files:
             map.fail(
@@ -107,8 +116,8 @@ def read_definitions(map: Block) -> dict[str, Any]:
             package = file.parents[1] if file.parent.name == "msg" else file.parent
             try:
                 types |= get_types_from_msg(file.read_text(encoding="utf-8"), f"{package.name}/msg/{file.stem}")
-            except Exception as error:  # noqa: BLE001  the parser raises many kinds
-                raise InputError(f"{file}: cannot be read as the definition of a message: {error}") from error
+            except Exception as error:  # noqa: BLE001  the parser raises many kinds, whose texts quote the file
+                raise InputError(f"{file}: cannot be read as the definition of a message in the syntax of ROS") from error
     return types
 
 
@@ -126,6 +135,44 @@ def missing_types(kind: str, known: dict[str, Any]) -> list[str]:
                 found[content] = None
                 waiting.append(content)
     return [one for one in found if one not in known]
+
+
+MCAP_MAGIC = b"\x89MCAP0\r\n"
+MCAP_CHANNEL, MCAP_FOOTER = 4, 37  # code of a record; bytes at the end of a file
+LARGEST_SUMMARY = 100_000_000  # bytes
+
+
+def check_encoding(path: str) -> None:
+    """Raises InputError for an MCAP file whose messages are not those of ROS 2, such as protobuf,
+    as the summary at its end lists them."""
+    if not Path(path).is_file():
+        return
+    with open(path, "rb") as file:
+        size = file.seek(0, 2)
+        file.seek(0)
+        if file.read(len(MCAP_MAGIC)) != MCAP_MAGIC or size < MCAP_FOOTER:
+            return
+        file.seek(-MCAP_FOOTER, 2)
+        start = int.from_bytes(file.read(MCAP_FOOTER)[9:17], "little")
+        if not 0 < start < size or size - start > LARGEST_SUMMARY:
+            return
+        file.seek(start)
+        summary = file.read()
+    encodings: set[str] = set()
+    at = 0
+    while at + 9 <= len(summary):
+        length = int.from_bytes(summary[at + 1 : at + 9], "little")
+        record = summary[at + 9 : at + 9 + length]
+        if summary[at] == MCAP_CHANNEL:
+            topic = int.from_bytes(record[4:8], "little")  # its length
+            end = 12 + topic + int.from_bytes(record[8 + topic : 12 + topic], "little")
+            encodings.add(record[12 + topic : end].decode("utf-8", "replace"))
+        at += 9 + length
+    if others := sorted(encodings - {"cdr"}):
+        raise InputError(
+            f"{path}: is an MCAP file with messages in {' and '.join(map(repr, others))}; expected those of ROS 2 in 'cdr', as "
+            "`slipbench export --format rosbag2` and `ros2 bag record` write them"
+        )
 
 
 class Bag:
@@ -149,11 +196,15 @@ class Bag:
         others = get_typestore(Stores.LATEST).fielddefs | definitions
         self._reader = AnyReader([Path(path)], default_typestore=get_typestore(Stores.EMPTY))
         try:
-            self._reader.open()
+            with unpacked_limit(path), memory_limit(path, MEMORY_OF_BAG):
+                self._reader.open()
             store = self._reader.typestore
             if any(missing_types(one.msgtype, store.fielddefs) for one in self._reader.connections):
                 store.register({name: one for name, one in others.items() if name not in store.fielddefs})
+        except InputError:
+            raise
         except Exception as error:  # noqa: BLE001  rosbags and its decompressors raise many kinds on damaged files
+            check_encoding(path)
             raise InputError(f"{path}: cannot be read as a bag: {error}") from error
         self.topics = {connection.topic: connection.msgtype for connection in self._reader.connections}
 
@@ -199,12 +250,18 @@ class Bag:
             ):
                 yield time, self._reader.deserialize(raw, connection.msgtype)
                 count += 1
+        except MemoryError:
+            raise
         except Exception as error:  # noqa: BLE001
             raise InputError(f"{self.path}: topic {name}, message {count + 1}: cannot be read: {error}") from error
 
     def read(self, name: str) -> Topic:
-        """All messages of a topic. Raises InputError if one is unreadable or their lengths
-        differ."""
+        """All messages of a topic. Raises InputError if one is unreadable, their lengths differ, or
+        they need too much memory."""
+        with memory_limit(self.path, MEMORY_OF_BAG):
+            return self._read(name)
+
+    def _read(self, name: str) -> Topic:
         if missing := missing_types(self.topics[name], self._reader.typestore.fielddefs):
             raise InputError(
                 f"{self.path}: topic {name}: the bag has no definition of {' and '.join(missing)}; name the .msg file, or a "

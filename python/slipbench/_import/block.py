@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
+import unicodedata
 from typing import Any, NoReturn
 
 from slipbench import InputError, parse_quantity
@@ -40,13 +41,38 @@ class Node:
         return {"scalar": repr(self.text), "sequence": "a list", "map": "a map"}.get(self.kind, "nothing")
 
 
+def character_text(character: str) -> str:
+    """ "U+00A0 (no-break space)"."""
+    return f"U+{ord(character):04X} ({unicodedata.name(character, 'without a name').lower()})"
+
+
+def folded(text: str) -> str:
+    """The text with characters replaced that look like others: spaces of any kind, minus signs and
+    dashes, full-width forms; and without invisible characters."""
+    plain = "".join(
+        " " if unicodedata.category(one) == "Zs" else "-" if unicodedata.category(one) == "Pd" or one == "\N{MINUS SIGN}" else one
+        for one in unicodedata.normalize("NFKC", text)
+        if unicodedata.category(one) != "Cf"
+    )
+    return plain.strip()
+
+
+def unlike_ascii(text: str) -> list[str]:
+    """The characters of a text that look like others, such as a no-break space, or like nothing."""
+    return [one for one in dict.fromkeys(text) if ord(one) > 127 and folded(f"a{one}a") != f"a{one}a"]
+
+
 def nearest(name: str, known: list[str]) -> str:
-    """ "; did you mean 'b'? It has a, b, c", for an error about an unknown name. Lists at most ten
-    names."""
-    close = difflib.get_close_matches(name, known, 1) or [one for one in known if one.lower() == name.lower()][:1]
+    """ "; did you mean 'b'? found: a, b, c", for an error about an unknown name. Lists at most ten
+    names, and names the character that distinguishes `name` from a known name that looks alike."""
+    close = [one for one in known if folded(one) == folded(name)] or difflib.get_close_matches(name, known, 1)
+    close = close or [one for one in known if one.lower() == name.lower()]
     names = [one if len(one) <= LONGEST else one[:LONGEST] + "…" for one in known[:10]]
     shown = ", ".join(names) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
-    return (f"; did you mean {close[0]!r}?" if close else ";") + f" found: {shown}"
+    if not close:
+        return f"; found: {shown}"
+    odd = [f"{one!r} has {character_text(other)}" for one in (close[0], name) for other in unlike_ascii(one)]
+    return f"; did you mean {close[0]!r}?{f' {odd[0]};' if odd else ''} found: {shown}"
 
 
 def _scalar(node: Node, where: str, expected: str) -> str:
@@ -94,6 +120,8 @@ def _value(node: Node, key: Key, where: str) -> Any:
         return _integer(node, where)
     if key.kind == "number":
         return _number(node, where)
+    if key.kind == "numbers":
+        return [_number(child, where) for child in node.children] if node.kind == "sequence" and node.children else [_number(node, where)]
     if key.kind == "integer":
         return _integer(node, where)
     text = _scalar(node, where, key.description)

@@ -14,7 +14,8 @@ class Key:
 
     Attributes:
         name: name in the file
-        kind: "text"; "name" (letters, digits and "_"); "number"; "integer" (1 or more); "boolean";
+        kind: "text"; "name" (letters, digits and "_"); "number"; "numbers" (one, or a list); "integer" (1 or
+            more); "boolean";
             "texts" (a list); "lines" (a number of lines, or a list of line numbers); "rate" ("100
             Hz"); "words" (texts by texts); "block" (the keys of `block`); "blocks" (such blocks,
             each under a name)
@@ -129,7 +130,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
     ),
     "channel": (
         Key("unit", "text", "", "unit of the values in the dataset", required=True),
-        Key("scale", "number", "1", "factor from a cell to `unit`"),
+        Key("scale", "numbers", "1", "factor from a cell to `unit`, or a list with one factor for each component"),
         Key("components", "integer", "1, or the number of titles with *", "components of a unit, such as 3 of a force"),
         Key(
             "columns",

@@ -4,19 +4,40 @@ files."""
 from __future__ import annotations
 
 import re
+import signal
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from slipbench import InputError
-from slipbench._import.block import Block
+from slipbench._import.block import Block, nearest
 from slipbench._import.keys import STATES
+from slipbench._import.limits import check_inside
 from slipbench._import.source import Source
 from slipbench.bin import _core
 
 PLACES = ("column", "value", "folder", "file", "table")
 UNKNOWN = "unknown"
+
+
+LONGEST_SEARCH = 1.0  # s
+
+
+def search(pattern: re.Pattern[str], text: str) -> re.Match[str] | None:
+    """Searches for a pattern of a map, which may be made to take for ever. Raises TimeoutError
+    after LONGEST_SEARCH."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, LONGEST_SEARCH)
+    try:
+        return pattern.search(text)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @dataclass(frozen=True)
@@ -33,14 +54,16 @@ class Lookup:
     def __init__(self, block: Block) -> None:
         self.block = block
         self.place = block.only_one(PLACES)
+        self.folders: list[Path] = []  # in which the table may be, besides those of the map and of the command
         self._tables: dict[Path, dict[str, str]] = {}
         self._used: dict[tuple[Path, str], str] = {}  # files by the rows of tables that name them without folders
         if self.place == "file":
             try:
                 self._pattern = re.compile(block.need("file"))
-            except re.error as error:
+            except (re.error, RecursionError, OverflowError) as error:
+                reason = error if isinstance(error, re.error) else "its parts are nested too deeply, or repeat too often"
                 block.fail(
-                    f"{block.path('file')}: expected a regular expression, found {block.get('file')!r}: {error}", "file"
+                    f"{block.path('file')}: expected a regular expression, found {block.need('file')[:80]!r}: {reason}", "file"
                 )
             if self._pattern.groups != 1:
                 block.fail(
@@ -71,7 +94,13 @@ class Lookup:
                 )
             return full.parents[level - 1].name
         if self.place == "file":
-            match = self._pattern.search(full.name)
+            try:
+                match = search(self._pattern, full.name)
+            except TimeoutError:
+                self.block.fail(
+                    f"{self.block.path('file')}: the search in {full.name!r} takes more than {LONGEST_SEARCH:g} s; expected a regular expression without nested repetitions",
+                    "file",
+                )
             if not match or not match[1]:
                 raise InputError(
                     f"{file.path}: the name {full.name!r} does not match {self.block.path('file')}: {self._pattern.pattern}"
@@ -81,9 +110,14 @@ class Lookup:
 
     def _of_table(self, file: File, full: Path) -> str:
         named = self.block.need("table")
-        for folder in (full.parent, Path(named.node.path).absolute().parent):
+        beside = Path(named.node.path).absolute().parent
+        for folder in (full.parent, beside):
             path = (folder / named.need("path")).resolve()  # one table for all files that share it
             if path.is_file():
+                try:
+                    check_inside(path, [beside, *self.folders])
+                except InputError as error:
+                    named.fail(f"{named.path('path')}: {error}", "path")
                 break
         else:
             named.fail(
@@ -141,10 +175,13 @@ class States(Lookup):
         if self._values is not None:
             if text not in self._values and re.fullmatch(r"[+-]?\d+\.0*", text):
                 text = text.partition(".")[0]  # arrays of floating point hold 1 as 1.0
+            if text not in self._values and text.lower() in ("true", "false"):  # as Python, R or YAML writes it
+                text = next((one for one in self._values if one.lower() == text.lower()), text)
             if text not in self._values:
                 raise InputError(
-                    f"{place}: the label {text!r} is not in {self.block.path('values')}; found there: "
-                    f"{', '.join(self._values)}"
+                    f"{place}: the label {text!r} is not in {self.block.path('values')}{nearest(text, list(self._values))}".replace(
+                        " found: ", " found there: "
+                    )
                 )
             text = self._values[text]
         if text == UNKNOWN:

@@ -17,6 +17,7 @@ from slipbench._import.block import Block
 from slipbench._import.keys import TIME_UNITS
 from slipbench._import.labels import File, Lookup, States, object_of
 from slipbench._import.source import MISSING, Source, stamps_of
+from slipbench._import.times import duration_text, format_error, is_moment, jump_text, stamp_text
 from slipbench._program import counted
 from slipbench.bin import _core
 
@@ -102,6 +103,8 @@ class Sensor:
                     f"time: expected one of unit, scale, format and nanoseconds, found {' and '.join(given)}"
                     f"{' next to rate' if 'rate' in self.time else ''}"
                 )
+            if reason := format_error(self.time.get("format", "")):
+                self.time.fail(f"time.format: expected a format of strptime, found {self.time.get('format')[:80]!r}: {reason}", "format")
             if self.time.get("scale", 1.0) < 0:
                 self.time.fail(f"time.scale: expected a positive number, found {self.time.get('scale')}", "scale")
         labels = block.get("state", root.get("state"))
@@ -136,13 +139,17 @@ class Map:
         self.object = Lookup(block.need("object")) if "object" in block else None
         self._definitions: dict[str, Any] | None = None  # of messages; read with the first bag
         self._named: set[str] = set()  # sources that are not folders
+        self._folders: list[Path] = []  # of the sources
         if (comment := block.get("comment")) is not None and comment != comment.strip():
             block.fail(f"comment: expected a text without spaces around it, found {comment!r}", "comment")
 
     def files(self, sources: list[str]) -> list[File]:
         """The recordings, without tables of labels and objects."""
         self._named = {source for source in sources if not _is_folder(source)}
+        self._folders = [Path(source) if Path(source).is_dir() else Path(source).absolute().parent for source in sources]
         lookups = [sensor.states for sensor in self.sensors] + [self.object]
+        for lookup in filter(None, lookups):
+            lookup.folders = self._folders
         tables = {lookup.table for lookup in lookups if lookup is not None and lookup.table}
         ends = [tuple(part for part in Path(table).parts if part not in (".", "..")) for table in tables]
         return [
@@ -207,7 +214,7 @@ class Map:
         from slipbench._import.bags import Bag, read_definitions
 
         if self._definitions is None:
-            self._definitions = read_definitions(self.block)
+            self._definitions = read_definitions(self.block, self._folders)
         bag = Bag(file.path, self._definitions)
         try:
             for sensor in self.sensors:
@@ -235,21 +242,34 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
         raise InputError(
             f"{source.path}: channel {key} takes more than {LARGEST // 1_000_000} MB; split the file"
         )
-    joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * channel.get("scale", 1.0)
+    components = channel.get("components", starred)
+    has_table = len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel  # whose last axis has the components
+    factors = _factors(key, channel, parts[0].shape[-1] if has_table else components, len(names))
+    joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * factors
     large = np.argwhere(np.abs(joined) > np.finfo(np.float32).max)
     if large.size:
         raise InputError(
             f"{source.place(int(large[0][0]))}: column {names[large[0][1]]}: expected a number in the range of float32,  "
             f"found {joined[tuple(large[0])]:g}"
         )
-    components = channel.get("components", starred)
     if len(names) % components:
         raise InputError(
             f"{source.title_place()}: has {counted(len(names), 'column')} for channel {key}; expected a multiple of its {components} components"
         )
-    if len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel:
+    if has_table:
         return list(parts[0].shape[1:]), names, joined
     return [len(names) // components, components] if components > 1 else [len(names)], names, joined
+
+
+def _factors(key: str, channel: Block, components: int, width: int) -> np.ndarray:
+    """The factors of the values of a row: of `scale`, which is a number or a list with one factor
+    for each component."""
+    scale = channel.get("scale", [1.0])
+    if len(scale) not in (1, components):
+        channel.fail(
+            f"channels.{key}.scale: expected one factor, or one for each of the {counted(components, 'component')}, found {len(scale)}", "scale"
+        )
+    return np.resize(np.array(scale), width)
 
 
 def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | None]:
@@ -276,7 +296,30 @@ def _time_unit(source: Source, sensor: Sensor) -> float:
     if sensor.time is None or "column" not in sensor.time or "nanoseconds" in sensor.time or "format" in sensor.time:
         return 0.0
     texts = (text for text in source.texts(sensor.time.need("column")) if text.lower() not in MISSING)
-    return 0.0 if ":" in next(texts, "") else sensor.scale or 1.0
+    return 0.0 if is_moment(next(texts, "")) else sensor.scale or 1.0
+
+
+def _order_error(source: Source, sensor: Sensor, times: np.ndarray, kept: np.ndarray, row: int) -> str:
+    """Describes the first time that does not come after the one above it.
+
+    Args:
+        source: the table
+        sensor: the sensor of the map
+        times: [T] s
+        kept: [T] rows of the times in the table
+        row: index of that time
+    """
+    title = "" if sensor.time is None else sensor.time.need("column")
+    column = f"column {source.titles.index(title) + 1}, " if title else ""
+    if title and not np.any(times != times[0]):
+        remedy = "leave out 'time' in the map, to use the times of receipt" if source.clock() is not None else "use time: {rate: 100 Hz}, with your rate"
+        return f"{source.title_place()}: {column}time: {title} is {stamp_text(times[0])} in all {counted(len(times), 'sample')}; {remedy}"
+    where = f"{source.place(int(kept[row]))}: {column}time: {stamp_text(times[row])}"
+    before = source.row_text(int(kept[row - 1]))
+    if times[row] == times[row - 1]:
+        return f"{where} is the time of {before}, too; expected ascending times"
+    drop = duration_text(float(times[row - 1] - times[row]))
+    return f"{where} comes after {stamp_text(times[row - 1])} in {before}, {drop} earlier; expected ascending times{jump_text(times, row)}"
 
 
 def _runs(rows: np.ndarray) -> list[tuple[int, int]]:
@@ -334,11 +377,7 @@ class Importer:
             raise InputError(f"{file.path}: has {counted(len(times), 'sample')}; at least two are needed to determine the rate")
         late = np.flatnonzero(~(np.diff(times) > 0))
         if late.size:
-            row = int(late[0]) + 1
-            column = "" if sensor.time is None else f"column {source.titles.index(sensor.time.need('column')) + 1}, "
-            raise InputError(
-                f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; expected ascending times"
-            )
+            raise InputError(_order_error(source, sensor, times, kept, int(late[0]) + 1))
         steps = np.diff(times)
         if steps.size and steps.min() < SHORTEST:
             raise InputError(

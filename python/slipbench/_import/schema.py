@@ -4,20 +4,23 @@
 from __future__ import annotations
 
 import json
-import signal
+import sys
 from typing import Any
 
 from slipbench._import.block import LARGEST
 from slipbench._import.keys import BLOCKS, Key
+from slipbench._program import catch_signals, run_command, write_result
 
 _TEXT: dict[str, Any] = {"type": ["string", "number", "boolean"], "not": {"const": ""}}
 _WHOLE: dict[str, Any] = {"type": "integer", "minimum": 1, "maximum": LARGEST}
 # A number that YAML 1.1 reads as text, such as 1e-3.
 _DECIMAL = r"(?=[0.]*[1-9])(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
+_NUMBER: dict[str, Any] = {"anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": f"^[+-]?{_DECIMAL}$"}]}
 _KINDS: dict[str, dict[str, Any]] = {
     "text": _TEXT,
     "name": {"type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
-    "number": {"anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": f"^[+-]?{_DECIMAL}$"}]},
+    "number": _NUMBER,
+    "numbers": {"anyOf": [_NUMBER, {"type": "array", "minItems": 1, "items": _NUMBER}]},
     "integer": _WHOLE,
     "boolean": {"type": "boolean"},
     "texts": {"type": "array", "minItems": 1, "items": _TEXT},
@@ -89,6 +92,11 @@ def map_schema() -> dict[str, Any]:
     }
 
 
+def main() -> int:
+    """Prints the schema; returns the exit status."""
+    catch_signals()
+    return write_result(lambda: print(json.dumps(map_schema(), indent=1)))
+
+
 if __name__ == "__main__":
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `slipbench schema map | head` ends without an error
-    print(json.dumps(map_schema(), indent=1))
+    sys.exit(run_command(main))

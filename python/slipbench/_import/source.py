@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from datetime import UTC, datetime
 
 import numpy as np
 
 from slipbench import InputError
 from slipbench._import.block import nearest
+from slipbench._import.times import formatted_moment, is_moment, moment_of
 from slipbench._program import counted
 
 MISSING = ("", "nan", "-nan", "+nan", "na", "n/a", "null", "none", "-")  # cells without a value, in lower case
 RANGE = " .. "
-CLOCK = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d(?:[.,]\d+)?)")
 
 
 class Source:
@@ -65,7 +64,11 @@ class Source:
 
     def place(self, row: int) -> str:
         """Location of a row, "FILE:LINE" or "FILE: row 7"."""
-        return f"{self.path}: row {row + 1}"
+        return f"{self.path}: {self.row_text(row)}"
+
+    def row_text(self, row: int) -> str:
+        """A row without its file: "row 7", "line 8", "message 7"."""
+        return f"row {row + 1}"
 
     def title_place(self) -> str:
         """Location of the titles."""
@@ -144,7 +147,9 @@ class Source:
 
     def _matches(self, title: str) -> list[tuple[tuple[int, ...], str]]:
         """The numbers matched by each *, and the title, in ascending order of numbers."""
-        pattern = re.compile(r"(\d+)".join(re.escape(part) for part in title.split("*")))
+        if re.search(r"\*[*0-9]", title):  # several divisions of the digits would match
+            raise InputError(f"{self.title_place()}: {title!r}: a * stands for a whole number; expected another character than * or a digit after it")
+        pattern = re.compile(r"([0-9]{1,18}+)".join(re.escape(part) for part in title.split("*")))
         found = [
             (tuple(int(number) for number in match.groups()), one)
             for one in self.titles
@@ -186,51 +191,45 @@ def stamps_of(source: Source, title: str, scale: float | None, pattern: str = ""
     """
     texts = source.texts(title)
     filled = [text for text in texts if text.lower() not in MISSING]
-    if pattern or (filled and ":" in filled[0]):
+    if pattern or (filled and is_moment(filled[0])):
         if scale is not None:
             raise InputError(
                 f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which have no unit and no scale"
             )
-        times = np.array(
-            [
-                np.nan if text.lower() in MISSING else _moment(source, title, row, text, pattern)
-                for row, text in enumerate(texts)
-            ]
-        )
-        if pattern:
-            # The fraction may be anywhere in such a text: its digits are those of the microseconds.
-            micro = np.round(times[~np.isnan(times)] % 1.0 * 1e6).astype(int)
-            return times, 10.0 ** -next(digits for digits in range(7) if not (micro % 10 ** (6 - digits)).any())
-        digits = max(len(match[1]) if (match := re.search(r":\d{2}[.,](\d+)", text)) else 0 for text in filled)
-        return times, 10.0**-digits
+        return _moments(source, title, texts, pattern)
     times = source.values(title) * (scale or 1.0)
     filled = [text.replace(source.thousands, "") for text in filled] if source.thousands else filled
     numbers = [text for text in filled if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d{1,3})?", text)]
     return times, max(resolution_of(numbers) if numbers else 0.0, source.spacing(title)) * (scale or 1.0)
 
 
-def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> float:
-    """Seconds since 1970 of a date, since midnight of a time of day in ISO 8601."""
-    if pattern:
+def _moments(source: Source, title: str, texts: list[str], pattern: str) -> tuple[np.ndarray, float]:
+    """Times of a column of dates or times of day, NaN if missing, and their resolution [s]."""
+    times, resolution = np.full(len(texts), np.nan), np.inf
+    for row, text in enumerate(texts):
+        if text.lower() in MISSING:
+            continue
         try:
-            moment = datetime.strptime(text, pattern)
+            if pattern:
+                times[row] = formatted_moment(text, pattern)
+            else:
+                times[row], written = moment_of(text)
+                resolution = min(resolution, written)
         except ValueError as error:
+            expected = (
+                f"a time in the format of time.format, {pattern!r}"
+                if pattern
+                else "a time in ISO 8601 such as 2026-02-03T10:00:00.01, or a time of day such as 10:00:00.01"
+            )
+            hint = source.layout_hint()
+            if pattern:
+                hint = f": {error}{hint}"
             raise InputError(
-                f"{source.place(row)}: column {title}: expected a time in the format of time.format, {pattern!r}, found {text!r}: "
-                f"{error}{source.layout_hint()}"
+                f"{source.place(row)}: column {title}: expected {expected}, found {text!r}"
+                + (hint or "; define the format of times by time.format, such as '%d.%m.%Y %H:%M:%S.%f'")
             ) from None
-        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-    if clock := CLOCK.fullmatch(text):
-        return 3600.0 * int(clock[1]) + 60.0 * int(clock[2]) + float(clock[3].replace(",", "."))
-    # datetime has microseconds only: the fraction is added separately.
-    whole, fraction, zone = re.fullmatch(r"([^.,]*)(?:[.,](\d+))?(.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
-    try:
-        moment = datetime.fromisoformat(whole + zone)
-        if moment.tzinfo is None:
-            moment = datetime.fromisoformat(whole + "+00:00")
-    except ValueError:
-        raise InputError(
-            f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, found {text!r}"
-            + (source.layout_hint() or "; define the format of times by time.format, such as '%d.%m.%Y %H:%M:%S.%f'")
-        ) from None
-    return moment.timestamp() + (float(f"0.{fraction}") if fraction else 0.0)
+    if pattern:
+        # The fraction may be anywhere in such a text: its digits are those of the microseconds.
+        micro = np.round(times[~np.isnan(times)] % 1.0 * 1e6).astype(int)
+        resolution = 10.0 ** -next(digits for digits in range(7) if not (micro % 10 ** (6 - digits)).any())
+    return times, resolution if np.isfinite(resolution) else 0.0

@@ -14,11 +14,12 @@ import numpy as np
 import pandas as pd
 
 from slipbench import InputError
+from slipbench._import.block import character_text, unlike_ascii
 from slipbench._import.source import MISSING, Source
 from slipbench._program import counted
 
 SEPARATORS = ("\t", ";", "|", ",", " ")  # in order of preference; the last stands for any blanks
-NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks", "": "one column"}
+NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks", "": ""}
 SAMPLE = 100  # lines used to detect separator and decimal mark
 LARGEST = 2_000_000_000  # bytes of a table, which is held in memory
 LONGEST = 1_000_000  # characters of a line
@@ -30,6 +31,28 @@ ARDUINO = re.compile(r"\d{1,2}:\d{2}:\d{2}[.,]\d{1,6} -> ")  # a time of Arduino
 # "a:1" for Arduino's serial plotter. The limits keep the search linear in long lines.
 NAMED_NUMBER = re.compile(r"(?<!\w)[A-Za-z_]\w{0,63} ?: ?[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 MINUS = "\N{MINUS SIGN}"
+# First bytes of files that are not tables of text: what they are, and how to read them.
+_CONVERT = "convert it to .npz by numpy.savez"
+OTHER_FILES = (
+    (b"MATLAB 5.0 MAT-file", "a MATLAB file", f"read it by scipy.io.loadmat, and {_CONVERT}"),
+    (b"\x89HDF\r\n", "an HDF5 file, such as MATLAB 7.3 writes", f"read it by h5py, and {_CONVERT}"),
+    (b"\xd0\xcf\x11\xe0", "an Excel file", "save it as .csv"),
+    (b"PK\x03\x04", "a zip archive, such as Excel's .xlsx", "save a table as .csv, or unpack the archive"),
+    (b"\x1f\x8b", "compressed by gzip", "unpack it by gunzip"),
+    (b"\x28\xb5\x2f\xfd", "compressed by zstd", "unpack it by unzstd"),
+    (b"BZh", "compressed by bzip2", "unpack it by bunzip2"),
+    (b"PAR1", "a Parquet file", "rename it to .parquet"),
+    (b"\x93NUMPY", "an array of numpy", "rename it to .npy"),
+    (b"\x89MCAP", "an MCAP file", "rename it to .mcap"),
+    (b"#ROSBAG", "a bag of ROS 1", "rename it to .bag"),
+    (b"SQLite format 3", "an SQLite database", "give the folder with the bag's metadata.yaml"),
+    (b"TDSm", "a TDMS file of LabVIEW", f"read it by the package npTDMS, and {_CONVERT}"),
+    (b"\x80\x02", "a pickle file of Python", f"load it, and {_CONVERT}"),
+    (b"\x80\x03", "a pickle file of Python", f"load it, and {_CONVERT}"),
+    (b"\x80\x04", "a pickle file of Python", f"load it, and {_CONVERT}"),
+    (b"\x80\x05", "a pickle file of Python", f"load it, and {_CONVERT}"),
+)
+TEXT_KINDS = "expected a table of text (.csv, .tsv, .txt, .dat, .lvm), Parquet, .npz, .npy or a bag"
 
 
 def decoded(path: str) -> str:
@@ -37,6 +60,9 @@ def decoded(path: str) -> str:
     if Path(path).stat().st_size > LARGEST:
         raise InputError(f"{path}: the table has more than {LARGEST / 1e9:.0f} GB; split the file")
     data = Path(path).read_bytes()
+    for beginning, what, remedy in OTHER_FILES:
+        if data.startswith(beginning):
+            raise InputError(f"{path}: is {what}; {TEXT_KINDS}; {remedy}")
     encodings = ["utf-8-sig", "latin-1"]
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         encodings = ["utf-16"]
@@ -49,7 +75,7 @@ def decoded(path: str) -> str:
             continue
         if "\0" not in text:
             return text.replace("\r\n", "\n").replace("\r", "\n")
-    raise InputError(f"{path}: the file is not text: it has bytes of value 0")
+    raise InputError(f"{path}: is not text: it has bytes of value 0; {TEXT_KINDS}")
 
 
 def cells_of(line: str, separator: str) -> list[str]:
@@ -180,6 +206,9 @@ class TextTable(Source):
         self._numbers = [number for number, _ in numbered]
         self._lines = [line for _, line in numbered]
         self._numeric_header = header and bool(first) and all(self._is_number(cell) for cell in self.titles)
+        # Last line of LabVIEW's header if it was read as a part of the table.
+        ends = [number for number, line in enumerate(text.split("\n"), 1) if line.startswith("***End_of_Header***")]
+        self._labview = ends[:2][-1] if ends and self._header_line < ends[0] else None  # a file has a header, then each segment
         self._frame = pd.DataFrame()
 
     def _refuse_doubtful(self, lines: list[tuple[int, str]]) -> None:
@@ -203,6 +232,9 @@ class TextTable(Source):
 
     def place(self, row: int) -> str:
         return f"{self.path}:{self._numbers[row]}" if row < len(self._numbers) else self.path
+
+    def row_text(self, row: int) -> str:
+        return f"line {self._numbers[row]}"
 
     def title_place(self) -> str:
         return f"{self.path}:{self._header_line}"
@@ -228,6 +260,10 @@ class TextTable(Source):
             return hint
         if self._numeric_header:
             return "; the first line contains numbers: a table without titles needs header: false, which calls the columns 1, 2, 3"
+        if self._labview is not None:
+            return f"; the file begins with a header of LabVIEW, and the titles are in line {self._labview + 1}: skip: {self._labview}"
+        if not self._separator:
+            return "; read as one column"
         return f"; read with {NAMES.get(self._separator, repr(self._separator))} between the cells"
 
     def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
@@ -349,6 +385,8 @@ class TextTable(Source):
     def _cell_hint(self, row: int, cell: str) -> str:
         if row == 0 and all(not self._is_number(one) for one in cells_of(self._lines[0], self._separator)):
             return f"; skip a row of units by skip: [{self._numbers[0]}]"
+        if odd := unlike_ascii(cell):
+            return f", which has {', '.join(map(character_text, odd[:5]))}"
         if re.fullmatch(r"[+-]?\d{1,3}([,.' ]\d{3})+([.,]\d*)?", cell.strip()):
             return "; set the mark between thousands in the map: thousands: ','"
         if re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()):

@@ -17,6 +17,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from slipbench._output import NewFiles, partial_path
 from slipbench.bin import _core
 from slipbench.learning._fit import Floats, answers, array_of, history_of, reproducible, tensor_of
 from slipbench.learning._input import Engine
@@ -165,14 +166,15 @@ def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], i
         InputError: the file exists and is not a detector, or the engine does not accept it
     """
     check_output(path)
-    unchecked = Path(f"{os.fspath(path)}.unchecked")
-    try:
-        unchecked.write_bytes(onnx_bytes(members, inputs, description))
+    target = Path(path)
+    with NewFiles() as files:
+        file = files.create(target)
+        file.write(onnx_bytes(members, inputs, description))
+        file.flush()
         if _core.engine_available():
-            Engine(str(unchecked)) if features is None else check_engine(str(unchecked), members, features)
-        unchecked.replace(path)
-    finally:
-        unchecked.unlink(missing_ok=True)
+            unchecked = str(partial_path(target))
+            Engine(unchecked) if features is None else check_engine(unchecked, members, features)
+        files.publish()
 
 
 def check_output(path: str | os.PathLike[str]) -> None:

@@ -22,7 +22,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from slipbench._program import counted, write_whole
+from slipbench._output import write_whole
+from slipbench._program import counted
 from slipbench.bin import _core
 from slipbench.learning._names import named
 

@@ -5,6 +5,7 @@ Arguments: the project's root, the program.
 
 import csv
 import gzip
+import subprocess
 import unittest
 
 import h5py
@@ -12,8 +13,9 @@ import numpy as np
 import pandas
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
+from slipbench._output import create_locked
 
-from _made import ExportTest, export, for_each_scene, held, make
+from _made import PROGRAM, ExportTest, contents, export, for_each_scene, held, make
 
 
 class Formats(ExportTest):
@@ -128,6 +130,30 @@ class Formats(ExportTest):
                   for path in (self.folder / "packed").rglob("*.csv.gz")}
         self.assertEqual(len(plain), 2)
         self.assertEqual(packed, plain)
+
+    def test_exports_at_once_are_whole_or_refused(self):
+        """Four exports into one folder: each is whole or states the other; and pyarrow would take a folder a:b for an address."""
+        dataset = make("papillarray/stage.yaml")
+        for format in ("lerobot", "parquet"):
+            with self.subTest(format=format):
+                out, whole = self.folder / f"a:{format}", self.folder / f"{format}-whole"
+                export(dataset, whole, "--format", format)
+                command = [PROGRAM, "export", dataset, "-o", str(out), "--format", format]
+                runs = [subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for _ in range(4)]
+                ends = [(run.communicate()[1], run.returncode) for run in runs]
+                self.assertIn(0, [status for _, status in ends], ends)
+                for text, status in ends:
+                    if status != 0:
+                        self.assertEqual((status, text.splitlines()[-1]), (2, f"slipbench: cannot write into {out}: another export is writing into it"))
+                self.assertEqual(contents(out), contents(whole))
+                out.rename(self.folder / f"{format}-done")
+                out.mkdir()
+                with create_locked(out / "export.partial"):
+                    _, told = export(dataset, out, "--format", format, status=2)
+                    self.assertIn("another export is writing into it", told)
+                self.assertEqual([path.name for path in out.iterdir()], ["export.partial"])
+                export(dataset, out, "--format", format)  # the file was left by a killed export
+                self.assertEqual(contents(out), contents(whole))
 
     def test_what_a_layout_cannot_carry_is_refused_by_name(self):
         dataset = make("papillarray/stage.yaml")
