@@ -18,6 +18,7 @@
 #include <mujoco/mujoco.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/named_files.h"
 #include "sim/core/process/regular_file.h"
 
 namespace slipbench {
@@ -110,6 +111,7 @@ void check_size(const std::string& file, const Tag& tag, const char* what, doubl
 
 // Files already checked.
 struct Looked {
+  fs::path folder;  // of the model
   std::map<std::string, std::vector<Tag>> files;
   std::map<std::string, double> copies;    // number of copies made of each file's elements
   std::map<std::string, fs::path> models;  // that <attach> may name
@@ -165,6 +167,7 @@ void check_file(const fs::path& path, const fs::path& root, Looked& looked, doub
                                      quote(value)));
       if (!names_file) continue;
       for_each_file(value, [&](const fs::path& found) {
+        check_named_file(found, looked.folder, fmt::format("{}:{}: {}", path.string(), tag.line, printable(key)), "");
         if (tag.name == "include") {
           check_file(found, root, looked, replicated.back());
         } else if (tag.name == "model") {
@@ -180,7 +183,7 @@ void check_file(const fs::path& path, const fs::path& root, Looked& looked, doub
 }  // namespace
 
 void check_mjcf(const std::string& path) {
-  Looked looked;
+  Looked looked{.folder = fs::path(path).parent_path(), .files = {}, .copies = {}, .models = {}};
   check_file(path, fs::path(path).parent_path(), looked);
 }
 
@@ -209,7 +212,7 @@ std::string placed_message(const std::string& path, std::string message) {
     const auto named = tag.attributes.find("name");
     return named != tag.attributes.end() && named->second == name;
   };
-  Looked looked;
+  Looked looked{.folder = fs::path(path).parent_path(), .files = {}, .copies = {}, .models = {}};
   check_file(path, fs::path(path).parent_path(), looked);
   std::string places;
   for (const auto& [file, tags] : looked.files) {

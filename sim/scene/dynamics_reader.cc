@@ -32,7 +32,7 @@ class DynamicsReader : EntryReader {
     if (const YamlNode* node = root.find("model")) {
       const std::string& file = text_of(*node, "model", "the path of an MJCF file relative to the scene's folder");
       if (file.empty()) fail(node->origin, "model is empty; expected the path of an MJCF file relative to the scene's folder");
-      scene.model = resolved_path(*node);
+      scene.model = resolved_path(*node, "model", FileUse::part);
       record("model", file);
     }
     if (const YamlNode* node = root.find("bodies")) scene.bodies = read_bodies(*node);

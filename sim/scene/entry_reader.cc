@@ -5,15 +5,25 @@
 #include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 #include <variant>
 
 #include <nlohmann/json.hpp>
 
 #include "sim/core/counted.h"
+#include "sim/core/process/named_files.h"
 #include "sim/scene/scene_values.h"
 
 namespace slipbench {
 namespace {
+
+namespace fs = std::filesystem;
+
+// True for what the command line or a caller in C++ or Python gave, False for a file and for the
+// scene and the overrides in a dataset.
+bool is_callers_own(const Origin& origin) {
+  return !origin.source || origin.source->starts_with("--") || fs::path(*origin.source).filename().string().starts_with('<');
+}
 
 std::string allowed_form(const ParameterSpec& spec) {
   switch (spec.type) {
@@ -121,14 +131,18 @@ Parameters::Value EntryReader::value(const YamlNode* node, const std::string& pa
   record(path, result, spec.quantity, node == nullptr ? std::string() : node->text);
   if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text &&
       std::ranges::find(spec.choices, node->text) == spec.choices.end())
-    return resolved_path(*node);
+    return resolved_path(*node, path, spec.name == "library" ? FileUse::library : FileUse::part);
   return result;
 }
 
-std::string EntryReader::resolved_path(const YamlNode& node) const {
-  if (node.origin.typed) return node.text;
-  const std::filesystem::path folder = root_.source ? std::filesystem::path(*root_.source).parent_path() : "";
-  return (folder / node.text).string();
+std::string EntryReader::resolved_path(const YamlNode& node, const std::string& path, FileUse use) const {
+  const fs::path folder = node.origin.typed || !root_.source ? fs::path() : fs::path(*root_.source).parent_path();
+  const fs::path file = folder / node.text;
+  std::error_code error;
+  const bool checks = use == FileUse::table || (root_.source && fs::is_regular_file(*root_.source, error));
+  if (use != FileUse::library && checks && !is_callers_own(node.origin))
+    check_named_file(file, folder, node.origin.text() + ": " + path, "--set " + path + "=PATH");
+  return file.string();
 }
 
 Parameters::Value EntryReader::default_at(const std::string& path, const ParameterSpec& spec) const {
@@ -178,7 +192,7 @@ Parameters::Value EntryReader::table(const YamlNode* node, const std::string& pa
     return table;
   }
   const bool in_file = node->kind == YamlNode::Kind::scalar;
-  const YamlNode rows = in_file ? read_csv(resolved_path(*node), spec.columns, node->origin) : *node;
+  const YamlNode rows = in_file ? read_csv(resolved_path(*node, path, FileUse::table), spec.columns, node->origin) : *node;
   if (rows.kind != YamlNode::Kind::sequence || rows.children.empty())
     fail(rows.origin, path + " is " + described(rows) + "; allowed: " + allowed_form(spec));
   std::string needed = spec.columns.empty() ? "as many numbers as in the first row" : "";
@@ -201,7 +215,7 @@ Parameters::Value EntryReader::table(const YamlNode* node, const std::string& pa
   }
   if (in_file) table.path = node->text;  // as written in the scene
   record(path, table);
-  if (in_file) table.path = resolved_path(*node);
+  if (in_file) table.path = resolved_path(*node, path, FileUse::table);
   return table;
 }
 

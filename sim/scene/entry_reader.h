@@ -80,9 +80,13 @@ class EntryReader {
   void record(const std::string& path, const Parameters::Value& value, Quantity quantity = Quantity::none,
               const std::string& written = {});
 
-  // Resolves the path that is written at `node`: relative to the scene's folder, or to the current
-  // folder if it was given by --set.
-  [[nodiscard]] std::string resolved_path(const YamlNode& node) const;
+  // Use of a file that a scene names: code that the user chooses to run, a file that a part opens when
+  // it is made, or a table that is read with the scene.
+  enum class FileUse { library, part, table };
+  // Resolves the path that is written at `node`, the value of the key `path`: relative to the
+  // scene's folder, or to the current folder if it was given by --set. Throws InputError if a scene
+  // file names a file that it may not (named_files.h), or the scene of a dataset such a table.
+  [[nodiscard]] std::string resolved_path(const YamlNode& node, const std::string& path, FileUse use) const;
 
   // Returns the value at `node`, or the default if it is null.
   Parameters::Value value(const YamlNode* node, const std::string& path, const ParameterSpec& spec);

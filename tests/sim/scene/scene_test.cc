@@ -274,6 +274,59 @@ TEST(SceneTable, ErrorsNameTheLineOfWhatIsWrong) {
   EXPECT_THAT(refusal(csv, "x,y\n"), refused_at("places.csv", {"sensors.pad.places"}));
 }
 
+// A scene of others may name files of its own folder, of the current folder and of the program; no
+// message shows the content of another file.
+TEST(SceneTable, FilesAreThoseOfTheFoldersThatTheUserNamed) {
+  const std::string secret = folder() + "secret.csv", inside = folder() + "scene/";
+  std::ofstream(secret) << "root:x:0:0\n1,2\n";
+  std::filesystem::create_directories(inside);
+  Catalogues catalogues = test_catalogues();
+  catalogues.sensors.push_back(
+      {"skin", "", "", "", {table_spec(2, "places", {{"x", Quantity::length}, {"y", Quantity::length}}, "doc", "assumed")}});
+  const std::string head = "slipbench: 1\nsensors:\n  pad: {type: skin, places: ", path = inside + "s.yaml";
+  const auto load = [&](const std::string& name, const std::string& set) {
+    std::ofstream(path) << head << name << "}\n";
+    SceneFile file = SceneFile::load(path);
+    if (!set.empty()) file.apply({"sensors.pad.places", set});
+    return parse_scene(file, catalogues).sensors[0].parameters.table("places").rows.size();
+  };
+  std::ofstream(inside + "own.csv") << "x,y\n1,2\n";
+  EXPECT_EQ(load("own.csv", ""), 1);
+  EXPECT_EQ(load("../scene/own.csv", ""), 1);
+  std::filesystem::remove(inside + "link.csv");
+  std::filesystem::create_symlink(secret, inside + "link.csv");
+  for (const std::string& name : {secret, std::string("../secret.csv"), std::string("link.csv")}) {
+    const std::string said = refusal_of([&] { static_cast<void>(load(name, "")); });
+    EXPECT_THAT(said, refused_at(path + ":3", {"sensors.pad.places", "outside", "--set sensors.pad.places=PATH"})) << name;
+    EXPECT_EQ(said.find("root"), std::string::npos) << said;
+  }
+  std::ofstream(secret) << "x,y\n1,2\n3,4\n";
+  EXPECT_EQ(load("own.csv", secret), 2);  // named on the command line
+  // The scene and the overrides of a dataset are words of others, too; a text of the caller is not.
+  const auto text = [&](const std::string& name, const std::string& option) {
+    SceneFile file = SceneFile::from_text(head + (option.empty() ? secret : "none") + "}\n", name);
+    if (!option.empty()) file.apply({.path = "sensors.pad.places", .value = secret, .option = option});
+    return parse_scene(file, catalogues).sensors[0].parameters.table("places").rows.size();
+  };
+  EXPECT_EQ(text("<text>", ""), 2);
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(text("attribute scene", "")); }), refused_at("attribute scene:3", {"outside"}));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(text("attribute scene", "recorded --set")); }), testing::HasSubstr("outside"));
+}
+
+// Networks, models and memories follow the same rule. A library is code that the user chooses to run.
+TEST(Scene, FilesOfPartsAreThoseOfTheFoldersThatTheUserNamed) {
+  const std::string inside = folder() + "parts/";
+  std::filesystem::create_directories(inside);
+  std::ofstream(folder() + "memory") << "x";
+  std::ofstream(inside + "s.yaml") << minimal << "detector: {type: trained, memories: ../memory}\n";
+  const Catalogues catalogues = test_catalogues();
+  SceneFile file = SceneFile::load(inside + "s.yaml");
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(parse_scene(file, catalogues)); }),
+              testing::HasSubstr("detector.memories: '" + inside + "../memory' is outside of the folder"));
+  file.apply({"detector.memories", folder() + "memory"});
+  EXPECT_EQ(parse_scene(file, catalogues).detector->parameters.path("memories"), folder() + "memory");
+}
+
 TEST(SceneTable, NamesOfAMapAreThoseThatAreAllowed) {
   EXPECT_EQ(scene_of("none", "", "    channels: {a: shear}\n").sensors[0].parameters.map("channels"),
             (ParameterMap{{"a", "shear"}}));

@@ -105,6 +105,14 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
   expect_model_refusal("< size memory=\"100G\"/>\n", {"model.xml:2", "<size>", "memory"});
   expect_model_refusal("<size memory=\"&#57;9G\"/>\n", {"model.xml:2", "<size>", "memory"});
   expect_model_refusal("<include file=\"&#112;ipe\"/>\n", {"model.xml:2", "file", "&#112;ipe", "entities"});
+  // A model of others names no file outside of its folder, whatever the way.
+  std::filesystem::create_symlink("/etc/hostname", folder_ / "link.xml");
+  const std::string way = std::filesystem::relative("/etc/hostname", folder_ / ".").string();
+  for (const std::string& name : {std::string("/etc/hostname"), way, std::string("link.xml")}) {
+    expect_model_refusal("<include file=\"" + name + "\"/>\n", {"model.xml:2: file", "outside of the folder"});
+  }
+  expect_model_refusal("<asset><mesh file=\"hostname\"/></asset>\n<compiler meshdir=\"/etc\"/>\n",
+                       {"model.xml:2: file", "outside"});
   // MuJoCo reports no lines of included files.
   std::ofstream(folder_ / "part.xml") << "<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody>\n</mujoco>\n";
   expect_model_refusal("<include file=\"part.xml\"/>\n", {"geom", folder_ / "part.xml" + ":3"});
