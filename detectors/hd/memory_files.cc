@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -239,6 +241,31 @@ void check_folder_target(const std::string& folder, const std::vector<std::strin
   }
 }
 
+// Removes FOLDER.partial.PID of runs that were killed: folders that contain only `files`, whose process
+// does not exist.
+void remove_leftovers(const fs::path& target, const std::vector<TextFile>& files) {
+  std::error_code error;
+  const std::string beginning = target.filename().string() + ".partial.";
+  std::vector<fs::path> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(target.parent_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(beginning) || !entry.is_directory(error) || entry.is_symlink(error)) continue;
+    pid_t process = 0;
+    const char* const first = name.data() + beginning.size();
+    const auto [end, failure] = std::from_chars(first, name.data() + name.size(), process);
+    if (failure != std::errc() || end != name.data() + name.size() || process <= 0) continue;
+    if (::kill(process, 0) == 0 || errno != ESRCH) continue;
+    found.push_back(entry.path());
+  }
+  for (const fs::path& folder : found) {
+    const fs::directory_iterator entries(folder, error);
+    const bool own = !error && std::all_of(begin(entries), end(entries), [&files](const fs::directory_entry& entry) {
+      return std::ranges::find(files, entry.path().filename().string(), &TextFile::name) != files.end();
+    });
+    if (own) fs::remove_all(folder, error);
+  }
+}
+
 // Writes the files to FOLDER.partial.PID, syncs them and moves that folder into place; makes parent
 // folders and removes the old folder. Throws InputError if that fails; the old folder then stays.
 // Call check_folder_target() first.
@@ -246,6 +273,7 @@ void write_folder(const std::string& folder, const std::vector<TextFile>& files)
   const fs::path target = whole_name(folder);
   const std::string fresh = target.string() + ".partial." + std::to_string(::getpid());
   const std::string stale = target.string() + ".old." + std::to_string(::getpid());
+  remove_leftovers(target, files);
   try {
     fs::create_directories(fresh);
     for (const TextFile& file : files) {

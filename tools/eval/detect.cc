@@ -201,8 +201,7 @@ std::vector<std::string> write_detection(const std::string& path, const Json& re
     write_text_file(path, result.dump(1) + "\n");
     return {path};
   }
-  write_text_file(path, alarms_csv(result));
-  write_text_file(samples_path(path), samples_csv(result));
+  write_text_files({{path, alarms_csv(result)}, {samples_path(path), samples_csv(result)}});
   return {path, samples_path(path)};
 }
 

@@ -88,14 +88,27 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
   }
 }
 
-void write_text_file(const std::string& path, const std::string& text) {
-  const std::string temporary = temporary_path(path);
-  // O_NOFOLLOW: a link may have appeared since the name was checked.
-  if (!write_synced_file(temporary.c_str(), O_TRUNC | O_NOFOLLOW, text)) refuse(path, std::strerror(errno));
-  if (std::rename(temporary.c_str(), path.c_str()) == 0) return;
-  const int reason = errno;
-  std::remove(temporary.c_str());
-  refuse(path, std::strerror(reason));
+void write_text_file(const std::string& path, const std::string& text) { write_text_files({{path, text}}); }
+
+void write_text_files(const std::vector<std::pair<std::string, std::string>>& files) {
+  std::vector<std::string> written;  // temporary files without their final name
+  const auto give_up = [&written](const std::string& path) {
+    const int reason = errno;
+    for (const std::string& temporary : written) std::remove(temporary.c_str());
+    refuse(path, std::strerror(reason));
+  };
+  for (const auto& [path, text] : files) {
+    const std::string temporary = temporary_path(path);
+    // Always a new file: one that a killed run left may be a hard link to a file that must not change.
+    struct stat left {};
+    if (::lstat(temporary.c_str(), &left) == 0 && S_ISREG(left.st_mode) && ::unlink(temporary.c_str()) != 0) give_up(path);
+    if (!write_synced_file(temporary.c_str(), O_EXCL, text)) give_up(path);
+    written.push_back(temporary);
+  }
+  for (const auto& [path, text] : files) {
+    if (std::rename(written.front().c_str(), path.c_str()) != 0) give_up(path);
+    written.erase(written.begin());
+  }
 }
 
 namespace fs = std::filesystem;

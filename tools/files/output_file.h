@@ -43,6 +43,10 @@ void sync_folder_of(const std::string& path);
 // file remains. Call check_text_target() first.
 void write_text_file(const std::string& path, const std::string& text);
 
+// The same for several files, paths and their texts: they get their names together once all are
+// complete, so that on a full disk none of them remains.
+void write_text_files(const std::vector<std::pair<std::string, std::string>>& files);
+
 // Temporary folder of a command.
 
 // Created empty in the system's folder for temporary files; removed with this object. Throws

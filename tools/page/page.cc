@@ -235,8 +235,8 @@ void check_page_files(const std::string& html_path, const PageKind& kind) {
 std::vector<std::string> write_page_files(const std::string& html_path, const PageKind& kind, const std::string& page,
                                           const Json& object) {
   check_page_files(html_path, kind);
-  write_text_file(html_path, page);
-  write_text_file(json_path(html_path), object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_text_files(
+      {{html_path, page}, {json_path(html_path), object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"}});
   return {html_path, json_path(html_path)};
 }
 

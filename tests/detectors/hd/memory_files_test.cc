@@ -89,6 +89,21 @@ TEST_F(MemoryFiles, AModelIsReplacedWholeAndNothingElseIsLeft) {
   EXPECT_THAT(names, testing::UnorderedElementsAre("model", "AM.hex", "CIM.hex", "CM.hex", "IM.hex", "model.txt"));
 }
 
+// A killed run leaves FOLDER.partial.PID. Linux has no process of a number above 2^22.
+TEST_F(MemoryFiles, WhatAKilledRunLeftIsRemoved) {
+  const std::string dead = folder_ + ".partial.99999999", alive = folder_ + ".partial.1", other = folder_ + ".partial.99999998";
+  for (const std::string& folder : {dead, alive, other}) {
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder + "/AM.hex") << "00\n";
+  }
+  std::ofstream(other + "/thesis.tex") << "mine\n";
+  save(folder_, saved_);
+  EXPECT_FALSE(std::filesystem::exists(dead));
+  EXPECT_TRUE(std::filesystem::exists(alive));
+  EXPECT_TRUE(std::filesystem::exists(other));
+  EXPECT_EQ(load(folder_).model, saved_.model);
+}
+
 TEST_F(MemoryFiles, AFolderWithAnythingElseIsNotReplaced) {
   save(folder_, saved_);
   write("thesis.tex", {"years of work"});

@@ -132,6 +132,25 @@ TEST_F(TargetTest, TextDoesNotFollowALinkThatCameMeanwhile) {
   EXPECT_THAT(refusal_of([&] { write_text_file(path("a.txt"), "note"); }), HasSubstr("cannot write " + path("a.txt")));
   EXPECT_EQ(bytes_of(path("precious.txt")), "precious");
   EXPECT_FALSE(std::filesystem::exists(path("a.txt")));
+  // A hard link is a regular file: it is replaced, not written through.
+  std::filesystem::remove(path("a.txt.partial"));
+  std::filesystem::create_hard_link(path("precious.txt"), path("a.txt.partial"));
+  write_text_file(path("a.txt"), "note");
+  EXPECT_EQ(bytes_of(path("precious.txt")), "precious");
+  EXPECT_EQ(bytes_of(path("a.txt")), "note");
+}
+
+TEST_F(TargetTest, TextsAppearTogetherOrNotAtAll) {
+  ::mkdir(path("b.txt.partial").c_str(), 0777);  // the second file cannot be written
+  EXPECT_THAT(refusal_of([&] {
+                write_text_files({{path("a.txt"), "1"}, {path("b.txt"), "2"}});
+              }),
+              HasSubstr("cannot write " + path("b.txt")));
+  EXPECT_FALSE(std::filesystem::exists(path("a.txt")));
+  EXPECT_FALSE(std::filesystem::exists(path("a.txt.partial")));
+  std::filesystem::remove(path("b.txt.partial"));
+  write_text_files({{path("a.txt"), "1"}, {path("b.txt"), "2"}});
+  EXPECT_EQ(bytes_of(path("a.txt")) + bytes_of(path("b.txt")), "12");
 }
 
 }  // namespace
