@@ -1,6 +1,7 @@
 #include "detectors/channel.h"
 
 #include "sim/core/error.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 
@@ -25,6 +26,12 @@ std::size_t scalar_channel(const FrameSource& source, std::string_view name, con
                                                source.type + " " + quote(source.sensor) + " does not have");
 }
 
+std::string even_rates_text(double length, double samples) {
+  const double below = std::floor(samples), above = std::ceil(samples);
+  return "; at " + (below < 1.0 ? "" : readable_quantity(below / length, Quantity::frequency) + " or ") +
+         readable_quantity(above / length, Quantity::frequency) + " it is one; `import --rate` resamples a recording";
+}
+
 namespace {
 
 std::size_t whole_frames(double length, const FrameSource& source, const std::string& detector) {
@@ -35,7 +42,8 @@ std::size_t whole_frames(double length, const FrameSource& source, const std::st
     throw SceneValueError("detector.window", detector + " compares frames that are " + format_quantity(length, Quantity::time) +
                                                  " apart, but sensors." + source.sensor + " has " +
                                                  format_quantity(source.rate, Quantity::frequency) +
-                                                 "; allowed: 1 to 1,000,000 of its sampling times, a whole number");
+                                                 "; allowed: 1 to 1,000,000 of its sampling times, a whole number" +
+                                                 even_rates_text(length, frames));
   }
   return static_cast<std::size_t>(whole);
 }

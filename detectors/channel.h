@@ -31,6 +31,10 @@ ChannelPlace vector_channel(const FrameSource& source, std::string_view name, co
 // detector.sensor if the sensor has no such channel.
 std::size_t scalar_channel(const FrameSource& source, std::string_view name, const std::string& detector);
 
+// Returns the end of a message about a `length` [s] of `samples` sampling times, which is not a whole
+// number of them: "; at 950 Hz or 1 kHz it is one; `import --rate` resamples a recording".
+std::string even_rates_text(double length, double samples);
+
 // Returns the three values (x, y, z of the pad frame) of `unit` in `frame`.
 inline std::span<const float, 3> vector_at(const SensorFrame& frame, const ChannelPlace& place, std::size_t unit) {
   return frame.values.subspan(place.first + 3 * unit).first<3>();

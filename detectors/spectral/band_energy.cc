@@ -20,7 +20,8 @@ std::size_t whole_samples(double length, const std::string& key, const FrameSour
   if (whole < 1.0 || whole > most || std::abs(samples - whole) > source.rate_rounding * whole) {
     throw SceneValueError("detector." + key, format_quantity(length, Quantity::time) +
                                                  " must be a whole number of sampling times of sensors." + source.sensor + " (" +
-                                                 format_quantity(source.rate, Quantity::frequency) + "), 1 to 1,000,000");
+                                                 format_quantity(source.rate, Quantity::frequency) + "), 1 to 1,000,000" +
+                                                 even_rates_text(length, samples));
   }
   return static_cast<std::size_t>(whole);
 }

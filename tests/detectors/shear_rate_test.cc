@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tests/detectors/frames.h"
+#include "tests/expect.h"
 
 namespace slipbench::shear_rate_test {
 namespace {
@@ -106,6 +107,13 @@ TEST(ShearRate, AnUnloadedUnitDoesNotSlip) {
     ASSERT_EQ(reader.next(pad.after(0.9e-3 / pad.stiffness * tick)).state, PadState::non_slip) << tick;
   }
   EXPECT_EQ(reader.next(CoulombPad{.normal = {0.04}}.after(0.0)).state, PadState::no_contact);
+}
+
+// 20 ms are 19.5 samples at 975 Hz: 19 at 950 Hz, 20 at 1 kHz.
+TEST(ShearRate, ARateThatDoesNotDivideItsWindowNamesTheNext) {
+  EXPECT_THAT(refusal_of([] { (void)detector(vector_source({"force"}, 9, 975.0)); }),
+              mentions({"20 ms", "975 Hz", "950 Hz or 1 kHz", "import --rate"}));
+  EXPECT_THAT(refusal_of([] { (void)detector(vector_source({"force"}, 9, 20.0)); }), mentions({"at 50 Hz it is one"}));
 }
 
 TEST(ShearRate, ReadsForcesAlone) {
