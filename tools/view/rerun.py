@@ -63,4 +63,11 @@ def main():
             stream.flush()
 
 
-main()
+try:
+    main()
+except KeyboardInterrupt:
+    sys.exit(130)
+except Exception as error:  # another release of rerun-sdk, or a viewer that cannot start
+    reason = next(iter(str(error).splitlines()), "")
+    print(f"slipbench: view: --rerun: rerun-sdk of {sys.executable} failed: {type(error).__name__}: {reason}", file=sys.stderr)
+    sys.exit(2)

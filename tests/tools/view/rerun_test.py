@@ -135,6 +135,14 @@ class Rerun(unittest.TestCase):
             self.assertEqual(done.stdout, "")
         self.assertFalse((self.folder / "scene.h5").exists(), "simulated before it looked for rerun-sdk")
 
+    def test_a_failure_of_rerun_is_one_message(self):
+        self.use(STAND_IN.replace("def flush(self): pass", "def flush(self): raise TypeError('no such argument')"))
+        self.record()
+        done = self.run_program("view", "a.h5", "--rerun")
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.stderr.splitlines()[-1], f"slipbench: view: --rerun: rerun-sdk of {sys.executable} failed: TypeError: no such argument")
+        self.assertNotIn("Traceback", done.stderr)
+
     def test_refusals(self):
         self.use(STAND_IN)
         self.record()
