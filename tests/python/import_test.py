@@ -387,11 +387,32 @@ class Tables(ImportTest):
             ":4: column 1, time: 0.102 s comes after 0.104 s in line 3, 2 ms earlier; expected ascending times",
         )
         # Counters of 2^32 us and 2^16 ms, with 500 us and 1 ms between samples.
-        self.assertIn("the time jumps back by 2^32 us: a counter of 32 bits has wrapped", message("4294966.796", "4294967.296", "0.5", time="{column: t, unit: ms}"))
-        self.assertIn("the time jumps back by 2^16 ms: a counter of 16 bits has wrapped", message("65534", "65535", "0", time="{column: t, unit: ms}"))
-        self.assertIn("; the clock passed midnight; write the times with their date", message("23:59:59.8", "23:59:59.9", "00:00:00.0"))
-        self.assertIn("a clock of 12 hours passed noon or midnight", message("11:59:59.8", "11:59:59.9", "00:00:00.0"))
+        self.assertIn("the time jumps back by 2^32 us: a counter of 32 bits has wrapped; use wrap: 4294.967296 s", message("4294966.796", "4294967.296", "0.5", time="{column: t, unit: ms}"))
+        self.assertIn("the time jumps back by 2^16 ms: a counter of 16 bits has wrapped; use wrap: 65.536 s", message("65534", "65535", "0", time="{column: t, unit: ms}"))
+        self.assertIn("; the clock passed midnight; write the times with their date, or use wrap: 1 day", message("23:59:59.8", "23:59:59.9", "00:00:00.0"))
+        self.assertIn("a clock of 12 hours passed noon or midnight; use wrap: 12 h", message("11:59:59.8", "11:59:59.9", "00:00:00.0"))
         self.assertIn("if the file has several recordings, write each into its own file", message("0", "0.1", "0.2", "0"))
+
+    def test_times_that_start_again_go_on_by_the_period(self):
+        def stamps(time, *cells):
+            path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells]))
+            return self.force((MAP % "").replace("{column: t}", time), path)[1]
+
+        # Two midnights: 86,400 s and 172,800 s after the first.
+        found = stamps("{column: t, wrap: 1 day}", "20:00:00", "04:00:00", "20:00:00", "04:00:00")
+        self.assertEqual(found.tolist(), [72000, 86400 + 14400, 86400 + 72000, 172800 + 14400])
+        # A counter of 2^16 in ms, 65.536 s: 65,535 is followed by 0.
+        found = stamps("{column: t, unit: ms, wrap: 65.536 s}", "65534", "65535", "0", "1")
+        np.testing.assert_allclose(found, [65.534, 65.535, 65.536, 65.537], rtol=0, atol=1e-12)
+        self.assertEqual(stamps("{column: t, wrap: 12 h}", "11:59:59", "00:00:00").tolist(), [43199, 43200])
+        path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in ("0", "5", "11")]))
+        for time, message in (
+            ("{column: t, wrap: 10 s}", "map.yaml:1: time.wrap: .*a.csv:1: the times span 11 s; expected times within 10 s"),
+            ("{column: t, wrap: 1 year}", "map.yaml:1: time.wrap: "),
+            ("{column: t, wrap: 0 s}", "map.yaml:1: time.wrap: expected a time such as '1 day', found '0 s'"),
+            ("{rate: 1 Hz, wrap: 1 day}", "map.yaml:1: time: wrap is for a column of times, not for a rate"),
+        ):
+            self.assertRegex(self.refused((MAP % "").replace("{column: t}", time), path), message)
 
     def test_formats_of_times_are_checked_with_the_map(self):
         path = self.write("a.csv", table())
@@ -776,7 +797,7 @@ class Layouts(ImportTest):
             slipbench.import_recordings(path, map="nothing")
 
     def test_the_table_of_keys_is_whole(self):
-        kinds = {"text", "name", "number", "numbers", "integer", "boolean", "texts", "lines", "rate", "words", "block", "blocks"}
+        kinds = {"text", "name", "number", "numbers", "duration", "integer", "boolean", "texts", "lines", "rate", "words", "block", "blocks"}
         for block, keys in BLOCKS.items():
             self.assertEqual(len({key.name for key in keys}), len(keys), block)
             for key in keys:

@@ -8,7 +8,7 @@ import unicodedata
 from typing import Any, NoReturn
 
 from slipbench import InputError, parse_quantity
-from slipbench._import.keys import BLOCKS, Key
+from slipbench._import.keys import BLOCKS, TIME_UNITS, Key
 from slipbench.bin import _core
 
 LARGEST = 1_000_000  # lines that a list may skip, components
@@ -98,6 +98,21 @@ def _integer(node: Node, where: str) -> int:
     return int(text)
 
 
+def _duration(node: Node, where: str) -> float:
+    """Seconds of a text such as "1 day", "12 h" or "500 ms"."""
+    text = _scalar(node, where, "a time such as '1 day'")
+    try:
+        if long := re.fullmatch(r"([0-9]*\.?[0-9]+) *(day|h)", text):
+            seconds = float(long[1]) * (24 * TIME_UNITS["h"] if long[2] == "day" else TIME_UNITS["h"])
+        else:
+            seconds = parse_quantity(text, "s")
+    except InputError as error:
+        node.fail(f"{where}: {error}; or in day or h")
+    if not 1e-9 <= seconds <= 1e10:
+        node.fail(f"{where}: expected a time such as '1 day', found {text!r}")
+    return seconds
+
+
 def _value(node: Node, key: Key, where: str) -> Any:
     """The value of a key, by its kind."""
     if key.kind == "blocks":
@@ -129,6 +144,8 @@ def _value(node: Node, key: Key, where: str) -> Any:
         if text not in ("true", "false"):
             node.fail(f"{where}: expected true or false, found {text!r}")
         return text == "true"
+    if key.kind == "duration":
+        return _duration(node, where)
     if key.kind == "rate":
         try:
             rate = parse_quantity(text, "Hz")

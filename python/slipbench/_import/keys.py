@@ -15,7 +15,7 @@ class Key:
     Attributes:
         name: name in the file
         kind: "text"; "name" (letters, digits and "_"); "number"; "numbers" (one, or a list); "integer" (1 or
-            more); "boolean";
+            more); "boolean"; "duration" ("1 day", "500 ms");
             "texts" (a list); "lines" (a number of lines, or a list of line numbers); "rate" ("100
             Hz"); "words" (texts by texts); "block" (the keys of `block`); "blocks" (such blocks,
             each under a name)
@@ -125,6 +125,12 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "text",
             "",
             "title of a column of nanoseconds beyond the whole seconds of `column`, as ROS has them",
+        ),
+        Key(
+            "wrap",
+            "duration",
+            "none",
+            "period after which the times start again: 1 day for times of day, 4294.967296 s for a counter of 32 bits in us",
         ),
         Key("rate", "rate", "", "rate of samples without times, such as 100 Hz"),
     ),

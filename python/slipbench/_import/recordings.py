@@ -17,7 +17,7 @@ from slipbench._import.block import Block
 from slipbench._import.keys import TIME_UNITS
 from slipbench._import.labels import File, Lookup, States, object_of
 from slipbench._import.source import MISSING, Source, stamps_of
-from slipbench._import.times import duration_text, format_error, is_moment, jump_text, stamp_text
+from slipbench._import.times import duration_text, format_error, is_moment, jump_text, stamp_text, unwrapped
 from slipbench._program import counted
 from slipbench.bin import _core
 
@@ -98,6 +98,8 @@ class Sensor:
         if self.time is not None:
             self.time.only_one(("column", "rate"))
             given = [key for key in ("unit", "scale", "format", "nanoseconds") if key in self.time]
+            if "wrap" in self.time and "rate" in self.time:
+                self.time.fail("time: wrap is for a column of times, not for a rate", "wrap")
             if len(given) > 1 or (given and "rate" in self.time):
                 self.time.fail(
                     f"time: expected one of unit, scale, format and nanoseconds, found {' and '.join(given)}"
@@ -285,8 +287,15 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
         return np.arange(len(source)) / rate, 0.0, rate
     title = source.find(sensor.time.need("column"))
     if "nanoseconds" in sensor.time:
-        return source.values(title) + 1e-9 * source.values(source.find(sensor.time.need("nanoseconds"))), 1e-9, None
-    times, resolution = stamps_of(source, title, sensor.scale, sensor.time.get("format", ""))
+        times = source.values(title) + 1e-9 * source.values(source.find(sensor.time.need("nanoseconds")))
+        resolution = 1e-9
+    else:
+        times, resolution = stamps_of(source, title, sensor.scale, sensor.time.get("format", ""))
+    if "wrap" in sensor.time:
+        try:
+            times = unwrapped(times, sensor.time.need("wrap"))
+        except ValueError as error:
+            sensor.time.fail(f"time.wrap: {source.title_place()}: {error}; expected times within {duration_text(sensor.time.need('wrap'))}", "wrap")
     return times, resolution, None
 
 

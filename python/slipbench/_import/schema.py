@@ -31,6 +31,12 @@ _KINDS: dict[str, dict[str, Any]] = {
             {"type": "string", "pattern": rf"^\+?{_DECIMAL}[ \t]*(Hz|kHz|MHz)?$"},
         ]
     },
+    "duration": {
+        "anyOf": [
+            {"type": "number", "exclusiveMinimum": 0},
+            {"type": "string", "pattern": rf"^\+?{_DECIMAL}[ \t]*(s|ms|us|min|h|day)?$"},
+        ]
+    },
     "words": {"type": "object", "minProperties": 1, "additionalProperties": _TEXT},
 }
 _OF_SENSOR = ("type", "channels", "topic", "message", "each", "frame")

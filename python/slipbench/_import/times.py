@@ -102,8 +102,29 @@ def stamp_text(seconds: float) -> str:
     return f"{np.format_float_positional(seconds, trim='-')} s"
 
 
+def unwrapped(times: np.ndarray, period: float) -> np.ndarray:
+    """Times that start again after a period, as ascending times: each step back by more than half
+    of the period begins the next one.
+
+    Args:
+        times: [T] s, NaN if missing
+        period: s
+
+    Raises:
+        ValueError: the times do not lie within one period
+    """
+    known = ~np.isnan(times)
+    span = float(np.ptp(times[known])) if known.any() else 0.0
+    if span > period:
+        raise ValueError(f"the times span {duration_text(span)}")
+    whole = times.copy()
+    whole[known] += period * np.concatenate([[0], np.cumsum(np.diff(times[known]) < -period / 2)])[: known.sum()]
+    return whole
+
+
 def jump_text(times: np.ndarray, row: int) -> str:
-    """The likely cause of a time that comes before the one above it; empty: unknown.
+    """The likely cause of a time that comes before the one above it, and its remedy; empty:
+    unknown.
 
     Args:
         times: [T] s
@@ -116,10 +137,11 @@ def jump_text(times: np.ndarray, row: int) -> str:
         for unit in ("s", "ms", "us", "ns"):
             period = 2**bits * TIME_UNITS[unit]
             if period > 100 * step and 0 < period - drop <= 10 * step:
-                return f"; the time jumps back by 2^{bits} {unit}: a counter of {bits} bits has wrapped; add 2^{bits} to the rows from there on"
-    for period, clock in ((DAY, "the clock passed midnight"), (DAY / 2, "a clock of 12 hours passed noon or midnight")):
+                return f"; the time jumps back by 2^{bits} {unit}: a counter of {bits} bits has wrapped; use wrap: {stamp_text(period)}"
+    for period, text in ((DAY, "the clock passed midnight; write the times with their date, or use wrap: 1 day"),
+                         (DAY / 2, "a clock of 12 hours passed noon or midnight; use wrap: 12 h")):
         if period > 100 * step and 0 < period - drop <= 10 * step:
-            return f"; {clock}; write the times with their date"
+            return f"; {text}"
     if drop > 1.5 * step > 0 and abs(times[row] - times[0]) <= step:
         return "; the times start again: if the file has several recordings, write each into its own file"
     return ""
