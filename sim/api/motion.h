@@ -36,6 +36,9 @@ class Motion {
   // Returns an upper bound of the speed of any point of the pad within `reach` [m] of its origin
   // [m/s].
   [[nodiscard]] virtual double top_speed(double reach) const = 0;
+  // Returns the longest step [s] within which the path of every point of the pad may count as
+  // straight (sim/motion/straight_path.h).
+  [[nodiscard]] virtual double longest_step() const = 0;
   // True if the pad rotates about its normal.
   [[nodiscard]] virtual bool turns() const = 0;
   // Vibration of its motors; empty: none.

@@ -33,6 +33,7 @@ class Guided final : public Motion {
 
   [[nodiscard]] BodyState pad_at(double t) const override;
   [[nodiscard]] double top_speed(double reach) const override;
+  [[nodiscard]] double longest_step() const override { return std::numeric_limits<double>::infinity(); }
   [[nodiscard]] bool turns() const override { return false; }
 
  private:

@@ -1,11 +1,13 @@
 #include "sim/motion/motion_catalogue.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
+#include "sim/motion/straight_path.h"
 
 namespace slipbench {
 namespace {
@@ -83,6 +85,11 @@ class Lift final : public Motion {
 
   [[nodiscard]] double top_speed(double reach) const override {
     return height_.top_speed() + way_.top_speed() + turn_.top_speed() * reach + 0.5 * shake_rate_ * shake_.norm();
+  }
+
+  [[nodiscard]] double longest_step() const override {
+    const bool shakes = shake_.norm() > 0.0 && shake_until_ > shake_from_;
+    return std::min(step_per_turn(turn_.top_speed()), step_per_period(shakes ? shake_rate_ / (2.0 * std::numbers::pi) : 0.0));
   }
 
   [[nodiscard]] bool turns() const override { return !turn_.at_rest_always(); }

@@ -1,12 +1,17 @@
 // The prescribed motions of the bench, one line per motion in motion_catalogue.cc.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "sim/api/motion.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {
+
+// Throws SceneValueError for `key` if its time [s] is earlier than `pressed` [s], when pressing
+// ends, by more than the rounding of decimal text.
+void refuse_early(const std::string& key, double time, double pressed);
 
 // A hexapod stage: the pad approaches, presses, dwells, slides and/or turns, may stop, reverse, and
 // lift off.

@@ -1,12 +1,11 @@
 #include "sim/motion/motion_catalogue.h"
 
 #include <cmath>
+#include <limits>
 #include <string>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "sim/core/error.h"
 #include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
 
@@ -53,10 +52,7 @@ class Press final : public Motion {
     const double stroke = p.number("gap") + p.number("compression"), retreat = p.number("retreat");
     height_.move(p.number("begin"), -stroke, p.number("approach_speed"), p.number("acceleration"));
     if (!std::isfinite(retreat)) return;
-    if (retreat < height_.end()) {
-      throw SceneValueError("motion.retreat", fmt::format("{} is too early; expected at least {:.6g} s, when pressing ends",
-                                                          format_quantity(retreat, Quantity::time), height_.end()));
-    }
+    refuse_early("motion.retreat", retreat, height_.end());
     height_.move(retreat, stroke, p.number("retreat_speed"), p.number("acceleration"));
   }
 
@@ -71,6 +67,7 @@ class Press final : public Motion {
   }
 
   [[nodiscard]] double top_speed(double /*reach*/) const override { return height_.top_speed(); }
+  [[nodiscard]] double longest_step() const override { return std::numeric_limits<double>::infinity(); }
   [[nodiscard]] bool turns() const override { return false; }
 
  private:

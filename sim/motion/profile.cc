@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+
+#include "sim/motion/straight_path.h"
 
 namespace slipbench {
 
@@ -64,6 +67,33 @@ double Profile::top_speed() const {
   double top = 0.0;
   for (const Piece& piece : pieces_) top = std::max(top, std::abs(piece.velocity));
   return top;
+}
+
+// Within a step of h that contains a reversal, the coordinate moves there and back. At an
+// acceleration a the lost path is at most a h^2/4, and at any acceleration at most h times the
+// speed.
+double Profile::step_per_reversal() const {
+  double longest = std::numeric_limits<double>::infinity(), direction = 0.0, begun = pieces_.front().position;
+  double acceleration = 0.0, speed = 0.0;
+  const auto move = [&](double velocity, double position) {
+    speed = std::max(speed, std::abs(velocity));
+    if (velocity == 0.0 || velocity * direction > 0.0) return;
+    if (direction != 0.0) {
+      const double lost = largest_loss * std::abs(position - begun);
+      if (lost > 0.0) longest = std::min(longest, std::max(lost / speed, std::sqrt(4.0 * lost / acceleration)));
+      begun = position;
+    }
+    direction = std::copysign(1.0, velocity);
+  };
+  for (auto piece = pieces_.begin() + 1; piece != pieces_.end(); ++piece) {
+    const bool jumps = std::prev(piece)->acceleration == 0.0 && piece->acceleration == 0.0;
+    acceleration = jumps ? std::numeric_limits<double>::infinity() : std::max(acceleration, std::abs(piece->acceleration));
+    move(piece->velocity, piece->position);
+    if (piece->acceleration == 0.0) continue;
+    // where the velocity is zero, if it passes zero within the piece
+    move(std::next(piece)->velocity, piece->position - 0.5 * piece->velocity * piece->velocity / piece->acceleration);
+  }
+  return longest;
 }
 
 ProfilePoint Profile::at(double t) const {

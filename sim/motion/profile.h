@@ -33,6 +33,9 @@ class Profile {
   [[nodiscard]] double end() const { return pieces_.back().start; }
   // Returns the largest speed ever reached.
   [[nodiscard]] double top_speed() const;
+  // Returns the longest step [s] of which one that contains a reversal loses at most largest_loss
+  // (straight_path.h) of the path since the reversal before; infinite without a reversal.
+  [[nodiscard]] double step_per_reversal() const;
   [[nodiscard]] bool at_rest_always() const { return pieces_.size() == 1; }
 
   [[nodiscard]] ProfilePoint at(double t) const;

@@ -14,6 +14,7 @@
 #include "sim/core/random.h"
 #include "sim/core/readable_quantity.h"
 #include "sim/motion/profile.h"
+#include "sim/motion/straight_path.h"
 
 namespace slipbench {
 namespace rub {
@@ -302,6 +303,11 @@ class Rub final : public Motion {
     const double turning = std::abs(rotation_) * q + pitching + f * g_rate;
     const double skin = std::max(a_, most) * h_rate + most * g_rate, arm = centre_.norm() + std::max(a_, most);
     return speed_.norm() * q + vertical + skin + (arm + reach) * turning;
+  }
+
+  // Between two knots the sliding speed is linear. Rocking moves the tips in straight lines.
+  [[nodiscard]] double longest_step() const override {
+    return std::min(knot, step_per_turn(std::abs(rotation_) * restless_.top_way_rate()));
   }
 
   [[nodiscard]] bool turns() const override { return rotation_ != 0.0; }

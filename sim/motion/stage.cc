@@ -1,5 +1,6 @@
 #include "sim/motion/motion_catalogue.h"
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -9,6 +10,7 @@
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
+#include "sim/motion/straight_path.h"
 
 namespace slipbench {
 namespace {
@@ -135,10 +137,7 @@ class Stage final : public Motion {
     const double stroke = p.number("gap") + p.number("compression");
 
     height_.move(0.0, -stroke, p.number("approach_speed"), acceleration);
-    if (height_.end() > start) {
-      throw SceneValueError("motion.start", fmt::format("{} is too early; expected at least {:.6g} s, when pressing ends",
-                                                        format_quantity(start, Quantity::time), height_.end()));
-    }
+    refuse_early("motion.start", start, height_.end());
     check_sideways(p);
     const bool has_travel = std::isfinite(p.number("travel"));
     if (has_travel) {
@@ -196,6 +195,10 @@ class Stage final : public Motion {
 
   [[nodiscard]] double top_speed(double reach) const override {
     return height_.top_speed() + way_.top_speed() + turn_.top_speed() * (reach + pivot_.norm());
+  }
+
+  [[nodiscard]] double longest_step() const override {
+    return std::min({step_per_turn(turn_.top_speed()), way_.step_per_reversal(), turn_.step_per_reversal()});
   }
 
   [[nodiscard]] bool turns() const override { return !turn_.at_rest_always(); }

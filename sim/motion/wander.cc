@@ -1,5 +1,6 @@
 #include "sim/motion/motion_catalogue.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -8,6 +9,7 @@
 #include "sim/core/math/rotation.h"
 #include "sim/core/random.h"
 #include "sim/motion/profile.h"
+#include "sim/motion/straight_path.h"
 
 namespace slipbench {
 namespace {
@@ -88,9 +90,10 @@ class Wander final : public Motion {
         approach_(p.number("approach")),
         gap_(p.number("gap")),
         compression_(p.number("compression")),
+        bandwidth_(p.number("bandwidth")),
         limits_{p.vector("shear")[0], p.vector("shear")[1], p.vector("tilt")[0], p.vector("tilt")[1], p.number("twist")} {
     RandomStream stream(key.seed, key.trial, "motion.wander");
-    for (std::size_t i = 0; i < 1 + limits_.size(); ++i) waves_.emplace_back(p.number("bandwidth"), stream);
+    for (std::size_t i = 0; i < 1 + limits_.size(); ++i) waves_.emplace_back(bandwidth_, stream);
   }
 
   [[nodiscard]] BodyState pad_at(double t) const override {
@@ -123,10 +126,16 @@ class Wander final : public Motion {
     return speed;
   }
 
+  // A coordinate is a product of two waves of up to `bandwidth` each.
+  [[nodiscard]] double longest_step() const override {
+    const double share = 1.5 / approach_ + 0.5 * waves_[0].top_rate();
+    return std::min(step_per_period(2.0 * bandwidth_), step_per_turn(limits_.back() * (share + waves_.back().top_rate())));
+  }
+
   [[nodiscard]] bool turns() const override { return limits_.back() > 0.0; }
 
  private:
-  double start_, approach_, gap_, compression_;
+  double start_, approach_, gap_, compression_, bandwidth_;
   std::array<double, 5> limits_;  // m, m, rad, rad, rad: along X and Y, about X, Y and Z
   std::vector<Wave> waves_;       // of the compression, then of the limits
 };

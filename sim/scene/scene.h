@@ -65,6 +65,9 @@ struct ControlScene {
 // The motion of a grasp's arm whose speed the controller commands.
 inline constexpr std::string_view guided_motion_name = "guided";
 
+// The largest number of steps of a trial.
+inline constexpr double max_steps = 1e8;
+
 // The pad on the other finger of a grasp; no sensor reads it unless one follows it.
 inline constexpr std::string_view second_pad_name = "second_pad";
 

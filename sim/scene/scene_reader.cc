@@ -11,7 +11,6 @@ namespace slipbench {
 namespace {
 
 constexpr std::string_view schema_version = "1";
-constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
 constexpr double least_impedance = 1e-4, most_impedance = 0.9999;  // mjMINIMP and mjMAXIMP
 constexpr double least_width = 1e-15;                              // m, mjMINVAL: lower bound only

@@ -12,6 +12,7 @@
 #include "sim/core/quantity.h"
 #include "sim/core/readable_quantity.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/install.h"
 #include "sim/grasp/grasp.h"
 #include "sim/motion/motion_catalogue.h"
 #include "sim/scene/catalogues.h"
@@ -182,6 +183,12 @@ void refuse_inside(const PadLayout& pad, const PlacedSurface& surface, const Fie
                           fmt::format("the pad starts {} inside the surface; increase the gap by more than this length",
                                       readable_quantity(depth, Quantity::length)));
   }
+}
+
+StepLimit step_limit(const Motion& motion, const FieldEffects& effects, double reach) {
+  const double resolved = longest_step(effects, motion.top_speed(reach)), straight = motion.longest_step();
+  return straight < resolved ? StepLimit{straight, "the motion, whose path within a step must be nearly straight"}
+                             : StepLimit{resolved, "the scene's effects"};
 }
 
 double reach_of(const PadLayout& layout) {

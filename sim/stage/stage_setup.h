@@ -13,6 +13,7 @@
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
 #include "sim/scene/scene.h"
+#include "sim/stage/step_plan.h"
 
 namespace slipbench {
 
@@ -53,6 +54,10 @@ struct StageSetup {
 
 // Throws SceneValueError like make_motion().
 StageSetup set_up_stage(const Scene& scene, std::uint64_t trial);
+
+// Returns the shorter one of the longest step that `effects` resolve at the top speed of a pad of
+// `reach` [m], and the longest one of the motion.
+StepLimit step_limit(const Motion& motion, const FieldEffects& effects, double reach);
 
 // Throws SceneValueError if a pad at `pose` in the world is inside the surface as textured by the
 // effects.

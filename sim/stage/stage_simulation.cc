@@ -76,8 +76,7 @@ StageSimulation::StageSimulation(const Scene& scene, std::span<const PadLayout* 
   for (std::size_t i = 0; i < pads.size(); ++i) {
     FieldEffects effects = install_effects(scene.effects, *pads[i], surface.shape, scene.seed, trial);
     refuse_inside(*pads[i], surface, effects, s.motion->pad_at(0.0).pose);
-    const double longest = longest_step(effects, s.motion->top_speed(reach_of(*pads[i])));
-    s.clocks.add(plan_steps(scene, output_rates.subspan(i, 1), longest, "the scene's effects", i));
+    s.clocks.add(plan_steps(scene, output_rates.subspan(i, 1), step_limit(*s.motion, effects, reach_of(*pads[i])), i));
     Field field(*pads[i], surface.shape, {scene.friction.static_coefficient, scene.friction.kinetic_coefficient},
                 std::move(effects));
     ContactLabels labels(field.layout());

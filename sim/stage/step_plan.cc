@@ -36,17 +36,40 @@ double automatic_step(std::span<const double> rates, double longest) {
   return step_of(divides_all(divisor) ? divisor : first);
 }
 
+// Blames the sensor whose rate alone needs too many steps, or the limit.
+void refuse_too_many_steps(const Scene& scene, std::span<const double> rates, double dt, const StepLimit& limit,
+                           std::size_t first) {
+  if (!(scene.duration / dt > max_steps)) return;
+  const std::string longest = bound_in_unit_of("1 s", max_steps * dt, Quantity::time, Bound::upper);
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    if (!(scene.duration * rates[i] > max_steps)) continue;
+    throw SceneValueError(
+        "sensors." + scene.sensors[first + i].name + ".rate",
+        fmt::format("a rate of {} needs more than 100,000,000 steps; allowed: up to {}, or a duration up to {}",
+                    readable_quantity(rates[i], Quantity::frequency),
+                    bound_in_unit_of("1 Hz", max_steps / scene.duration, Quantity::frequency, Bound::upper), longest));
+  }
+  throw SceneValueError("duration",
+                        fmt::format("{} needs more than 100,000,000 steps of {}, which {}; allowed: up to {}",
+                                    readable_quantity(scene.duration, Quantity::time), readable_quantity(dt, Quantity::time),
+                                    dt < 1.0 / *std::ranges::max_element(rates) && !limit.cause.empty()
+                                        ? "is the longest step for " + limit.cause
+                                        : "divides the sampling times of the sensors",
+                                    longest));
+}
+
 }  // namespace
 
-StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by,
-                    std::size_t first) {
+StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, const StepLimit& limit, std::size_t first) {
   StepPlan plan;
-  plan.dt = scene.time_step ? *scene.time_step : automatic_step(output_rates, longest);
-  if (plan.dt > longest) {
-    throw SceneValueError("time_step",
-                          fmt::format("{} is too long for {}; allowed: up to {}", readable_quantity(plan.dt, Quantity::time),
-                                      limited_by, format_quantity(longest, Quantity::time)));
+  plan.dt = scene.time_step ? *scene.time_step : automatic_step(output_rates, limit.longest);
+  if (plan.dt > limit.longest * (1.0 + rounding)) {
+    throw SceneValueError(
+        "time_step",
+        fmt::format("{} is too long for {}; allowed: up to {}", readable_quantity(plan.dt, Quantity::time), limit.cause,
+                    bound_in_unit_of(readable_quantity(plan.dt, Quantity::time), limit.longest, Quantity::time, Bound::upper)));
   }
+  refuse_too_many_steps(scene, output_rates, plan.dt, limit, first);
   plan.ticks = whole_ratio(scene.duration, plan.dt);
   if (plan.ticks == 0) {
     throw SceneValueError(

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,13 +19,18 @@ struct StepPlan {
   std::vector<std::size_t> strides;  // ticks between two samples, by sensor
 };
 
+// The longest step that the physics of a scene allows, and its cause for messages: "the scene's
+// effects".
+struct StepLimit {
+  double longest = std::numeric_limits<double>::infinity();  // s
+  std::string cause = {};
+};
+
 // Plans the common steps of a scene's sensors from number `first` on, which sample at
 // `output_rates` [Hz]. `time_step: auto` takes the longest step that divides every sampling time
-// and is at most `longest` [s]. `limited_by` names the cause of that limit for messages: "the
-// scene's effects". Throws SceneValueError if the scene's own step is longer than that, or does not
-// divide the duration or a sampling time.
-StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by,
-                    std::size_t first = 0);
+// and is within `limit`. Throws SceneValueError if the scene's own step is longer than that, does
+// not divide the duration or a sampling time, or if the trial would have more than max_steps steps.
+StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, const StepLimit& limit, std::size_t first = 0);
 
 // Times of a clock's ticks. If the step [s] is 1/n of a second, up to the rounding of decimal text,
 // tick k is at k/n; otherwise at k steps. A quotient of whole numbers is rounded once, so that

@@ -1,8 +1,11 @@
 #include "sim/core/math/decade.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <system_error>
 
 #include "sim/core/math.h"
 
@@ -20,6 +23,14 @@ int decade_of(double x) {
   while (power_of_ten(exponent) > x) --exponent;
   while (power_of_ten(exponent + 1) <= x) ++exponent;
   return exponent;
+}
+
+double rounded_to_digits(double x, int digits) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), x, std::chars_format::scientific, digits - 1).ptr;
+  double rounded = 0.0;
+  // Rounding up may leave the range of a double.
+  return std::from_chars(text.data(), end, rounded).ec == std::errc{} ? rounded : x;
 }
 
 }  // namespace slipbench

@@ -1,20 +1,23 @@
 #include "sim/mujoco/articulated/articulated_stage.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
 #include "sim/core/math/rotation.h"
 #include "sim/core/process/interrupted.h"
+#include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_warnings.h"
@@ -109,9 +112,10 @@ ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surfa
   const std::string name = "surface";
   add_articulated_pad(spec.get(), carrier, Pose{}, layout, {&name, 1}, friction, pillars, "pad");
 
-  w.model.reset(mj_compile(spec.get(), nullptr));
-  if (!w.model) throw std::runtime_error(std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
-  w.data.reset(mj_makeData(w.model.get()));
+  call_mujoco([&] { w.model.reset(mj_compile(spec.get(), nullptr)); });
+  if (!w.model)
+    throw SceneValueError("fidelity", std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
+  call_mujoco([&w] { w.data.reset(mj_makeData(w.model.get())); });
   w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, pillars);
   w.carrier = w.model->body_jntadr[mj_name2id(w.model.get(), mjOBJ_BODY, "carrier")];
   if (pillars.carrier_in_scale) return;
@@ -138,7 +142,7 @@ void ArticulatedStage::World::place(const Pose& pad, double time) {
 void ArticulatedStage::World::step_part(const Pose& from, const Pose& to, double time) {
   drive_free_joint(model.get(), data.get(), carrier, from, to, dt);
   data->time = time - dt;
-  mj_step(model.get(), data.get());
+  call_mujoco([this] { mj_step(model.get(), data.get()); });
   refuse_warnings(model.get(), data.get(), time);
 }
 
@@ -177,6 +181,18 @@ const ContactFrame& ArticulatedStage::step(const Pose& pad_in_surface, double ti
 
 namespace {
 
+// Returns what to do if a run with contact settings of the user diverges. Except with the integrator
+// `discrete`, springs [N/m] on the tips are explicit, so stable up to 2 sqrt(m/k).
+std::string remedy_for(const Parameters& contact, double stiffest, double dt) {
+  const double stable = 2.0 * std::sqrt(contact.number("tip_mass") / stiffest);
+  if (contact.choice("integrator") == "discrete" || dt <= stable)
+    return "; use a shorter time_step, or the settings of sim/mujoco/articulated/mujoco_contact.md";
+  return fmt::format(
+      "; with contact.integrator: {} and contact.tip_mass: {} the step must be at most {} (2 sqrt(m/k)); use a shorter time_step, integrator: discrete, or the settings of sim/mujoco/articulated/mujoco_contact.md",
+      contact.choice("integrator"), format_quantity(contact.number("tip_mass"), Quantity::mass),
+      bound_in_unit_of("1 ms", stable, Quantity::time, Bound::upper));
+}
+
 class ArticulatedSimulation final : public Simulation {
  public:
   ArticulatedSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
@@ -187,13 +203,23 @@ class ArticulatedSimulation final : public Simulation {
     refuse_motors(*motion_);
     world_in_surface_ = stage.surface.pose.inverse();
     for (std::size_t i = 0; i < pads.size(); ++i) {
-      clocks_.add(plan_steps(scene, output_rates.subspan(i, 1), std::numeric_limits<double>::infinity(), "the pads", i));
+      clocks_.add(plan_steps(scene, output_rates.subspan(i, 1), step_limit(*motion_, {}, reach_of(*pads[i])), i));
       refuse_inside(*pads[i], stage.surface, {}, motion_->pad_at(0.0).pose);
       const Friction friction{scene.friction.static_coefficient, scene.friction.kinetic_coefficient};
       const double dt = clocks_.time_step(i);
       pads_.push_back(scene.contact ? std::make_unique<ArticulatedStage>(*pads[i], stage.surface.shape, friction,
                                                                          user_pillars(*scene.contact, dt))
                                     : std::make_unique<ArticulatedStage>(*pads[i], stage.surface.shape, friction, dt));
+    }
+    if (scene.contact) {
+      double stiffest = 0.0, longest = 0.0;
+      for (std::size_t i = 0; i < pads.size(); ++i) {
+        longest = std::max(longest, clocks_.time_step(i));
+        for (const Element& element : pads[i]->elements) {
+          stiffest = std::max({stiffest, element.k_normal, element.k_tangential});
+        }
+      }
+      remedy_ = remedy_for(*scene.contact, stiffest, longest);
     }
     bodies_ = {{"pad", motion_->pad_at(0.0)},
                {"surface", {stage.surface.pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
@@ -215,7 +241,7 @@ class ArticulatedSimulation final : public Simulation {
     try {
       for (const std::size_t pad : clocks_.stepped()) pads_[pad]->step(pad_in_surface, time);
     } catch (const std::runtime_error& error) {
-      throw FailedRun(std::string("the simulation has diverged: ") + error.what());
+      throw FailedRun(std::string("the simulation has diverged: ") + error.what() + remedy_);
     }
   }
 
@@ -225,6 +251,7 @@ class ArticulatedSimulation final : public Simulation {
   std::vector<std::unique_ptr<ArticulatedStage>> pads_;
   std::vector<NamedBody> bodies_;
   PadClocks clocks_;
+  std::string remedy_;  // against divergence
 };
 
 }  // namespace

@@ -126,7 +126,9 @@ void DynamicSimulation::State::refuse_other_contacts(double time) const {
 // The model with articulated pads. Their joints and contacts are implicit: only the recipe limits
 // the step. With a contact set by the user, who chooses its step, only the springs of a hand limit
 // it, since the scene does not set these.
-StepPlan DynamicSimulation::State::plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand) {
+StepPlan DynamicSimulation::State::plan_pillars(const Scene& scene, std::span<const double> rates,
+                                                const DynamicSimulationOptions& options) {
+  const Hand* const hand = options.hand;
   refuse_without_field(scene);
   judge_fields = false;
   StepPlan plan;
@@ -136,7 +138,8 @@ StepPlan DynamicSimulation::State::plan_pillars(const Scene& scene, std::span<co
       bearable = longest_explicit_step(finger_vibration(hand->grip));
       limited_by = "the springs of the fingers, which are explicit";
     }
-    plan = plan_steps(scene, rates, rounded_down(bearable), limited_by);
+    const StepLimit by_motion = limit_of_motion(options);
+    plan = plan_steps(scene, rates, by_motion.longest < bearable ? by_motion : StepLimit{rounded_down(bearable), limited_by});
     return plan.dt;
   };
   model = build_articulated_model(scene, layouts, step_for, hand);

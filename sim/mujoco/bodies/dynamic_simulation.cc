@@ -69,7 +69,7 @@ const PadLayout& springs_of(const Field& field, const PadLayout& sensor) { retur
 double DynamicSimulation::State::rounded_down(double value) {
   if (!std::isfinite(value) || value <= 0.0) return value;
   const double unit = power_of_ten(decade_of(value) - 2);
-  return std::stod(fmt::format("{:.2e}", std::floor(value / unit) * unit));
+  return rounded_to_digits(std::floor(value / unit) * unit, 3);
 }
 
 void DynamicSimulation::State::make_data() {
@@ -397,18 +397,27 @@ bool DynamicSimulation::State::choose_implicit(const Scene& scene, FieldSolver w
   return !rates.empty() && steps(explicit_step) >= 1.5 * steps(rounded_down(longest_averaged_step(fastest)));
 }
 
+// Returns the limit by the motion of the stage or the arm, if there is one.
+StepLimit DynamicSimulation::State::limit_of_motion(const DynamicSimulationOptions& options) const {
+  const Motion* const moves = options.arm != nullptr ? options.arm : motion.get();
+  return moves != nullptr ? step_limit(*moves, {}, 0.0) : StepLimit{};
+}
+
 // Builds the model with fields and plans its longest step.
 StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
                                                const DynamicSimulationOptions& options) {
   model = build_model(scene, layouts, trial, options.hand, handed);
   begin(scene);
-  double longest = std::numeric_limits<double>::infinity();
+  StepLimit limit = limit_of_motion(options);
   bool springs_known = true, skins = false;
   for (std::size_t i = 0; i < layouts.size(); ++i) {
     if (scene.sensors[i].friction) continue;  // without effects
     const PadLayout* pad = layouts[i];
     const FieldEffects effects = install_effects(scene.effects, *pad, Plane{}, scene.seed, trial);
-    longest = std::min(longest, longest_step(effects, motion ? motion->top_speed(reach_of(*pad)) : 0.0));
+    if (motion) {
+      const StepLimit of_pad = step_limit(*motion, effects, reach_of(*pad));
+      if (of_pad.longest < limit.longest) limit = of_pad;
+    }
     judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
     springs_known = springs_known && effects.rheology.empty() && !effects.lean;
     skins = skins || effects.skin != nullptr;
@@ -418,15 +427,14 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
         "field_solver",
         "implicit springs of a grasp cannot be combined with effects that change their stiffness, such as viscoelastic and lean; allowed: auto, explicit");
   }
-  std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;
   if (limited) {
     const PadTangents stuck = stuck_pads(false);
     const Vibration fastest = fastest_vibration(m(), d(), stuck.bodies, stuck.tangents);
-    averages = springs_known && choose_implicit(scene, options.hand_solver, rates, longest, fastest);
-    if (const double limit = longest_right_step(fastest); limit < longest) {
-      longest = rounded_down(limit);
-      limited_by =
+    averages = springs_known && choose_implicit(scene, options.hand_solver, rates, limit.longest, fastest);
+    if (const double right = longest_right_step(fastest); right < limit.longest) {
+      limit.longest = rounded_down(right);
+      limit.cause =
           averages
               ? fmt::format(
                     "implicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s",
@@ -440,7 +448,7 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
     }
   }
   if (implicit) refuse_implicit();
-  return plan_steps(scene, rates, longest, limited_by);
+  return plan_steps(scene, rates, limit);
 }
 
 // Returns the scene of the pads that exert forces, without the sensors that only read.
@@ -490,8 +498,7 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
     s.motion = make_motion(scene, trial);
     refuse_motors(*s.motion);
   }
-  const StepPlan plan =
-      s.articulated ? s.plan_pillars(carrying, rates, options.hand) : s.plan_fields(carrying, rates, trial, options);
+  const StepPlan plan = s.articulated ? s.plan_pillars(carrying, rates, options) : s.plan_fields(carrying, rates, trial, options);
   s.dt = plan.dt;
   s.ticks = plan.ticks;
 

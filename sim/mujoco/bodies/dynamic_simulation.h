@@ -23,6 +23,7 @@ struct mjModel_;
 
 namespace slipbench {
 
+class Motion;
 struct Hand;  // gripper_model.h
 
 struct DynamicSimulationOptions {
@@ -33,6 +34,9 @@ struct DynamicSimulationOptions {
   // The fingers of a grasp, whose springs the caller of step() applies; needed only in the
   // constructor.
   const Hand* hand = nullptr;
+  // The motion of the arm, which the caller of step() applies and which limits the step; needed only
+  // in the constructor.
+  const Motion* arm = nullptr;
 };
 
 // Steps bodies by mj_step, or those of a grasp by FreeBodies (free_bodies.h). Fields are instances

@@ -146,7 +146,8 @@ struct DynamicSimulation::State {  // all members are public, for the sources th
   void begin(const Scene& scene);
   StepPlan plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
                        const DynamicSimulationOptions& options);
-  StepPlan plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand);
+  StepPlan plan_pillars(const Scene& scene, std::span<const double> rates, const DynamicSimulationOptions& options);
+  [[nodiscard]] StepLimit limit_of_motion(const DynamicSimulationOptions& options) const;
   void find_pads(const Scene& scene);
   void find_fields(const Scene& scene);
   void find_pillars(const Scene& scene);

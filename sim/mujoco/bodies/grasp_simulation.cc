@@ -133,6 +133,7 @@ struct GraspSimulation::State {  // all members are public, for the functions of
     const Hand hand{grip, grasp.yaw, grasp.pitch, gripper.opening(0.0), box_name};
     DynamicSimulationOptions with_hand = options;
     with_hand.hand = &hand;
+    with_hand.arm = motion.get();
     with_hand.hand_solver = own_contact ? FieldSolver::explicit_springs : scene.field_solver;
     std::vector<const PadLayout*> all(pads.begin(), pads.end());
     all.push_back(&layouts[1]);

@@ -24,5 +24,13 @@ TEST(Decade, ChangesAtThePowerItself) {
   }
 }
 
+TEST(Decade, RoundsToSignificantDigits) {
+  EXPECT_EQ(rounded_to_digits(0.00123456, 3), 0.00123);
+  EXPECT_EQ(rounded_to_digits(-98765.0, 2), -99e3);
+  EXPECT_EQ(rounded_to_digits(0.0, 3), 0.0);
+  EXPECT_EQ(rounded_to_digits(INFINITY, 3), INFINITY);
+  EXPECT_EQ(rounded_to_digits(1.79e308, 1), 1.79e308) << "2e308 is beyond a double";
+}
+
 }  // namespace
 }  // namespace slipbench

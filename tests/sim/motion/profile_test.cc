@@ -132,6 +132,27 @@ TEST(Profile, AnySequenceOfChangesIsContinuousAndWithinItsLimit) {
   }
 }
 
+// A step with a reversal loses at most a h^2/4, and at most h v, of the path. 1 % of a stroke of 10
+// mm is 0.1 mm.
+TEST(Profile, AStepWithAReversalLosesLittleOfTheStroke) {
+  const auto strokes = [](double acceleration) {
+    Profile profile(0.0);
+    profile.move(1.0, 10e-3, 4e-3, acceleration);
+    profile.move(profile.end(), -10e-3, 4e-3, acceleration);
+    return profile.step_per_reversal();
+  };
+  EXPECT_NEAR(strokes(50e-3), std::sqrt(4.0 * 0.1e-3 / 50e-3), 1e-12);
+  EXPECT_NEAR(strokes(inf), 0.1e-3 / 4e-3, 1e-12);
+  // At 16 mm/s^2: 2 mm until 8 mm/s are reached at 0.5 s, 4 mm until 1 s, 2 mm until rest.
+  Profile turns(0.0);
+  turns.change_velocity(0.0, 8e-3, 16e-3);
+  turns.change_velocity(1.0, -8e-3, 16e-3);
+  EXPECT_NEAR(turns.step_per_reversal(), std::sqrt(4.0 * 0.01 * 8e-3 / 16e-3), 1e-12);
+  Profile stops(0.0);
+  stops.move(0.1, 3e-3, 4e-3, 50e-3);
+  EXPECT_EQ(stops.step_per_reversal(), inf);
+}
+
 TEST(Profile, MovesOnFromAMoveUnderWay) {
   // From 1 m/s at 2 m/s^2 to 3 m further: without a limit the maximum v with v^2 - 1/2 = a d = 6
   // would be 2.55 m/s. Up to 2 m/s: 0.5 s and 0.75 m, down again 1 s and 1 m, between them 1.25 m

@@ -234,8 +234,24 @@ TEST(Stage, TopSpeedBoundsEveryPointOfThePad) {
   }
 }
 
+TEST(Stage, LongestStepTurnsByThreeDegrees) {
+  EXPECT_EQ(stage()->longest_step(), inf);
+  EXPECT_NEAR(stage({{"rotation", -pi}})->longest_step(), 1.0 / 60.0, 1e-15);  // 3 of 180 deg/s
+  EXPECT_EQ(stage({{"stop", 0.4}})->longest_step(), inf) << "a stop loses no path";
+  // Ten strokes of 1 mm at 100 mm/s without ramps: 1 % of a stroke takes 0.1 ms.
+  EXPECT_NEAR(stage({{"travel", 1e-3}, {"strokes", std::int64_t{10}}, {"speed", 0.1}, {"acceleration", inf}})->longest_step(),
+              1e-4, 1e-15);
+}
+
+TEST(Stage, TakesAStartThatOnlyRoundingMakesEarly) {
+  // (0.5 + 1) mm/4 mm/s + 4/50 s = 0.455 s, of which decimal text is 1e-16 away at most.
+  EXPECT_EQ(refusal({{"start", std::nextafter(0.455, 0.0)}}), "accepted");
+  // The message names a time that is accepted, in the unit of the one found: 100/7 us more.
+  EXPECT_THAT(refusal({{"start", 0.4549}, {"gap", 0.5e-3 + 0.4e-6 / 7.0}}), refused_at("motion.start", {"454.9 ms", "455.1 ms"}));
+}
+
 TEST(Stage, RefusesTimesOutOfOrder) {
-  EXPECT_THAT(refusal({{"start", 0.45}}), refused_at("motion.start", {"450 ms", "0.455 s"}));
+  EXPECT_THAT(refusal({{"start", 0.45}}), refused_at("motion.start", {"450 ms", "455 ms"}));
   EXPECT_EQ(refusal({{"start", 0.456}}), "accepted");
   EXPECT_THAT(refusal({{"reverse", 0.5}, {"stop", 0.4}}), refused_at("motion.reverse", {"motion.stop", "0.5 s", "0.4 s"}));
   EXPECT_NE(refusal({{"reverse", 0.4}, {"stop", 0.4}}), "accepted");
