@@ -119,12 +119,13 @@ void ContactLabels::settle(std::span<const Field> fields, double dt) {
   frame_.slip_angle += slip_rate_ * dt;
   frame_.events.clear();
   changes_.clear();
+  const double begun = std::exchange(settled_, frame_.time);
   for (const Field& field : fields) {
     for (const ElementEvent& event : field.events()) changes_.push_back({event, unit_of_element_[event.element]});
   }
   if (changes_.empty()) return;
   const auto before = [&](std::uint32_t unit) { return count_before(fields, unit); };
-  unit_rules::report_unit_events(changes_, before, frame_.time, dt, frame_.events);
+  unit_rules::report_unit_events(changes_, before, begun, frame_.time, dt, frame_.events);
 }
 
 void ContactLabels::label_units(std::span<Field> fields, FramePart part) {

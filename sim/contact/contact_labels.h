@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -87,8 +88,9 @@ class ContactLabels {
   kernel::Groups viewed_{};  // groups read of the last field in this step
   std::vector<unit_rules::UnitEvent> changes_;
   unit_rules::ContactPlane contact_plane_;
-  unit_rules::Count elements_;  // counts of the whole pad
-  double slip_rate_ = 0.0;      // rad/s, rotation of the slip in the last judged step
+  double settled_ = -std::numeric_limits<double>::infinity();  // s, end of the last settled step
+  unit_rules::Count elements_;                                 // counts of the whole pad
+  double slip_rate_ = 0.0;                                     // rad/s, rotation of the slip in the last judged step
   ContactFrame frame_;
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -83,13 +84,16 @@ void sort_stably(Iterator first, Iterator last, const Before& before) {
 
 // Replays the element changes of a step of `dt` that ended at `time` [s] in order of time and
 // appends their effects on the units to `report`, in order of time (contact_frame.h). Sorts
-// `changes` in place; `count_before(unit)` returns a unit's Count before the step.
+// `changes` in place; `count_before(unit)` returns a unit's Count before the step. `begun`: end of
+// the step before [s]. If time - dt differs from it by rounding, no event is earlier than `begun`.
 template <class CountBefore>
-void report_unit_events(std::vector<UnitEvent>& changes, CountBefore&& count_before, double time, double dt,
+void report_unit_events(std::vector<UnitEvent>& changes, CountBefore&& count_before, double begun, double time, double dt,
                         std::vector<ContactEvent>& report) {
   // Events of one unit closer than this share of a step are simultaneous: bristles of one tip touch
   // at once, up to rounding.
   constexpr double together = 1e-9;
+  constexpr double rounding = 1e-6;  // of times, as a share of a step
+  const double start = std::abs(time - dt - begun) <= rounding * dt ? begun : time - dt;
   sort_stably(changes.begin(), changes.end(), [](const UnitEvent& a, const UnitEvent& b) {
     return a.unit != b.unit ? a.unit < b.unit : a.event.fraction < b.event.fraction;
   });
@@ -104,7 +108,8 @@ void report_unit_events(std::vector<UnitEvent>& changes, CountBefore&& count_bef
       now.remove(changes[k].event.from);
       now.add(changes[k].event.to);
     }
-    const auto report_event = [&](EventKind kind) { report.push_back({time - (1.0 - fraction) * dt, unit, kind}); };
+    const double instant = std::max(start, time - (1.0 - fraction) * dt);
+    const auto report_event = [&](EventKind kind) { report.push_back({instant, unit, kind}); };
     const bool slipped = before.touching > 0 && before.slipping == before.touching;
     const bool slips = now.touching > 0 && now.slipping == now.touching;
     if (before.touching == 0 && now.touching > 0) report_event(EventKind::touch);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 #include <variant>
 
 #include <Eigen/Geometry>
@@ -264,12 +265,12 @@ const ContactFrame& ArticulatedContact::read(const mjModel* model, const mjData*
     tips_[i].state = judge(i);
     if (settings_.counts_creep || tips_[i].state == ElementState::slip) path_[i] += dt * tips_[i].velocity.norm();
   }
-  frame_.time = time;
+  const double begun = std::exchange(frame_.time, time);
   sum_units(data);
   unit_rules::judge_pad(frame_, elements_);
   frame_.slip_angle += unit_rules::fit_slip_motion(frame_, undeformed_, most_loaded_plane_) * dt;
 
-  report_events(time, dt);
+  report_events(begun, time, dt);
   return frame_;
 }
 
@@ -286,11 +287,11 @@ void ArticulatedContact::begin_run(double time) {
   frame_.time = time;
   frame_.slip_distance.setZero();
   frame_.slip_angle = 0.0;
-  report_events(time, 0.0);
+  report_events(time, time, 0.0);
 }
 
 // Reports the changes since the states in before_.
-void ArticulatedContact::report_events(double time, double dt) {
+void ArticulatedContact::report_events(double begun, double time, double dt) {
   frame_.events.clear();
   changes_.clear();
   for (std::size_t i = 0; i < tips_.size(); ++i) {
@@ -304,7 +305,7 @@ void ArticulatedContact::report_events(double time, double dt) {
     for (std::size_t i = range.first; i < range.first + range.count; ++i) count.add(before_[i].state);
     return count;
   };
-  unit_rules::report_unit_events(changes_, count_before, time, dt, frame_.events);
+  unit_rules::report_unit_events(changes_, count_before, begun, time, dt, frame_.events);
 }
 
 // The rotations, contacts and Jacobian in mjData after mj_step() are those of the step's start,

@@ -144,7 +144,7 @@ class ArticulatedContact {
   void gather(const mjModel* model, const mjData* data);
   void average(double dt);
   [[nodiscard]] ElementState judge(std::size_t i) const;
-  void report_events(double time, double dt);
+  void report_events(double begun, double time, double dt);
   [[nodiscard]] double fraction_of_change(std::size_t i, double dt) const;
   void sum_units(const mjData* data);
 

@@ -305,6 +305,29 @@ TEST(ContactLabels, EventsOfAllUnitsAreInOrderOfTimeAndInsideTheirStep) {
   EXPECT_GT(seen, 100U);
 }
 
+// A slip that ends at the start of a step ends when the last step ended, at the same bits: times of
+// steps are quotients k/1000, and (k + 1)/1000 - 1/1000 is often one rounding less than k/1000.
+TEST(ContactLabels, NoEventIsBeforeTheStepThatItBelongsTo) {
+  int earlier = 0;
+  for (int k = 1; k < 10000; ++k) {
+    const double begun = k / 1000.0, time = (k + 1) / 1000.0, dt = 1.0 / 1000.0;
+    earlier += time - dt < begun ? 1 : 0;
+    std::vector<unit_rules::UnitEvent> changes{{{0.0, 0, ElementState::slip, ElementState::stick}, 0}};
+    std::vector<ContactEvent> events;
+    const auto slips = [](std::uint32_t) { return unit_rules::Count{1, 1}; };
+    unit_rules::report_unit_events(changes, slips, begun, time, dt, events);
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_GE(events.front().time, begun);
+    EXPECT_NEAR(events.front().time, begun, 1e-12);
+    // After a gap, as when a pad's time has been set back, the step alone counts.
+    events.clear();
+    changes = {{{0.0, 0, ElementState::slip, ElementState::stick}, 0}};
+    unit_rules::report_unit_events(changes, slips, time + 1.0, time, dt, events);
+    EXPECT_EQ(events.front().time, time - dt);
+  }
+  EXPECT_GT(earlier, 100) << "the case occurs";
+}
+
 TEST(ContactLabels, TiltedPadObeysTheConeInTheContactPlane) {
   // Tilted about X by 20 degrees, the plane's normal in P is (0, sin, cos). The sensor's force is
   // the vector in P; in the contact plane its z is f_n = k_n delta and its x, y are f_t = mu f_n,
