@@ -512,6 +512,10 @@ void Field::move_tips(double dt) {
                         .mode = c[mode]};
   effects_.tip->move(tips, events_);
   for (const auto& effect : effects_.ringing) effect->ring(tips);
+  // A tip that came to rest within the step has no slip velocity at its end.
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (c[mode][i] != 2.0) c[slip_x][i] = c[slip_y][i] = 0.0;
+  }
 }
 
 void Field::count_states(const kernel::Groups& groups) {

@@ -28,7 +28,7 @@ enum Column : std::size_t {
   f_normal, f_normal_before,                                // raw [N], negative while separated
   limit, limit_before,                                      // mu_s f_n [N]
   anchor_x, anchor_y, anchor_z,                             // [m]
-  slip_x, slip_y, slip_z,                                   // slip of the last step [m]
+  slip_x, slip_y, slip_z,                                   // slip of the last step if it goes on [m]
   // tangential, of the pad on the surface [N]
   force_x, force_y, force_z, force_before_x, force_before_y, force_before_z,
   // 0 detached, 1 stick, 2 slip; double, so that loops vectorise
