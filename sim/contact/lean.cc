@@ -7,6 +7,7 @@
 
 #include "sim/contact/lean.h"
 #include "sim/core/error.h"
+#include "sim/core/quantity.h"
 
 namespace slipbench {
 namespace {
@@ -134,7 +135,8 @@ kernel::Projected project_onto_cone(const Lean& lean, const RateEffect* rate, do
     const double trailed = element.stretch.norm() - (vector(kernel::contact_x) - vector(kernel::place_x)).norm();
     slip = leaning_slip(lean, element, along, trailed, dt, rate);
   }
-  const bool slides = slip > kernel::shortest_slip;
+  const bool slides =
+      slip > kernel::shortest_slip || (rate != nullptr && slip > 0.0 && size > kernel::clearly_beyond * limit_stick);
   if (slides) {
     force.normal = leaning_force(lean, element, element.stretch - slip * along).normal;
     const double strengthened = rate != nullptr ? rate->factor(slip / dt) : 1.0;
@@ -143,9 +145,9 @@ kernel::Projected project_onto_cone(const Lean& lean, const RateEffect* rate, do
     slip = 0.0;
   }
   if (force.normal > (k + lean.stop_stiffness) * lean.length) {
-    throw SceneValueError("effects", "lean: element " + std::to_string(i) + " carries " + std::to_string(force.normal) +
+    throw SceneValueError("effects", "lean: element " + std::to_string(i) + " carries " + format_number(force.normal) +
                                          " N, more than a column with a stop can carry, (k_t + stop_stiffness) length = " +
-                                         std::to_string((k + lean.stop_stiffness) * lean.length) +
+                                         format_number((k + lean.stop_stiffness) * lean.length) +
                                          " N; reduce the load or raise stop_stiffness");
   }
   const Eigen::Vector3d f = force.tangential, s = slip * along;

@@ -91,13 +91,18 @@ SLIPBENCH_INLINE Real size_of(const TrialState<Real>& t) {
   return root(kPlane ? squared : squared + t.tz * t.tz);
 }
 
+// A trial force of more than this share of mu_s f_n is beyond it by more than rounding.
+inline constexpr double clearly_beyond = 1.0 + 1e-6;
+
 // Returns the size of a trial force [N] beyond which element i slips: `stick` mu_s f_n or, if it
 // slipped before, `slide` mu_k f_n. By a rate law mu_k may be the larger one. A slip shorter than
-// shortest_slip does not count.
+// shortest_slip does not count, unless a rate law holds the tip beyond mu_s f_n while it creeps.
 template <class Real, bool kExtended>
 SLIPBENCH_INLINE Real slips_beyond(const Columns& c, std::size_t i, const Real& stick, const Real& slide) {
   const Real onset = kExtended ? (slide > stick ? slide : stick) : stick;
-  return (entry<Real>(c, mode_before, i) == 2.0 ? slide : onset) + entry<Real>(c, k_tangential, i) * shortest_slip;
+  const Real asked = entry<Real>(c, mode_before, i) == 2.0 ? slide : onset, most = clearly_beyond * stick;
+  const Real beyond = asked > most ? most : asked;
+  return (kExtended ? beyond : asked) + entry<Real>(c, k_tangential, i) * shortest_slip;
 }
 
 // Projects onto Coulomb's circular cone, also for elements without contact.
@@ -105,9 +110,12 @@ template <class Real, bool kPlane, bool kExtended>
 SLIPBENCH_INLINE ProjectedState<Real> project_onto_circle(const Columns& c, std::size_t i, const TrialState<Real>& t) {
   const Real none{}, one = none + 1.0, softness = entry<Real>(c, compliance, i);
   const Flag<Real> touches = t.f_n > none;
-  const Real limit_stick = entry<Real>(c, mu_static, i) * t.f_n, limit_slide = entry<Real>(c, mu_kinetic, i) * t.f_n;
+  const Real limit_stick = entry<Real>(c, mu_static, i) * t.f_n;
+  Real limit_slide = entry<Real>(c, mu_kinetic, i) * t.f_n;
   const Real size = size_of<Real, kPlane>(t);
   const Flag<Real> slides = touches & (size > slips_beyond<Real, kExtended>(c, i, limit_stick, limit_slide));
+  // That of a rate law may exceed the force of a creeping tip by rounding.
+  if (kExtended) limit_slide = limit_slide < size ? limit_slide : size;
   const Real ratio = limit_slide / size, scale = slides ? ratio : one;
   const Real loss = (size - limit_slide) * softness;
   // With u = (f - h) / k the anchor lies at c - u; the slip of this step is the loss of stretch, 0
