@@ -11,6 +11,7 @@ namespace slipbench {
 namespace {
 
 constexpr double largest = std::numeric_limits<double>::max();
+constexpr double least_size = 1e-60, greatest_size = 1e60;  // of a number other than 0, in SI
 
 std::string_view type_name(ParameterType type) {
   switch (type) {
@@ -60,6 +61,17 @@ void check_range(const ParameterSpec& spec, double value, std::string_view text)
   if (low || value > spec.range.max) {
     throw std::invalid_argument(quote(text) + " is out of range; allowed: " + allowed_range(spec, text));
   }
+}
+
+// Products and quotients of a few parameters must stay within the range of a double.
+void check_size(const ParameterSpec& spec, double value, std::string_view text) {
+  const double size = std::abs(value);
+  if (size == 0.0 || std::isinf(value) || (size >= least_size && size <= greatest_size)) return;
+  const bool small = size < least_size, or_zero = spec.range.min < 0.0 || (spec.range.min == 0.0 && !spec.range.open_min);
+  throw std::invalid_argument(
+      quote(text) + (small ? " is too small; allowed: a size of at least " : " is too large; allowed: a size of at most ") +
+      bound_in_unit_of(text, small ? least_size : greatest_size, spec.quantity, small ? Bound::lower : Bound::upper) +
+      (small && or_zero ? ", or 0" : ""));
 }
 
 std::int64_t parse_integer(const ParameterSpec& spec, std::string_view text) {
@@ -238,6 +250,7 @@ Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text)
     case ParameterType::vector: {
       const double value = parse_quantity(text, spec.quantity);
       check_range(spec, value, text);
+      check_size(spec, value, text);
       return value;
     }
   }

@@ -37,6 +37,17 @@ TEST(ParseScalar, ChecksTheRange) {
   EXPECT_EQ(refusal(spec(integer, Quantity::none, "1", {1, 64}), "64"), "accepted");
 }
 
+// A product of four numbers between 1e-60 and 1e60 is within the range of a double.
+TEST(ParseScalar, RefusesSizesWhoseProductsLeaveTheRangeOfADouble) {
+  using enum ParameterType;
+  EXPECT_THAT(refusal(spec(number, Quantity::length, "1 mm", positive), "5e-324"), mentions({"5e-324", "small", "1e-60 m"}));
+  EXPECT_THAT(refusal(spec(number, Quantity::none, "1"), "-1e-61"), mentions({"-1e-61", "1e-60", "or 0"}));
+  EXPECT_THAT(refusal(spec(vector, Quantity::length, "[0, 0]"), "1.7e308 mm"), mentions({"1.7e308 mm", "large", "1e+63 mm"}));
+  for (const char* text : {"0", "-0", "1e-60", "1e60", "-1e60"})
+    EXPECT_EQ(refusal(spec(number, Quantity::none, "1"), text), "accepted") << text;
+  EXPECT_EQ(refusal(spec(number, Quantity::time, "inf", positive), "inf"), "accepted");
+}
+
 TEST(ParseScalar, TakesInfinityOnlyWhereItHasAMeaning) {
   using enum ParameterType;
   EXPECT_THAT(refusal(spec(number, Quantity::speed, "1", positive), "inf"), mentions({"inf", "finite"}));

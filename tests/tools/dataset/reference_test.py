@@ -61,7 +61,7 @@ def attribute_text(value):
 
 
 # The second of two trials exceeds the range of a float.
-WITH_A_FAILURE = ["--trials", "2", "--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e300}}]]}"]
+WITH_A_FAILURE = ["--trials", "2", "--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e50}}]]}"]
 RUNS += (("papillarray/stage.yaml", *WITH_A_FAILURE),)
 # A part of a sweep, with a split defined by its scene.
 SHARD = ("--shard", "1/1", "--record", "outcome", "--set", "split={by: trial, shares: [0.8, 0.1, 0.1]}", "duration=1 s", "motion.start=500 ms")

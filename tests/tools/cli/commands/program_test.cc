@@ -77,8 +77,8 @@ TEST(Program, NumbersAtTheEndOfTheRange) {
 
 TEST(Program, WhatIsNotFiniteIsRefused) {
   const TemporaryFolder folder;
-  // 1e300 times an offset of some millinewton is beyond a float.
-  const std::string offset = "sensors.pad.electronics=[{offset: {scale: 1e300}}]";
+  // 1e50 times an offset of some millinewton is beyond a float.
+  const std::string offset = "sensors.pad.electronics=[{offset: {scale: 1e50}}]";
   const std::string where = "trial 0: .*stage.yaml:[0-9]+: sensors.pad: force is not finite at ";
   expect_refusal({"run", stage, "--set", offset}, testing::ContainsRegex(where + "3.999 s"));
   expect_refusal({"run", stage, "--set", offset, "-o", folder / "out.h5"}, testing::ContainsRegex(where + "0 s"));

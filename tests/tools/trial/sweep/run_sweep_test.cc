@@ -383,7 +383,7 @@ TEST_F(SweepTest, FailedTrialIsNotedAndTheOthersRun) {
 // The first trials of the cells are built before anything runs: these fail at their end.
 TEST_F(SweepTest, SweepInWhichAllFailWritesNothing) {
   SweepOptions unstable = options("out.h5");
-  unstable.overrides = {{"sensors.pad.electronics", "[{offset: {scale: 1e300}}]"}};  // beyond a float's range
+  unstable.overrides = {{"sensors.pad.electronics", "[{offset: {scale: 1e50}}]"}};  // beyond a float's range
   const SweepSummary summary = run(unstable);
   EXPECT_EQ(summary.failed.size(), 12U);
   EXPECT_THAT(summary.files, IsEmpty());

@@ -32,7 +32,7 @@ SWEEPS = {
     "materials": ("--set", "sweep={surface.material: [acrylic, felt, ptfe, rubber], trials: 3}"),
     "costs": ("--set", "sweep={duration: [200 ms, 300 ms, 400 ms], sensors.pad.bristles: [1, 6], trials: 2}"),
     # The second cell exceeds the range of a float.
-    "failures": ("--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e300}}]], trials: 3}"),
+    "failures": ("--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e50}}]], trials: 3}"),
 }
 
 GRASP = ("--set", "duration=2 s", "motion.distance=10 mm", "sweep={box.mass: [50 g, 100 g], trials: 2}")
