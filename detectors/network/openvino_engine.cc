@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <openvino/op/constant.hpp>
 #include <openvino/op/gru_sequence.hpp>
@@ -312,7 +313,7 @@ class OpenVinoEngine final : public Engine {
   void check_finite(std::span<const float> values, const char* verb) const {
     const auto found = std::ranges::find_if_not(values, [](float value) { return std::isfinite(value); });
     if (found == values.end()) return;
-    throw InputError(path_ + ": the network " + verb + " " + std::to_string(*found) + "; allowed: finite numbers");
+    throw InputError(path_ + ": the network " + verb + " " + fmt::format("{}", *found) + "; allowed: finite numbers");
   }
 
   void check(std::span<const float> said) const {
@@ -322,12 +323,12 @@ class OpenVinoEngine final : public Engine {
     bool probabilities = true;
     for (const float value : said) {
       if (!std::isfinite(value))
-        throw InputError(path_ + ": the network returns " + std::to_string(value) + "; allowed: finite numbers");
+        throw InputError(path_ + ": the network returns " + fmt::format("{}", value) + "; allowed: finite numbers");
       sum += double{value};
       probabilities = probabilities && double{value} >= -rounding;
     }
     if (about_.output == Output::probabilities && (!probabilities || std::abs(sum - 1.0) > rounding)) {
-      throw InputError(path_ + ": the network returns values that are not probabilities, with the sum " + std::to_string(sum) +
+      throw InputError(path_ + ": the network returns values that are not probabilities, with the sum " + fmt::format("{}", sum) +
                        "; expected values of 0 or more with the sum 1, or \"output\": \"logits\" in its description");
     }
   }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/math.h"
+#include "sim/core/math/decade.h"
 #include "sim/core/random.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/calibrate/disturbances.h"
@@ -238,7 +239,7 @@ Json residuals_json(const Compared& data, const Disturbances& disturbances, cons
 
 Json rounded(const VectorXd& values) {
   Json list = Json::array();
-  for (const double value : values) list.push_back(std::stod(fmt::format("{:.5g}", value)));
+  for (const double value : values) list.push_back(rounded_to_digits(value, 5));
   return list;
 }
 

@@ -10,6 +10,7 @@
 
 #include "sim/core/counted.h"
 #include "sim/core/math.h"
+#include "sim/core/math/decade.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/files/reject.h"
 #include "tools/workers/ordered_workers.h"
@@ -339,8 +340,8 @@ Json GroupProblem::json(const Solution& solution) const {
         double squares = 0.0;
         for (std::size_t unit = 0; unit < place.units; ++unit) {
           const auto row = static_cast<Index>(g), column = static_cast<Index>(statistic.first + unit * place.components + k);
-          real.push_back(std::stod(fmt::format("{:.5g}", real_means_(row, column))));
-          synthetic.push_back(std::stod(fmt::format("{:.5g}", simulated(row, column))));
+          real.push_back(rounded_to_digits(real_means_(row, column), 5));
+          synthetic.push_back(rounded_to_digits(simulated(row, column), 5));
           const double sd = scatter_(row, column);
           if (sd > 0.0)
             squares += math::pow((real_means_(row, column) - simulated(row, column)) / sd, 2) / static_cast<double>(place.units);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math/decade.h"
 #include "sim/core/quantity.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/reader.h"
@@ -166,9 +167,7 @@ void check_same_columns(const std::string& name, const Columns& columns, const s
 
 void check_same_sampling(const RawRecording& real, const std::vector<SensorRecord>& simulated, const Columns& columns,
                          double most_longer, double lag) {
-  const auto readable = [](double value, Quantity quantity) {
-    return format_quantity(std::stod(fmt::format("{:.4g}", value)), quantity);
-  };
+  const auto readable = [](double value, Quantity quantity) { return format_quantity(rounded_to_digits(value, 4), quantity); };
   const auto duration = [](const SensorRecord& sensor) {
     return sensor.time.empty() ? 0.0 : sensor.time.back() - sensor.time.front();
   };

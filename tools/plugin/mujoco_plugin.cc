@@ -1,11 +1,11 @@
 // libslipbench_mujoco-VERSION.so: the plugin for one release of MuJoCo. This part does not depend
 // on MuJoCo, so that both releases share its object file.
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <exception>
 #include <string>
 
+#include "sim/core/quantity.h"
 #include "sim/mujoco/pads/register_plugin.h"
 #include "tools/registry/sensor_catalogue.h"
 
@@ -49,10 +49,7 @@ extern "C" {
 
 // Returns longest_step() of the same file, as a number of seconds.
 [[gnu::visibility("default")]] int slipbench_longest_step(const mjModel_* model, mjData_* data, char* text, int size) {
-  return write_text(text, size, [model, data] {
-    const double longest = slipbench::longest_step(model, data);
-    return std::isinf(longest) ? "inf" : std::to_string(1e9 * longest) + "e-9";
-  });
+  return write_text(text, size, [model, data] { return slipbench::format_number(slipbench::longest_step(model, data)); });
 }
 
 }  // extern "C"

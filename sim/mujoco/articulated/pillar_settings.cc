@@ -49,7 +49,7 @@ mjtIntegrator integrator_named(std::string_view name) {
 PillarSettings articulated_pillars(const ArticulatedSettings& recipe, double dt) {
   // A tiny excess over the longest step is rounding of a divided step.
   if (!(dt > 0.0 && dt <= recipe.longest_step * (1.0 + 1e-9))) {
-    throw std::invalid_argument("the articulated recipe is valid for steps of at most " + std::to_string(recipe.longest_step) +
+    throw std::invalid_argument("the articulated recipe is valid for steps of at most " + format_number(recipe.longest_step) +
                                 " s");
   }
   mjsPair usual;

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/math/rotation.h"
+#include "sim/core/quantity.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/effective_metric.h"
@@ -171,8 +172,8 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
   // h^2 K / m may be 1e6.
   const double difference = (with_rows - with_force).norm(), size = with_rows.norm() + v.norm() / h;
   if (std::isfinite(difference) && difference <= 1e-6 * size) return {};
-  return "self-test failed: with the pads in MuJoCo's metric the acceleration differs by " + std::to_string(difference) +
-         " from the acceleration under their force (size " + std::to_string(size) +
+  return "self-test failed: with the pads in MuJoCo's metric the acceleration differs by " + format_number(difference) +
+         " from the acceleration under their force (size " + format_number(size) +
          "), because MuJoCo omits the pads for this model; use the explicit solver";
 }
 

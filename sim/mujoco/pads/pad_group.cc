@@ -8,6 +8,7 @@
 #include "sim/api/pad_layout.h"
 #include "sim/contact/surface/surface.h"
 #include "sim/core/error.h"
+#include "sim/core/math/decade.h"
 #include "sim/core/pose.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/linear/stability.h"
@@ -21,7 +22,7 @@ namespace {
 constexpr double bearable = 4.0 / 3.0;
 
 // Formats a time with three digits.
-std::string short_time(double time) { return format_quantity(std::stod(fmt::format("{:.3g}", time)), Quantity::time); }
+std::string short_time(double time) { return format_quantity(rounded_to_digits(time, 3), Quantity::time); }
 
 std::string names_of(const std::vector<PadInstance*>& pads) {
   std::string names;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/math/decade.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {
@@ -37,7 +38,7 @@ void write_truth(const ContactFrame& frame, double unloaded, double* out) {
 }
 
 // Formats a time with three digits.
-std::string rounded_time(double time) { return format_quantity(std::stod(fmt::format("{:.3g}", time)), Quantity::time); }
+std::string rounded_time(double time) { return format_quantity(rounded_to_digits(time, 3), Quantity::time); }
 
 }  // namespace
 
