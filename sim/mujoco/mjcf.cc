@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +22,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/named_files.h"
 #include "sim/core/process/regular_file.h"
+#include "sim/core/quantity.h"
 
 namespace slipbench {
 namespace {
@@ -32,6 +35,8 @@ constexpr double most_copies = 1e6;  // nested ones multiplied
 constexpr double most_values = 1e6;  // per body, joint and the like
 constexpr double most_keys = 1e4;    // MuJoCo's time grows with its square
 constexpr double most_memory = 4e9;  // bytes
+
+constexpr std::string_view space = " \t\r\n\v\f";
 
 struct Tag {
   std::string name;
@@ -46,7 +51,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 4> skipped{
 
 // Returns the tags of a text. The result for text that is not XML is arbitrary.
 std::vector<Tag> tags_of(std::string_view text) {
-  constexpr std::string_view space = " \t\r\n\v\f";
   std::vector<Tag> tags;
   std::size_t line = 1, counted = 0;
   for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
@@ -90,23 +94,46 @@ double product_of(const Tag& tag, const std::string& attribute) {
   if (found == tag.attributes.end()) return 1.0;
   if (found->second.find('&') != std::string::npos) return std::numeric_limits<double>::infinity();
   double product = 1.0;
-  const char* text = found->second.c_str();
-  for (char* stop = nullptr;; text = stop) {
-    const double value = std::strtod(text, &stop);
-    if (stop == text) return product;
-    product *= value;
+  const std::string& text = found->second;
+  for (std::size_t at = 0;;) {
+    at = std::min(text.find_first_not_of(space, at), text.size());
+    if (text.compare(at, 1, "+") == 0) ++at;
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(text.data() + at, text.data() + text.size(), value);
+    if (error == std::errc::invalid_argument) return product;
+    // beyond the range of a double: as large as can be, since it may overflow
+    product *= error == std::errc{} ? value : std::numeric_limits<double>::infinity();
+    at = static_cast<std::size_t>(stop - text.data());
     constexpr std::string_view prefixes = "KMGTPE";
-    const std::size_t power = prefixes.find(static_cast<char>(std::toupper(static_cast<unsigned char>(*stop))));
+    if (at == text.size()) return product;
+    const std::size_t power = prefixes.find(static_cast<char>(std::toupper(static_cast<unsigned char>(text[at]))));
     if (power == std::string_view::npos) continue;
     for (std::size_t i = 0; i <= power; ++i) product *= 1024.0;
-    ++stop;
+    ++at;
   }
+}
+
+// True if an attribute holds the number NaN. MuJoCo takes it as a missing value, with a warning.
+bool has_nan(std::string_view key, std::string_view value) {
+  // Attributes whose words are names.
+  constexpr std::array<std::string_view, 24> names{
+      "actuator", "body",   "body1",  "body2", "childclass", "class", "file", "geom",   "geom1",  "geom2", "hfield", "instance",
+      "joint",    "joint1", "joint2", "key",   "material",   "mesh",  "name", "plugin", "prefix", "site",  "target", "value"};
+  if (std::ranges::find(names, key) != names.end() || key.ends_with("name")) return false;
+  constexpr std::string_view nan = "nan";
+  for (std::size_t at = 0; (at = value.find_first_not_of(space, at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(value.find_first_of(space, at), value.size());
+    const auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
+    if (std::ranges::equal(value.substr(at, end - at), nan, same)) return true;
+    at = end;
+  }
+  return false;
 }
 
 void check_size(const std::string& file, const Tag& tag, const char* what, double found, double most) {
   if (found <= most) return;
   throw InputError(file + ":" + std::to_string(tag.line) + ": <" + printable(tag.name) + "> " + what + " " +
-                   std::to_string(found) + "; allowed: at most " + std::to_string(most));
+                   format_number(found) + "; allowed: at most " + format_number(most));
 }
 
 // Files already checked.
@@ -165,6 +192,10 @@ void check_file(const fs::path& path, const fs::path& root, Looked& looked, doub
       if ((names_file || key.ends_with("dir")) && entity != std::string::npos && value.find(';', entity) != std::string::npos)
         throw InputError(fmt::format("{}:{}: {} is {}; use a name without XML entities", path.string(), tag.line, printable(key),
                                      quote(value)));
+      if (has_nan(key, value)) {
+        throw InputError(fmt::format("{}:{}: <{}> {} is {}; expected a finite number", path.string(), tag.line,
+                                     printable(tag.name), printable(key), quote(value)));
+      }
       if (!names_file) continue;
       for_each_file(value, [&](const fs::path& found) {
         check_named_file(found, looked.folder, fmt::format("{}:{}: {}", path.string(), tag.line, printable(key)), "");
@@ -188,7 +219,12 @@ void check_mjcf(const std::string& path) {
 }
 
 void try_mjcf(const std::string& path) {
-  mju_user_warning = [](const char*) {};  // MuJoCo would write a log into the current folder
+  // MuJoCo's own handlers would write a log into the current folder.
+  mju_user_warning = [](const char*) {};
+  mju_user_error = [](const char* message) {
+    std::fprintf(stderr, "ERROR: %s\n", message);
+    std::exit(EXIT_FAILURE);
+  };
   std::array<char, 1024> error{};
   mjSpec* const spec = mj_parseXML(path.c_str(), nullptr, error.data(), static_cast<int>(error.size()));
   if (spec == nullptr) return;

@@ -20,6 +20,7 @@
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/linear/stability.h"
 #include "sim/mujoco/mjcf.h"
+#include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "sim/mujoco/pads/implicit.h"
 #include "sim/mujoco/pads/pad_config.h"
@@ -169,7 +170,8 @@ class Builder {
   }
 
   ModelPointer compile(mjSpec* spec) {
-    ModelPointer model(mj_compile(spec, &vfs_.vfs));
+    ModelPointer model;
+    call_mujoco([&] { model.reset(mj_compile(spec, &vfs_.vfs)); });
     if (!model) throw SceneValueError(blamed(scene_), "MuJoCo cannot compile the model: " + placed(mjs_getError(spec)));
     return model;
   }
@@ -282,7 +284,8 @@ class Builder {
     if (scene_.model.empty() && extension_text.empty()) {
       spec.reset(mj_makeSpec());  // faster: MuJoCo processes its whole schema for each text
     } else if (scene_.model.empty()) {
-      spec.reset(mj_parseXMLString(fmt::format("<mujoco>{}</mujoco>", extension_text).c_str(), nullptr, error.data(), size));
+      const std::string text = fmt::format("<mujoco>{}</mujoco>", extension_text);
+      call_mujoco([&] { spec.reset(mj_parseXMLString(text.c_str(), nullptr, error.data(), size)); });
     } else {
       try {
         check_mjcf(scene_.model);
@@ -297,7 +300,7 @@ class Builder {
           fmt::format("<mujoco>{}<include file=\"{}\"/></mujoco>", extension_text, escaped(file.filename().string()));
       mj_deleteFileVFS(&vfs_.vfs, wrapper.c_str());
       mj_addBufferVFS(&vfs_.vfs, wrapper.c_str(), text.data(), static_cast<int>(text.size()));
-      spec.reset(mj_parseXML(wrapper.c_str(), &vfs_.vfs, error.data(), size));
+      call_mujoco([&] { spec.reset(mj_parseXML(wrapper.c_str(), &vfs_.vfs, error.data(), size)); });
     }
     if (!spec) throw SceneValueError(blamed(scene_), "MuJoCo cannot read the model: " + placed(error.data()));
     return spec;

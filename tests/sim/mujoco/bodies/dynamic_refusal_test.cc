@@ -1,5 +1,7 @@
 // Errors before the first step for scenes that do not fit their model.
 
+#include <filesystem>
+
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 #include "tests/sim/mujoco/bodies/dynamic_scenes.h"
@@ -42,6 +44,18 @@ TEST(DynamicRefusal, ModelsThatCannotBeRead) {
   EXPECT_THAT(answer(good, replaced(two_fingers(""), "type='slide'",
                                     "type='hinge' springref='1' stiffness='1' range='1 -1' limited='true'")),
               refused_at("model", {"compile"}));
+}
+
+// MuJoCo itself takes NaN, with a warning that it would write into MUJOCO_LOG.TXT here.
+TEST(DynamicRefusal, ModelsWithNan) {
+  const std::string model = two_fingers("");
+  for (const std::string mass : {"nan", "NaN", " nan "}) {
+    const std::string bad =
+        replaced(model, "</worldbody>", "<body name='nan'><geom size='1' mass='" + mass + "'/></body></worldbody>");
+    EXPECT_THAT(answer(good, bad), AllOf(refused_at("model", {"fingers.xml:1", "<geom>", "mass", "finite"}), HasSubstr(mass)));
+  }
+  EXPECT_EQ(answer(good, replaced(model, "</worldbody>", "<body name='nan'/></worldbody>")), "accepted");
+  EXPECT_FALSE(std::filesystem::exists("MUJOCO_LOG.TXT"));
 }
 
 // The pads' 9 pillars have 64 kN/m together, and a box of 5 g between two of them vibrates at
