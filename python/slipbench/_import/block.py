@@ -41,6 +41,11 @@ class Node:
         return {"scalar": repr(self.text), "sequence": "a list", "map": "a map"}.get(self.kind, "nothing")
 
 
+def quoted(text: str) -> str:
+    """A text from a file for a message: in quotes, with escapes, cut after LONGEST characters."""
+    return repr(text if len(text) <= LONGEST else text[:LONGEST] + "…")
+
+
 def character_text(character: str) -> str:
     """ "U+00A0 (no-break space)"."""
     return f"U+{ord(character):04X} ({unicodedata.name(character, 'without a name').lower()})"
@@ -65,8 +70,9 @@ def unlike_ascii(text: str) -> list[str]:
 def nearest(name: str, known: list[str]) -> str:
     """ "; did you mean 'b'? found: a, b, c", for an error about an unknown name. Lists at most ten
     names, and names the character that distinguishes `name` from a known name that looks alike."""
-    close = [one for one in known if folded(one) == folded(name)] or difflib.get_close_matches(name, known, 1)
-    close = close or [one for one in known if one.lower() == name.lower()]
+    short = [one for one in known if len(one) <= 3 * LONGEST] if len(name) <= 3 * LONGEST else []  # comparing is quadratic
+    close = [one for one in short if folded(one) == folded(name)] or difflib.get_close_matches(name, short, 1)
+    close = close or [one for one in short if one.lower() == name.lower()]
     names = [one if len(one) <= LONGEST else one[:LONGEST] + "…" for one in known[:10]]
     shown = ", ".join(names) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
     if not close:
@@ -102,7 +108,7 @@ def _duration(node: Node, where: str) -> float:
     """Seconds of a text such as "1 day", "12 h" or "500 ms"."""
     text = _scalar(node, where, "a time such as '1 day'")
     try:
-        if long := re.fullmatch(r"([0-9]*\.?[0-9]+) *(day|h)", text):
+        if long := re.fullmatch(r"([0-9]++(?:\.[0-9]++)?|\.[0-9]++) *(day|h)", text):
             seconds = float(long[1]) * (24 * TIME_UNITS["h"] if long[2] == "day" else TIME_UNITS["h"])
         else:
             seconds = parse_quantity(text, "s")

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from slipbench import InputError
-from slipbench._import.block import Block, nearest
+from slipbench._import.block import Block, nearest, quoted
 from slipbench._import.keys import STATES
 from slipbench._import.limits import check_inside
 from slipbench._import.source import Source
@@ -179,7 +179,7 @@ class States(Lookup):
                 text = next((one for one in self._values if one.lower() == text.lower()), text)
             if text not in self._values:
                 raise InputError(
-                    f"{place}: the label {text!r} is not in {self.block.path('values')}{nearest(text, list(self._values))}".replace(
+                    f"{place}: the label {quoted(text)} is not in {self.block.path('values')}{nearest(text, list(self._values))}".replace(
                         " found: ", " found there: "
                     )
                 )
@@ -189,7 +189,7 @@ class States(Lookup):
         number = self._number(text)
         if number is None:
             raise InputError(
-                f"{place}: expected a label of 0, 1, 2, 3 or {', '.join(STATES)}, found {text!r}"
+                f"{place}: expected a label of 0, 1, 2, 3 or {', '.join(STATES)}, found {quoted(text)}"
                 f"; define texts in {self.block.path('values')}"
             )
         return number

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from slipbench import InputError
-from slipbench._import.block import nearest
+from slipbench._import.block import nearest, quoted
 from slipbench._import.times import formatted_moment, is_moment, moment_of
 from slipbench._program import counted
 
@@ -96,7 +96,7 @@ class Source:
             raise InputError(f"{self.title_place()}: {title!r} {self.left_out[title]}")
         if title not in self.titles:
             raise InputError(
-                f"{self.title_place()}: has no column {title!r}{nearest(title, self.titles)}{self.title_hint()}{self._folder_hint()}"
+                f"{self.title_place()}: has no column {quoted(title)}{nearest(title, self.titles)}{self.title_hint()}{self._folder_hint()}"
             )
         if self.titles.count(title) > 1:
             raise InputError(
@@ -194,7 +194,7 @@ def stamps_of(source: Source, title: str, scale: float | None, pattern: str = ""
     if pattern or (filled and is_moment(filled[0])):
         if scale is not None:
             raise InputError(
-                f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which have no unit and no scale"
+                f"{source.place(0)}: column {title!r} has times as {quoted(filled[0])}, which have no unit and no scale"
             )
         return _moments(source, title, texts, pattern)
     times = source.values(title) * (scale or 1.0)
@@ -223,9 +223,9 @@ def _moments(source: Source, title: str, texts: list[str], pattern: str) -> tupl
             )
             hint = source.layout_hint()
             if pattern:
-                hint = f": {error}{hint}"
+                hint = f": {str(error)[:200]}{hint}"
             raise InputError(
-                f"{source.place(row)}: column {title}: expected {expected}, found {text!r}"
+                f"{source.place(row)}: column {title}: expected {expected}, found {quoted(text)}"
                 + (hint or "; define the format of times by time.format, such as '%d.%m.%Y %H:%M:%S.%f'")
             ) from None
     if pattern:

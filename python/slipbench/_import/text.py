@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from slipbench import InputError
-from slipbench._import.block import character_text, unlike_ascii
+from slipbench._import.block import character_text, quoted, unlike_ascii
 from slipbench._import.source import MISSING, Source
 from slipbench._program import counted
 
@@ -24,7 +24,8 @@ SAMPLE = 100  # lines used to detect separator and decimal mark
 LARGEST = 2_000_000_000  # bytes of a table, which is held in memory
 LONGEST = 1_000_000  # characters of a line
 EITHER = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # a decimal comma, or a thousands separator
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+# Possessive, so that a long cell of digits is not divided in every way.
+NUMBER = re.compile(r"[+-]?(\d++(\.\d*+)?|\.\d++)([eE][+-]?\d++)?")
 COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d+|,\d+)([eE][+-]?\d+)?")
 THOUSANDS = {mark: re.compile(rf"[+-]?\d{{1,3}}({re.escape(mark)}\d{{3}})+(?!\d)") for mark in ",.'"}
 ARDUINO = re.compile(r"\d{1,2}:\d{2}:\d{2}[.,]\d{1,6} -> ")  # a time of Arduino's serial monitor, before the received text
@@ -53,6 +54,9 @@ OTHER_FILES = (
     (b"\x80\x05", "a pickle file of Python", f"load it, and {_CONVERT}"),
 )
 TEXT_KINDS = "expected a table of text (.csv, .tsv, .txt, .dat, .lvm), Parquet, .npz, .npy or a bag"
+
+
+csv.field_size_limit(LARGEST)  # the length of lines is checked
 
 
 def decoded(path: str) -> str:
@@ -379,7 +383,7 @@ class TextTable(Source):
     def _refuse(self, title: str, row: int, cell: str) -> None:
         cause = self.layout_hint() or self._cell_hint(row, cell)
         raise InputError(
-            f"{self.place(row)}: column {self.titles.index(title) + 1}, {title}: expected a number, found {cell!r}{cause}"
+            f"{self.place(row)}: column {self.titles.index(title) + 1}, {title}: expected a number, found {quoted(cell)}{cause}"
         )
 
     def _cell_hint(self, row: int, cell: str) -> str:
