@@ -133,8 +133,8 @@ class Stats:
 
 def _task(scene: str) -> str:
     """The scene's description."""
-    found = re.search(r"^description:\s*(.+?)\s*$", scene, re.MULTILINE)
-    return found[1].strip("'\"") if found else "touch and slip"
+    found = re.search(r"^description:\s*+(.+)$", scene, re.MULTILINE)
+    return found[1].strip().strip("'\"") if found else "touch and slip"
 
 
 def _joined(name: str, some: list[Series], prefix: bool) -> Feature:
