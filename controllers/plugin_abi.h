@@ -23,7 +23,7 @@ extern "C" {
 
 // Input of an update.
 struct slipbench_control_input {
-  double slip_time;                         // s, of the sample behind the detector's estimate
+  double slip_time;                         // s, of the sample behind the detector's estimate; -inf before the first
   double slip_latency;                      // s, from that sample until the estimate was available
   int slip_state;                           // 0 no contact, 1 non-slip, 2 incipient, 3 gross
   double stuck_fraction;                    // 0 to 1; NaN: the detector does not give it

@@ -23,7 +23,8 @@ struct Feature {
 
 // A detector's estimate from the frames so far.
 struct SlipEstimate {
-  double time = 0.0;     // s, of the newest frame used
+  // s, of the newest frame used; -inf before the first, since a recording may begin at any time
+  double time = -std::numeric_limits<double>::infinity();
   double latency = 0.0;  // s, from that frame until the estimate is available to the loop
   // no_contact: nothing touches, or too little seen to decide
   PadState state = PadState::no_contact;

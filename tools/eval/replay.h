@@ -25,7 +25,7 @@ inline constexpr const char* class_feature = "class";
 // One row per sample of the sensor, [T] each.
 struct Replayed {
   std::vector<PadState> seen;          // state seen at the sample: an estimate is seen once its latency is over
-  std::vector<double> seen_since;      // s, time at which that estimate was available; NaN before the first
+  std::vector<double> seen_since;      // s, time at which that estimate was available; -inf before the first
   std::vector<double> stuck_fraction;  // of that estimate; NaN: none
   std::vector<double>
       probability;            // of slip, in the first row that sees an estimate; NaN elsewhere, and if the detector has none

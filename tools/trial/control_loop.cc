@@ -1,6 +1,7 @@
 #include "tools/trial/control_loop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -14,7 +15,7 @@ namespace {
 // True if `due` has been reached at `time`. Ticks are multiples of a step and `due` is the sum of a
 // tick and a latency, so a latency of whole ticks may miss its tick by a few units in the last
 // place.
-bool has_come(double due, double time) { return due <= time + 4.0 * std::numeric_limits<double>::epsilon() * time; }
+bool has_come(double due, double time) { return due <= time + 4.0 * std::numeric_limits<double>::epsilon() * std::abs(time); }
 
 }  // namespace
 

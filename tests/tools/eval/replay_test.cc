@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -83,6 +84,38 @@ TEST(Replay, ASlowChannelStandsStillBetweenItsRows) {
   for (std::size_t row = 0; row < 7; ++row) {
     const float slow = row < 5 ? 10.0F : 20.0F;
     EXPECT_EQ(frames[row], (std::vector{slow, slow + 1.0F, static_cast<float>(row)})) << row;
+  }
+}
+
+// Answers from its third frame on; before, its estimate has no frame.
+class Late final : public Detector {
+ public:
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    if (++frames_ >= 3) estimate_ = {frame.time, 0.0, PadState::gross};
+    return estimate_;
+  }
+
+ private:
+  int frames_ = 0;
+  SlipEstimate estimate_;
+};
+
+// A recording may begin at any time, such as a second before its trigger. Before the first estimate
+// there is none, whatever the clock says.
+TEST(Replay, ARecordingMayBeginBeforeZero) {
+  for (const double start : {-1.0, -1e-9, 0.0, 1.7e9}) {
+    SensorRecord sensor;
+    sensor.name = "pad";
+    sensor.rate = 10.0;
+    for (int row = 0; row < 5; ++row) sensor.time.push_back(start + 0.1 * row);
+    sensor.channels.push_back({"force", "N", {}, {1.0F, 2.0F, 3.0F, 4.0F, 5.0F}});
+    const Replayed replayed = replay(std::make_unique<Late>(), std::span(&sensor, 1), 0);
+    EXPECT_THAT(replayed.seen,
+                ElementsAre(PadState::no_contact, PadState::no_contact, PadState::gross, PadState::gross, PadState::gross));
+    for (std::size_t row = 0; row < 5; ++row) {
+      const double since = row < 2 ? -std::numeric_limits<double>::infinity() : sensor.time[row];
+      EXPECT_EQ(replayed.seen_since[row], since) << start << ", row " << row;
+    }
   }
 }
 
