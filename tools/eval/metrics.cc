@@ -156,6 +156,11 @@ std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
 }
 
 std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes) {
+  if (codes.empty() && !sensor.labels.truth) {
+    reject(
+        "labels/{}: the recording has no labels; use `slipbench detect`, which needs none, or import it with the key state in the map",
+        sensor.name);
+  }
   if (codes.size() != sensor.time.size()) {
     reject("labels/{}: {} for {}; expected one for each", sensor.name, counted(codes.size(), "state"),
            counted(sensor.time.size(), "sample"));
