@@ -26,7 +26,7 @@ class Commands(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.place = Path(cls.folder.name)
         cls.path = cls.place / "speeds.h5"
-        cls.sets = {"sweep": {"motion.speed": ["2 mm/s", "4 mm/s"], "trials": 2}, "split": {"by": "trial", "shares": [0.5, 0.25, 0.25]}}
+        cls.sets = {"sweep": {"motion.speed": ["2 mm/s", "3 mm/s", "4 mm/s", "5 mm/s"], "trials": 1}, "split": {"by": "trial", "shares": [0.5, 0.25, 0.25]}}
         slipbench.Scene.load("papillarray/stage.yaml").set(cls.sets).write(cls.path)
 
     @classmethod

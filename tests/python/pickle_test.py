@@ -73,7 +73,7 @@ class Copies(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name) / "speeds.h5"
-        sweep = {"motion.speed": ["2 mm/s", "4 mm/s"], "trials": 2}
+        sweep = {"motion.speed": ["2 mm/s", "3 mm/s", "4 mm/s", "5 mm/s"], "trials": 1}
         slipbench.Scene.load("papillarray/stage.yaml").set(sweep=sweep, split={"by": "trial", "shares": [0.5, 0.25, 0.25]}).write(cls.path)
         cls.data = slipbench.open(cls.path)
 

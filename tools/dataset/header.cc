@@ -28,14 +28,17 @@ std::size_t part_of(std::size_t count, double share) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::floor(share * static_cast<double>(count) + 0.5 + rounding)));
 }
 
-std::string rule_text(const std::optional<SplitRule>& rule, bool one_material) {
+constexpr char experiment_mark = '\x1f';  // unit separator, between name and experiment
+
+std::string rule_text(const std::optional<SplitRule>& rule, bool one_material, bool repeats) {
+  const std::string together = repeats ? "; repeats of one experiment are in one part" : "";
   if (!rule) {
-    return one_material ? "70/15/15 % of the trials, shuffled by the seed, since all share one material"
+    return one_material ? "70/15/15 % of the trials, shuffled by the seed, since all share one material" + together
                         : "70/15/15 % of the materials, shuffled by the seed; no material is in two parts";
   }
   const auto& [train, valid, test] = rule->shares;
   const std::string shares = fmt::format("{:.4g}/{:.4g}/{:.4g} % of the", 100.0 * train, 100.0 * valid, 100.0 * test);
-  if (rule->by == "trial") return fmt::format("{} trials, shuffled by the seed, {}", shares, rule->said_by);
+  if (rule->by == "trial") return fmt::format("{} trials, shuffled by the seed, {}{}", shares, rule->said_by, together);
   return fmt::format("{} {}s, shuffled by the seed, {}; no {} is in two parts", shares, rule->by, rule->said_by, rule->by);
 }
 
@@ -162,22 +165,39 @@ std::string header_difference(const DatasetHeader& left, const DatasetHeader& no
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
+std::string split_group_text(const std::string& name, const std::string& experiment) {
+  return experiment.empty() ? name : name + experiment_mark + experiment;
+}
+
 Masks split_trials(const std::vector<std::pair<std::size_t, std::string>>& trials, std::uint64_t seed,
                    const std::optional<SplitRule>& rule) {
   std::map<std::string, std::vector<std::size_t>> by_name;
-  for (const auto& [trial, name] : trials) by_name[name].push_back(trial);
+  std::vector<std::vector<std::size_t>> experiments;  // in the order of their first trials
+  std::map<std::string, std::size_t> experiment_at;
+  for (const auto& [trial, group] : trials) {
+    const std::size_t mark = group.find(experiment_mark);
+    by_name[group.substr(0, mark)].push_back(trial);
+    const auto [known, is_new] =
+        mark == std::string::npos ? std::pair{experiment_at.end(), true} : experiment_at.emplace(group, experiments.size());
+    if (is_new) {
+      experiments.push_back({trial});
+    } else {
+      experiments[known->second].push_back(trial);
+    }
+  }
   const bool one_material = by_name.size() <= 1;
 
   Masks masks;
   masks.split_by = rule ? rule->by : one_material ? "trial" : "material";
-  masks.rule = rule_text(rule, one_material);
+  masks.rule = rule_text(rule, one_material, experiments.size() < trials.size());
   std::vector<std::vector<std::size_t>> groups;
   if (masks.split_by == "trial") {
-    for (const auto& [trial, name] : trials) groups.push_back({trial});
+    groups = std::move(experiments);
   } else {
     for (auto& [name, members] : by_name) groups.push_back(std::move(members));
   }
 
+  masks.groups = groups.size();
   RandomStream random(seed, 0, "mask");
   shuffle(groups, random);
   const std::array<double, 3>& shares = rule ? rule->shares : usual_shares;

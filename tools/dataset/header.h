@@ -29,7 +29,7 @@ std::string shard_words(const SweepShard& shard);
 
 // The split that a scene asks for.
 struct SplitRule {
-  std::string by;                // "material", "object", "speed": trials with equal value stay together; "trial": each on its own
+  std::string by;                // "material", "object", "speed": trials with equal value stay together; "trial": each experiment
   std::array<double, 3> shares;  // of the groups, for training, validation and test; sum 1
   std::string said_by = "as the scene says";  // end of the sentence Masks::rule
 };
@@ -92,13 +92,20 @@ struct Masks {
   std::vector<std::size_t> train;
   std::vector<std::size_t> valid;
   std::vector<std::size_t> test;
+  std::size_t groups = 0;  // that were divided
 };
 
-// Splits trials (number, group) so that no group is in two parts. Without a rule the groups are
-// materials, or single trials if all share one material, and 70 % of them are for training, 15 %
-// for validation and 15 % for the test. A part with a share above 0 gets at least one group, the
-// test first, as long as one stays for training. RandomStream(seed, 0, "mask") shuffles the groups.
-// Each part is in ascending order.
+// Group of a trial in split_trials(): `name`, such as its material, and its experiment, which it
+// shares with its repeats; empty: the trial has no repeats.
+std::string split_group_text(const std::string& name, const std::string& experiment);
+
+// Splits trials (number, split_group_text()) so that no group is in two parts. Without a rule the
+// groups are materials, or experiments if all share one material, and 70 % of them are for
+// training, 15 % for validation and 15 % for the test. A split by trial also groups by experiment,
+// so that repeats with another noise stay together. A part with a share above 0 gets at least one
+// group, the test first, as long as one stays for training. RandomStream(seed, 0, "mask") shuffles
+// the groups, listed in the order of their first trials if they are experiments, else by name. Each
+// part is in ascending order.
 Masks split_trials(const std::vector<std::pair<std::size_t, std::string>>& trials, std::uint64_t seed,
                    const std::optional<SplitRule>& rule = {});
 

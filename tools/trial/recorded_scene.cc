@@ -60,6 +60,18 @@ std::string speed_of(const Scene& scene) {
   throw SceneValueError("split.by", "the motion '" + scene.motion.name + "' has no speed; allowed: material, object, trial");
 }
 
+// Kinds of motion that draw a path for each trial.
+constexpr std::array<std::string_view, 2> drawn_motions{"rub", "wander"};
+
+bool only_changes_reading(const Scene& scene, const std::string& path) {
+  if (path == "seed" || path == "time_step" || path == "fidelity") return true;
+  if (path == "detector" || path.starts_with("detector.")) return !scene.controller;
+  if (!path.starts_with("sensors.")) return false;
+  const std::size_t key = path.find('.', std::string_view("sensors.").size());
+  const std::string of_sensor = key == std::string::npos ? "" : path.substr(key + 1);
+  return of_sensor == "rate" || of_sensor == "electronics" || of_sensor.starts_with("electronics.");
+}
+
 }  // namespace
 
 Json json_object(const std::string& text, const std::string& subject) {
@@ -105,6 +117,16 @@ std::string split_group(const Scene& scene) {
   const std::string by = scene.split ? scene.split->choice("by") : "material";
   if (by == "object") return object_of(scene);
   return by == "speed" ? speed_of(scene) : scene.material;
+}
+
+std::string experiment_of(const Scene& scene, const std::vector<std::pair<std::string, std::string>>& swept) {
+  if (std::ranges::find(drawn_motions, scene.motion.name) != drawn_motions.end()) return "";
+  if (scene.grasp && (scene.grasp->scatter || scene.grasp->grip.number("drift") != 0.0)) return "";
+  std::string text = "experiment";
+  for (const auto& [path, value] : swept) {
+    if (!only_changes_reading(scene, path)) text += ";" + json_text(path) + "=" + json_text(value);
+  }
+  return text;
 }
 
 }  // namespace slipbench

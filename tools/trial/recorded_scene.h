@@ -3,6 +3,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
@@ -33,5 +35,12 @@ std::optional<SplitRule> split_rule(const Scene& scene);
 // object is identified by the material and shape that the pads touch, at any pose. Throws
 // SceneValueError if the scene splits by speed and its motion has none.
 std::string split_group(const Scene& scene);
+
+// The experiment of a trial: its swept values (path, YAML text) except those that change only how a
+// sensor reads the contact or how it is computed: rate and electronics of a sensor, detector
+// without controller, seed, time step and fidelity. Trials with an equal experiment are repeats,
+// which differ in their noise. Empty if the motion or the scatter of the grasp is drawn for each
+// trial, so that no two trials are repeats.
+std::string experiment_of(const Scene& scene, const std::vector<std::pair<std::string, std::string>>& swept);
 
 }  // namespace slipbench

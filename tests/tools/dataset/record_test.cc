@@ -264,6 +264,46 @@ TEST(Masks, WithoutARuleAreAsEver) {
             "70/15/15 % of the trials, shuffled by the seed, since all share one material");
 }
 
+// 12 experiments of 3 repeats, interleaved: 15 % of 12 rounds to 2 experiments, which are 6 trials.
+TEST(Masks, KeepRepeatsOfOneExperimentTogether) {
+  std::vector<std::pair<std::size_t, std::string>> trials;
+  for (std::size_t i = 0; i < 36; ++i) trials.emplace_back(i, split_group_text("acrylic", "speed " + std::to_string(i % 12)));
+  for (const auto& rule : {std::optional<SplitRule>{}, std::optional{SplitRule{"trial", {0.7, 0.15, 0.15}}}}) {
+    const Masks masks = split_trials(trials, 7, rule);
+    EXPECT_EQ(masks.split_by, "trial");
+    EXPECT_EQ(masks.groups, 12U);
+    EXPECT_THAT(masks.rule, ::testing::HasSubstr("repeats of one experiment are in one part"));
+    EXPECT_EQ(masks.valid.size(), 6U);
+    EXPECT_EQ(masks.test.size(), 6U);
+    for (const auto* part : {&masks.train, &masks.valid, &masks.test}) {
+      for (const std::size_t trial : *part) {
+        EXPECT_EQ(std::ranges::count_if(*part, [&](std::size_t other) { return other % 12 == trial % 12; }), 3);
+      }
+    }
+  }
+}
+
+// Trials without repeats are divided as if they had no experiment: datasets of drawn trials keep
+// their split.
+TEST(Masks, ExperimentsOfOneTrialAreDividedAsTrials) {
+  std::vector<std::pair<std::size_t, std::string>> trials;
+  for (std::size_t i = 0; i < 40; ++i) trials.emplace_back(i, split_group_text("acrylic", std::to_string((7 * i) % 40)));
+  const Masks masks = split_trials(trials, 7), plain = split_trials(trials_of(40, {"acrylic"}), 7);
+  EXPECT_EQ(masks.test, plain.test);
+  EXPECT_EQ(masks.valid, plain.valid);
+  EXPECT_EQ(masks.rule, plain.rule);
+}
+
+// A material is in one part whatever its experiments are.
+TEST(Masks, AMaterialHoldsItsExperiments) {
+  std::vector<std::pair<std::size_t, std::string>> trials;
+  for (std::size_t i = 0; i < 60; ++i)
+    trials.emplace_back(i, split_group_text(std::string(1, static_cast<char>('a' + i % 6)), std::to_string(i)));
+  const Masks masks = split_trials(trials, 7);
+  EXPECT_EQ(masks.split_by, "material");
+  EXPECT_EQ(masks.test.size(), 10U);  // one of six materials
+}
+
 TEST(Masks, AreShuffledByTheSeedAlone) {
   const auto trials = trials_of(200, {"acrylic"});
   EXPECT_EQ(split_trials(trials, 7).test, split_trials(trials, 7).test);

@@ -10,8 +10,10 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "tools/dataset/header.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/files/reject.h"
+#include "tools/trial/recorded_scene.h"
 #include "tools/workers/child_process.h"
 #include "tools/workers/ordered_children.h"
 #include "tools/workers/ordered_workers.h"
@@ -27,6 +29,7 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes, plan.interrupt);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
   result.record.params = params_json(trial.drawn);
+  result.record.material = split_group_text(result.record.material, experiment_of(trial.scene, trial.drawn));
   FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), result.time_step, std::nullopt};
   if (plan.recording == Recording::outcome) keep_outcome(result.record);
   if (encoder != nullptr) finished.encoded = encoder->encode(result.record);

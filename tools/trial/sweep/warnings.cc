@@ -274,7 +274,7 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
       const bool one_material =
           std::ranges::none_of(planned.drawn, [](const auto& swept) { return swept.first == "surface.material"; });
       if (!rule && one_material) return {};
-      trials.emplace_back(trial, split_group(planned.scene));
+      trials.emplace_back(trial, split_group_text(split_group(planned.scene), experiment_of(planned.scene, planned.drawn)));
     } catch (const InputError&) {
       continue;
     }
@@ -286,15 +286,13 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
   if (shares[1] > 0.0 && masks.valid.empty()) empty.emplace_back("valid");
   if (shares[2] > 0.0 && masks.test.empty()) empty.emplace_back("test");
   if (empty.empty() || trials.empty()) return {};
-  std::set<std::string> groups;
-  for (const auto& [trial, group] : trials) groups.insert(group);
-  const std::size_t count = masks.split_by == "trial" ? trials.size() : groups.size();
-  return {
-      {"split",
-       fmt::format(
-           "{}: split: by {} there {} only {} to divide, so {} without trials; 'split: {{by: trial}}' divides the trials, with trials of one {} in several parts",
-           plan.where(trials.front().first, "split"), masks.split_by, count == 1 ? "is" : "are", count,
-           empty.size() == 2 ? "valid and test are" : empty.front() + " is", masks.split_by)}};
+  const std::string remedy =
+      masks.split_by == "trial"
+          ? "repeats of one experiment stay in one part, so sweep or draw a key that changes the contact, such as motion.speed"
+          : fmt::format("'split: {{by: trial}}' divides the trials, with trials of one {} in several parts", masks.split_by);
+  return {{"split", fmt::format("{}: split: by {} there {} only {} to divide, so {} without trials; {}",
+                                plan.where(trials.front().first, "split"), masks.split_by, masks.groups == 1 ? "is" : "are",
+                                masks.groups, empty.size() == 2 ? "valid and test are" : empty.front() + " is", remedy)}};
 }
 
 std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& sweep) {

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include <sys/resource.h>
@@ -319,6 +320,23 @@ TEST_F(SweepTest, SplitsAsTheSceneSays) {
     return members.front() / 4;
   };
   EXPECT_EQ(std::set({speed_of("train"), speed_of("valid"), speed_of("test")}).size(), 3U);
+}
+
+// Each of the grid's experiments is repeated, with the same forces and another noise. Its repeats
+// are in one part, whether the scene asks for a split by trial or has no other property.
+TEST_F(SweepTest, RepeatsOfOneExperimentAreInOnePart) {
+  SweepOptions repeated = options("out.h5");
+  repeated.overrides = {
+      {"sweep", "{motion.speed: [1 mm/s, 2 mm/s, 4 mm/s, 8 mm/s], sensors.pad.electronics: [ideal, typical], trials: 3}"}};
+  run(repeated);
+  const DatasetReader reader(path("out.h5"));
+  std::map<std::size_t, std::set<std::string>> parts_of_speed;  // 4 speeds of 2 electronics of 3 repeats
+  for (const char* part : {"train", "valid", "test"}) {
+    EXPECT_FALSE(reader.mask(part).empty()) << part;
+    for (const std::size_t trial : reader.mask(part)) parts_of_speed[trial / 6].insert(part);
+  }
+  EXPECT_EQ(parts_of_speed.size(), 4U);
+  for (const auto& [speed, parts] : parts_of_speed) EXPECT_EQ(parts.size(), 1U) << speed;
 }
 
 TEST_F(SweepTest, SplitBySpeedNeedsAMotionWithOne) {

@@ -119,12 +119,19 @@ TEST_F(Warnings, PartsOfASplitWithoutATrial) {
   EXPECT_THAT(warning_texts(two),
               ElementsAre(AllOf(HasSubstr("split: by material there are only 2 to divide, so valid is without trials"))));
   EXPECT_THAT(warning_texts(three), IsEmpty());
-  EXPECT_THAT(warning_texts(two + "split: {by: trial}\n"), IsEmpty());
+  // Ten repeats of two experiments are two groups.
+  EXPECT_THAT(
+      warning_texts(two + "split: {by: trial}\n"),
+      ElementsAre(AllOf(HasSubstr("by trial there are only 2 to divide, so valid is without trials"), HasSubstr("repeats"))));
+  EXPECT_THAT(warning_texts(two + "split: {by: trial}\nmotion: {kind: wander}\n"), IsEmpty()) << "each trial has its own path";
   EXPECT_THAT(warning_texts(two + "split: {shares: [0.5, 0, 0.5]}\n"), IsEmpty());
   EXPECT_THAT(
       warning_texts("sweep: {trials: 10}\nsplit: {by: material}\n"),
       ElementsAre(AllOf(StartsWith("s.yaml:4: "), HasSubstr("there is only 1 to divide, so valid and test are without trials"))));
-  EXPECT_THAT(warning_texts("sweep: {trials: 10}\n"), IsEmpty());
+  EXPECT_THAT(warning_texts("sweep: {trials: 10}\n"), IsEmpty()) << "no split is asked for";
+  EXPECT_THAT(warning_texts("sweep: {trials: 10}\nsplit: {by: trial}\n"),
+              ElementsAre(AllOf(HasSubstr("by trial there is only 1 to divide, so valid and test are without trials"),
+                                HasSubstr("sweep or draw a key that changes the contact"))));
   EXPECT_THAT(warning_texts("sweep: {motion.speed: [1 mm/s, 2 mm/s, 3 mm/s], trials: 2}\nsplit: {by: speed}\n"), IsEmpty());
   EXPECT_THAT(warning_texts("sweep: {surface.shape: [plane, sphere, box]}\nsplit: {by: object}\n"), IsEmpty());
 }
