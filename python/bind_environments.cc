@@ -11,6 +11,7 @@
 
 #include "python/module.h"
 #include "sim/core/error.h"
+#include "tools/gym/episode.h"
 #include "tools/gym/grasp_environment.h"
 
 namespace nb = nanobind;
@@ -176,6 +177,7 @@ class Grasps {
 
 void bind_environments(nb::module_& module) {
   module.attr("strongest") = GraspEnvironment::strongest;
+  module.def("trial_of_episode", &trial_of_episode, nb::arg("cells"), nb::arg("draws"), nb::arg("seed"), nb::arg("episode"));
   nb::class_<Grasp>(module, "Grasp")
       .def(nb::init<const std::string&, const Pairs&, const std::string&>())
       .def("reset", &Grasp::reset)

@@ -24,6 +24,7 @@ from slipbench._values import index, plain, shown, yaml
 from slipbench.bin import _core
 
 DICT = "<dict>"  # replaces the file's name in a scene of from_dict()
+_MOST_TRIALS = 1_000_000  # of a sweep
 
 
 def located(path: str | os.PathLike[str]) -> str:
@@ -309,6 +310,14 @@ class Scene:
             converters.add(made._record)
         warn(text for _, text in converters.warnings())
         return made
+
+    def _run_episode(self, episode: int, seed: int) -> Trial:
+        """Simulates the trial of an environment's episode: episodes cycle through the cells of the
+        grid, from a cell of the seed."""
+        cells = self.trials(1)
+        draws = _MOST_TRIALS // cells
+        self._warn()
+        return self._simulate(_core.trial_of_episode(cells, draws, seed, episode), draws, 0, seed, "full", None)
 
     def _simulate(self, trial: int, draws: int, limit: int, seed: int, record: str, stop: _core.Stop | None) -> Trial:
         with self._naming_keys():

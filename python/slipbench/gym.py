@@ -13,7 +13,8 @@ episode's end counts as the lift's.
 
 Seeds: `reset(seed=s)` starts the first episode of seed s, each further `reset()` the next one. If
     no seed was ever given, `reset()` draws one from the operating system's entropy, a different one
-    for each environment.
+    for each environment. The episodes of a seed cycle through the cells of a grid sweep. Successive
+    seeds begin in successive cells, so that the environments of a vector run different trials.
 """
 
 from __future__ import annotations
@@ -364,7 +365,7 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         self.action_space = gymnasium.spaces.Discrete(4)
 
     def _record(self, seed: int, episode: int) -> None:
-        trial = self._scene.run(episode, seed=seed)
+        trial = self._scene._run_episode(episode, seed)
         if self._sensor not in trial.sensors and (self._sensor or len(trial.sensors) != 1):
             raise _core.InputError(f"sensor {self._sensor!r}; allowed: {', '.join(map(repr, trial.sensors))}")
         sensor = trial.sensors[self._sensor or next(iter(trial.sensors))]

@@ -291,6 +291,30 @@ class Seeds(unittest.TestCase):
                 self.assertEqual([mixed[0], mixed[2]], [expected[0][0], expected[0][2]])
                 vector.close()
 
+    def test_the_cells_of_a_grid_are_all_seen(self):
+        masses = ["100 g", "120 g", "140 g", "160 g"]
+        values = {"sweep": {"box.mass": masses, "trials": 1}}
+        every = {0.1, 0.12, 0.14, 0.16}
+
+        def mass(info):
+            return info["params"]["box.mass"]
+
+        environment = slipbench.gym.GraspEnv(values=values)
+        # Four successive seeds, and four successive resets of one seed, are the four cells.
+        self.assertEqual({mass(environment.reset(seed=seed)[1]) for seed in range(4)}, every)
+        self.assertEqual({mass(environment.reset(seed=1000)[1]), *(mass(environment.reset()[1]) for _ in range(3))}, every)
+        # Seeds that are multiples of the number of cells begin in several cells.
+        self.assertGreater(len({mass(environment.reset(seed=4 * seed)[1]) for seed in range(16)}), 1)
+        self.assertEqual(mass(environment.reset(seed=1000)[1]), mass(environment.reset(seed=1000)[1]))
+        vector = gymnasium.make_vec("slipbench/Grasp-v0", num_envs=4, values=values, vectorization_mode="vector_entry_point")
+        for _ in range(2):
+            self.assertEqual(set(vector.reset(seed=8)[1]["params"]["box.mass"].tolist()), every)
+            self.assertEqual(set(vector.reset()[1]["params"]["box.mass"].tolist()), every)
+        vector.close()
+        grid = {"duration": "1 s", "motion.start": "0.5 s", "sweep": {"motion.speed": ["1 mm/s", "2 mm/s", "4 mm/s"], "trials": 2}}
+        stage = slipbench.gym.StageSlipEnv("papillarray/stage.yaml", grid)
+        self.assertEqual({stage.reset(seed=seed)[1]["params"]["motion.speed"] for seed in range(3)}, {1e-3, 2e-3, 4e-3})
+
     def test_recordings_of_a_stage_are_seeded_alike(self):
         values = {"duration": "2.5 s", "sweep": {"friction.scale": {"draw": "uniform", "min": 0.5, "max": 1.5}, "trials": 1}}
         environments = [slipbench.gym.StageSlipEnv("papillarray/stage.yaml", values) for _ in range(2)]

@@ -11,6 +11,7 @@
 #include "sim/api/pad_state.h"
 #include "sim/grasp/grasp.h"
 #include "tools/files/reject.h"
+#include "tools/gym/episode.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/sweep/run_sweep.h"
 
@@ -88,7 +89,7 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
     seed_ = seed;
   }
   const std::size_t cells = plan_->size() / plan_->draws();
-  trial_ = episode % cells * plan_->draws() + episode / cells % plan_->draws();
+  trial_ = trial_of_episode(cells, plan_->draws(), seed, episode);
   TrialPlan::Trial trial = plan_->trial(trial_);
   if (!trial.scene.grasp) throw InputError(file_.name() + " is not a grasp; expected a scene with 'grip' or 'box'");
   if (trial.scene.guided()) throw InputError(file_.name() + ": the motion 'guided' needs commands to the arm; use lift");

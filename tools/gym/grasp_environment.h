@@ -70,7 +70,7 @@ class GraspEnvironment {
 
   // Starts episode number `episode` of the scene with that seed, and runs it to the first read of
   // the gripper. Each episode of a seed is another draw; episodes cycle through the cells of the
-  // scene's grid.
+  // scene's grid from a cell of the seed (trial_of_episode()).
   void reset(std::uint64_t seed, std::uint64_t episode);
   // Sends the command and runs to the next read. Throws InputError for an action outside [-1, 1],
   // std::logic_error before reset() or after the end.
