@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench._program import counted
-from slipbench._trial import Body, Contact, Control, Labels, Row, Sensor, table, trial_table, trial_text
+from slipbench._trial import Body, Contact, Control, Labels, Row, Sensor, shape_text, table, trial_table, trial_text
 from slipbench._values import index as whole_number
 from slipbench.bin import _core
 
@@ -259,6 +260,20 @@ def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
         raise _core.InputError(f"{place}: its samples are not evenly spaced ({_core.timing_text(times, resolution)}); allowed: {allowed}")
 
 
+def check_units(place: str, found: Mapping[str, str], needed: Mapping[str, str]) -> None:
+    """Raises InputError, beginning with `place`, if a channel has another physical unit than the one
+    in which it is read.
+
+    Args:
+        place: beginning of the message
+        found: units of channels by name
+        needed: units in which some of them are read
+    """
+    for name, unit in needed.items():
+        if name in found and found[name] != unit:
+            raise _core.InputError(f"{place}: channel {name} is in {found[name]!r}, but it is read in {unit}{_core.other_unit_remedy}")
+
+
 class StoredTrial:
     """One trial of a dataset, with the attributes of a simulated `Trial`. Arrays stay in the file
     until they are accessed.
@@ -402,8 +417,10 @@ class Dataset(Mapping[int, StoredTrial]):
         return pandas.DataFrame(rows, index=pandas.Index(self.trials, name="trial"))
 
     def windows(self, *, length: int, stride: int = 1, sensor: str = "", channels: Sequence[str] = (), labels: str = "strict",
-                part: str = "") -> Windows:
+                part: str = "", trials: Sequence[int] | None = None) -> Windows:
         """Creates windows of a sensor's samples with one label each, for training.
+
+        Warns of trials that are shorter than a window.
 
         Args:
             length: samples per window
@@ -415,15 +432,18 @@ class Dataset(Mapping[int, StoredTrial]):
                 paper; "recorded", the labels of an imported recording, which has no others.
                 docs/concepts/labels.md compares them
             part: "train", "valid" or "test" of the masks; empty: every trial
+            trials: numbers of the trials to use; None: all of the part
 
         Returns:
             The windows.
 
         Raises:
-            InputError: an argument is invalid, a trial lacks such labels, or a recording's samples
-            are not evenly spaced, which windows require.
+            InputError: an argument is invalid, a trial lacks such labels or channels, every trial is
+            shorter than a window, trials differ in the sensor's rate by more than 1 % or in the
+            unit or shape of a channel, or a recording's samples are not evenly spaced, which
+            windows require.
         """
-        return Windows(self, whole_number(length, "length"), whole_number(stride, "stride"), sensor, channels, labels, part)
+        return Windows(self, whole_number(length, "length"), whole_number(stride, "stride"), sensor, channels, labels, part, trials)
 
     def close(self) -> None:
         """Closes the files."""
@@ -459,17 +479,31 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     memory. Windows can be pickled: the copy opens the dataset again, by its path.
     """
 
-    def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, part: str) -> None:
+    def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, part: str,
+                 trials: Sequence[int] | None) -> None:
         if length < 1 or stride < 1:
             raise _core.InputError(f"length {length}, stride {stride}; allowed: 1 or more")
         if labels not in (known := RULES | RECORDED):
             raise _core.InputError(f"labels {labels!r}; allowed: {', '.join(map(repr, known))}")
         self._dataset, self._length, self._stride, self._rule = dataset, length, stride, labels
         self._sensor, self._channels = sensor, [channels] if isinstance(channels, str) else list(channels)
-        self._arguments = (dataset, length, stride, sensor, self._channels, labels, part)
+        self._arguments = (dataset, length, stride, sensor, self._channels, labels, part, trials)
         self._trials = dataset.mask(part) if part else list(dataset.trials)
+        if trials is not None:
+            if unknown := sorted(set(trials) - set(self._trials)):
+                raise _core.InputError(f"trials: {', '.join(map(str, unknown))}; allowed: the numbers of the {part or 'dataset'}'s trials")
+            self._trials = sorted(set(trials))
         self._kept: dict[int, tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]] = {}
-        self._ends = np.cumsum([0] + [self._count(trial) for trial in self._trials]).tolist()
+        samples = [self._samples(trial) for trial in self._trials]
+        self._check_alike()
+        self._ends = np.cumsum([0] + [max(0, (count - length) // stride + 1) for count in samples]).tolist()
+        short = [trial for trial, count in zip(self._trials, samples, strict=True) if count < length]
+        if short and len(short) == len(samples):
+            longest = int(np.argmax(samples))
+            raise _core.InputError(f"length {length}: the longest trial, {self._trials[longest]}, has {counted(samples[longest], 'sample')}; allowed: 1 to {samples[longest]}")
+        if short:
+            warnings.warn(f"{len(short)} of {counted(len(samples), 'trial')} {'has' if len(short) == 1 else 'have'} fewer than {length} samples and no window: "
+                          f"{', '.join(map(str, short[:10]))}{' ...' if len(short) > 10 else ''}", stacklevel=3)
 
     def _name(self, trial: StoredTrial) -> str:
         names = list(trial.sensors)
@@ -492,10 +526,38 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
                                    + (f"pass {' or '.join(f'labels={rule!r}' for rule in rules)}" if rules else "use a recording with labels"))
         return labels[rules[self._rule]]
 
-    def _count(self, number: int) -> int:
+    def _samples(self, number: int) -> int:
         trial = self._dataset[number]
-        samples = len(self._states(trial, self._name(trial)))
-        return max(0, (samples - self._length) // self._stride + 1)
+        return len(self._states(trial, self._name(trial)))
+
+    def _chosen_channels(self, sensor: StoredSensor) -> list[str]:
+        return self._channels or [str(one) for one in sensor.attrs["channels"]]
+
+    def _check_alike(self) -> None:
+        """Raises InputError if a trial lacks a channel, or differs from the first one in what a
+        sample means."""
+        first: tuple[int, float, list[tuple[str, tuple[int, ...], str]]] | None = None
+        for number in self._trials:
+            trial = self._dataset[number]
+            name = self._name(trial)
+            sensor, samples = trial.sensors[name], self._samples(number)
+            channels = self._chosen_channels(sensor)
+            for channel in channels:
+                if channel not in sensor or len(sensor[channel]) != samples:
+                    at_rate = [one for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples]
+                    raise _core.InputError(f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
+                                           f"allowed: channels={[str(one) for one in at_rate]}")
+            rate = float(sensor.attrs["rate_hz"])
+            alike = [(channel, sensor[channel].shape[1:], str(sensor[channel].attrs["unit"])) for channel in channels]
+            if first is None:
+                first = number, rate, alike
+            if abs(rate - first[1]) > 0.01 * first[1]:
+                same = [one for one in self._trials if abs(float(self._dataset[one].sensors[self._name(self._dataset[one])].attrs["rate_hz"]) - rate) <= 0.01 * rate]
+                raise _core.InputError(f"trial {number}: sensor {name!r} has {rate:g} Hz, but {first[1]:g} Hz in trial {first[0]}, so that windows of {self._length} samples "
+                                       f"differ in time; choose trials of one rate, such as trials={same[:10]}{' ...' if len(same) > 10 else ''}")
+            if alike != first[2]:
+                texts = [", ".join(f"{channel} {shape_text(shape, unit)}" for channel, shape, unit in one) for one in (alike, first[2])]
+                raise _core.InputError(f"trial {number}: sensor {name!r} has {texts[0]} per sample, but {texts[1]} in trial {first[0]}; choose alike trials by trials=[...]")
 
     def __reduce__(self) -> Any:
         return Windows, self._arguments
@@ -513,15 +575,9 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             name = self._name(trial)
             sensor = trial.sensors[name]
             check_evenly_spaced(f"trial {number}: sensor {name!r}", sensor, "one rate throughout, as `slipbench import --rate RATE` makes it")
-            channels = self._channels or [str(one) for one in sensor.attrs["channels"]]
             states = self._states(trial, name)
             samples = len(states)
-            for channel in channels:
-                if channel not in sensor or len(sensor[channel]) != samples:
-                    at_rate = [one for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples]
-                    raise _core.InputError(f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
-                                           f"allowed: channels={[str(one) for one in at_rate]}")
-            values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in channels], axis=1)
+            values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in self._chosen_channels(sensor)], axis=1)
             slips = (np.asarray(states[:]) >= 2).astype(np.uint8)
             self._kept[number] = values, slips, np.asarray(sensor["t"][:], np.float64)
         return self._kept[number]

@@ -291,6 +291,30 @@ class Datasets(unittest.TestCase):
             self.assertEqual(sum(parts), every)
             self.assertEqual(parts[0], every // 6 * len(data.mask("train")))
 
+    def test_windows_of_trials_that_differ_are_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = slipbench.Scene.from_text("slipbench: 1\nduration: 0.3 s\nsensors: {pad: {type: papillarray, rate: 1 kHz}}\n")
+            path = Path(folder, "rates.h5")
+            scene.set({"sweep": {"sensors.pad.rate": ["1 kHz", "100 Hz"], "trials": 2}}).write(path)
+            with slipbench.open(path) as data:
+                # 40 samples are 40 ms and 400 ms.
+                with self.assertRaisesRegex(slipbench.InputError, r"trial 2: sensor 'pad' has 100 Hz, but 1000 Hz in trial 0.*trials=\[2, 3\]"):
+                    data.windows(length=4)
+                self.assertEqual(len(data.windows(length=4, stride=4, trials=[2, 3])), 2 * ((len(data[2].sensors["pad"].t) - 4) // 4 + 1))
+                with self.assertRaisesRegex(slipbench.InputError, "trials: 7; allowed"):
+                    data.windows(length=4, trials=[0, 7])
+            path = Path(folder, "durations.h5")
+            scene.set({"sweep": {"duration": ["0.3 s", "0.2 s"], "trials": 1}}).write(path)
+            with slipbench.open(path) as data:
+                samples = [len(data[trial].sensors["pad"].t) for trial in (0, 1)]
+                self.assertGreater(samples[0], samples[1])
+                with self.assertRaisesRegex(slipbench.InputError, f"length 1000: the longest trial, 0, has {samples[0]} samples; allowed: 1 to {samples[0]}"):
+                    data.windows(length=1000)
+                with self.assertWarnsRegex(UserWarning, f"1 of 2 trials has fewer than {samples[0]} samples and no window: 1"):
+                    self.assertEqual(len(data.windows(length=samples[0])), 1)
+                with self.assertRaisesRegex(slipbench.InputError, "trial 0: channel 'nope' is not there; allowed: .*'force'"):
+                    data.windows(length=4, channels=["nope"])
+
     def test_what_cannot_be_asked_for_is_said(self):
         with slipbench.open(self.path) as data:
             for wrong, told in (({"length": 0}, "length 0"), ({"length": 4, "labels": "strickt"}, "labels 'strickt'.*'strict'"),
