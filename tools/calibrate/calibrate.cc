@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -106,15 +107,17 @@ Disturbances learned(const Model& model, const VectorXd& places, const Compared&
 Json interval_json(const FitKey& key, double place, const Known& known) {
   const double half = half_interval * known.sd;
   Json json{{"value", key.value(place)}, {"determined", known.determined}};
-  json["low"] = known.determined ? key.value(std::max(0.0, place - half)) : key.min;
-  json["high"] = known.determined ? key.value(std::min(1.0, place + half)) : key.max;
-  json["at_bound"] = at_lower_bound(place) || at_upper_bound(place);
+  const bool circular = key.circular();  // its interval may reach beyond the bounds, which are one angle
+  json["low"] = known.determined ? key.value(circular ? place - half : std::max(0.0, place - half)) : key.min;
+  json["high"] = known.determined ? key.value(circular ? place + half : std::min(1.0, place + half)) : key.max;
+  json["at_bound"] = !circular && (at_lower_bound(place) || at_upper_bound(place));
   return json;
 }
 
 void write_truth(Json& json, const FitKey& key, double drawn) {
   json["truth"] = key.value(drawn);
-  json["error"] = json.at("value").get<double>() - key.value(drawn);
+  const double turn = key.circular() ? key.max - key.min : std::numeric_limits<double>::infinity();
+  json["error"] = std::remainder(json.at("value").get<double>() - key.value(drawn), turn);
 }
 
 // Returns the centre and scatter of a key with one value per recording; the variance of the values
@@ -125,14 +128,17 @@ struct Scatter {
 Scatter scatter_of(const FitKey& key, const std::vector<double>& places, const std::vector<Known>& known) {
   const auto count = static_cast<double>(places.size());
   const double width = key.logarithmic ? math::log(key.max / key.min) : key.max - key.min;
+  // Places of a circle are compared within half a turn of the first one.
+  const auto unwrapped = [&](double place) { return key.circular() ? place - std::round(place - places.front()) : place; };
   double mean = 0.0, square = 0.0, uncertain = 0.0;
   for (std::size_t r = 0; r < places.size(); ++r) {
-    mean += places[r] / count;
-    square += places[r] * places[r] / count;
+    const double place = unwrapped(places[r]);
+    mean += place / count;
+    square += place * place / count;
     uncertain += known[r].sd * known[r].sd / count;
   }
   const double variance = places.size() > 1 ? (square - mean * mean) * count / (count - 1.0) : 0.0;
-  return {key.value(mean), width * std::sqrt(std::max(0.0, variance - uncertain))};
+  return {key.value(key.circular() ? mean - std::floor(mean) : mean), width * std::sqrt(std::max(0.0, variance - uncertain))};
 }
 
 // Fit of one key: one place, or one per recording.

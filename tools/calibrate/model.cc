@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string_view>
 
@@ -160,6 +161,7 @@ std::string block(const YamlNode& root) {
 std::string draw_of(const FitKey& key, const Json& parameter) {
   const double centre = parameter.at("value").get<double>(), sd = parameter.at("scatter").get<double>();
   const auto written = [&](double value) { return format_quantity(value, key.quantity); };
+  if (key.circular()) return fmt::format("{{draw: normal, mean: {}, sd: {}}}", written(centre), written(sd));
   if (key.logarithmic) return fmt::format("{{draw: lognormal, median: {}, sd: {}}}", written(centre), format_number(sd));
   return fmt::format("{{draw: normal, mean: {}, sd: {}, min: {}, max: {}}}", written(centre), written(sd), written(key.min),
                      written(key.max));
@@ -257,8 +259,18 @@ Eigen::VectorXd Model::spread(const Eigen::VectorXd& by_key) const {
   return places;
 }
 
+Eigen::VectorXd Model::from_own(const Eigen::VectorXd& places) const {
+  Eigen::VectorXd away = places - spread(own_);
+  for (std::size_t p = 0; p < parameters(); ++p) {
+    double& one = away(static_cast<Eigen::Index>(p));
+    if (circular(p)) one -= std::round(one);
+  }
+  return away;
+}
+
 double Model::value(const Eigen::VectorXd& places, std::size_t key, std::size_t recording) const {
-  return keys_[key].value(places(static_cast<Eigen::Index>(parameter_of(key, recording))));
+  const double place = places(static_cast<Eigen::Index>(parameter_of(key, recording)));
+  return keys_[key].value(keys_[key].circular() ? place - std::floor(place) : place);
 }
 
 double Model::lag(const Eigen::VectorXd& places, std::size_t recording) const {
@@ -311,6 +323,11 @@ std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const std::strin
 }
 
 double FitKey::value(double place) const { return logarithmic ? min * math::pow(max / min, place) : min + (max - min) * place; }
+
+bool FitKey::circular() const {
+  constexpr double turn = 2.0 * std::numbers::pi, rounding = 1e-9;  // rad
+  return quantity == Quantity::angle && std::abs(max - min - turn) < rounding;
+}
 
 double FitKey::place(double value) const {
   if (!logarithmic) return (value - min) / (max - min);

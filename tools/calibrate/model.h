@@ -34,6 +34,9 @@ struct FitKey {
   // place outside 0 to 1.
   [[nodiscard]] double value(double place) const;
   [[nodiscard]] double place(double value) const;
+  // True if the bounds are a whole turn apart: an angle whose places 0 and 1 are the same. Its places
+  // go on beyond both, so that an angle next to a bound has neighbours on both sides.
+  [[nodiscard]] bool circular() const;
   // Formats a value of this key with its unit.
   [[nodiscard]] std::string text(double value, int digits = 4) const;
 };
@@ -89,10 +92,15 @@ class Model {
 
   // Places of the scene's unfitted values, by key; 0.5 for a value outside the bounds.
   [[nodiscard]] const Eigen::VectorXd& own_places() const { return own_; }
+  // True if the parameter's key is circular().
+  [[nodiscard]] bool circular(std::size_t parameter) const { return keys_[key_of(parameter)].circular(); }
+  // Distances of the places of all parameters from the scene's own, the short way round a circle.
+  [[nodiscard]] Eigen::VectorXd from_own(const Eigen::VectorXd& places) const;
   // Expands one place per key to the places of all parameters.
   [[nodiscard]] Eigen::VectorXd spread(const Eigen::VectorXd& by_key) const;
 
-  // Returns the sensors' readings in a recording. `places`: of all parameters, each from 0 to 1.
+  // Returns the sensors' readings in a recording. `places`: of all parameters, each from 0 to 1,
+  // of a circular() key any.
   // `seed`: of the draws. `again`: another number repeats the recording with the same device and
   // other noise. Throws InputError with the values that the scene refuses, and Interrupted.
   [[nodiscard]] std::vector<SensorRecord> simulate(const Eigen::VectorXd& places, std::size_t recording, Readings readings,

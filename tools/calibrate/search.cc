@@ -26,6 +26,7 @@ constexpr double prior_weight = 12.0;
 constexpr int most_steps = 8;
 constexpr double small_step = 1e-6;        // of the bounds: the fit has arrived
 constexpr double bound_width = 0.005;      // of the bounds
+constexpr double circle_reach = 1.0;       // turns beyond both bounds of an angle over its whole circle
 constexpr double chi_square_of_95 = 3.84;  // with one degree of freedom
 
 // A profile reaches three times as far as the 95 % interval.
@@ -37,6 +38,14 @@ class Searcher {
   Searcher(const Problem& problem, const SearchOptions& options) : problem_(problem), options_(options) {
     const std::size_t keys = model().keys().size();
     const auto recordings = model().recordings();
+    const auto places = static_cast<Index>(model().parameters());
+    low_ = VectorXd::Zero(places);
+    high_ = VectorXd::Ones(places);
+    for (std::size_t p = 0; p < model().parameters(); ++p) {
+      if (!model().circular(p)) continue;
+      low_(static_cast<Index>(p)) = -circle_reach;
+      high_(static_cast<Index>(p)) = 1.0 + circle_reach;
+    }
     total_ = options.starts * (problem.evaluations().global + problem.evaluations().local) * (keys + 1) * recordings +
              (std::size_t{4} * 2 * model().parameters() + profile_points * keys) * recordings;
   }
@@ -112,9 +121,18 @@ class Searcher {
       return problem_.cost(waves, all);
     };
     nlopt::srand(static_cast<unsigned long>(stream.integer(1U << 31U)));
-    minimise(result.places, cost, {}, small_step, problem_.evaluations().global * (keys + 1));
-    result.cost = minimise(result.places, cost, 0.02, small_step, problem_.evaluations().local * (keys + 1));
+    VectorXd reach = VectorXd::Zero(static_cast<Index>(keys));
+    minimise(result.places, cost, {}, small_step, problem_.evaluations().global * (keys + 1), reach);
+    for (std::size_t key = 0; key < keys; ++key) {
+      if (model().keys()[key].circular()) reach(static_cast<Index>(key)) = circle_reach;
+    }
+    result.cost = minimise(result.places, cost, 0.02, small_step, problem_.evaluations().local * (keys + 1), reach);
     return result;
+  }
+
+  // The place of parameter `p` from which its slope is computed.
+  [[nodiscard]] double beside(const VectorXd& at, Index p, double side) const {
+    return std::clamp(at(p) + side * problem_.difference(), low_(p), high_(p));
   }
 
   // Returns d residual/d places from differences to those sides that the scene does not refuse.
@@ -124,7 +142,7 @@ class Searcher {
     for (Index p = 0; p < at.size(); ++p) {
       for (const double side : {1.0, -1.0}) {
         VectorXd places = at;
-        places(p) = std::clamp(at(p) + side * problem_.difference(), 0.0, 1.0);
+        places(p) = beside(at, p, side);
         const std::optional<std::size_t> only = model().recording_of(static_cast<std::size_t>(p));
         for (std::size_t r = only.value_or(0); r < (only ? *only + 1 : recordings); ++r) tasks.push_back({places, r});
       }
@@ -142,7 +160,7 @@ class Searcher {
         for (std::size_t k = 0; k < changed; ++k, ++task) waves[tasks[task].recording] = found[task];
         const Distance distance = problem_.distance(waves);
         slope += side * (distance.possible ? distance.residual : here);
-        if (distance.possible) apart += std::abs(std::clamp(at(p) + side * problem_.difference(), 0.0, 1.0) - at(p));
+        if (distance.possible) apart += std::abs(beside(at, p, side) - at(p));
       }
       if (apart > 0.0) slope /= apart;
       if (slopes.size() == 0) slopes.resize(slope.size(), at.size());
@@ -154,7 +172,6 @@ class Searcher {
   // Takes steps of Levenberg and Marquardt from the best start's end; only these fit the parameters
   // of single recordings separately.
   void descend(VectorXd at, Solution& solution) {
-    const VectorXd own = model().spread(model().own_places());
     solution.ideal = simulated(all_recordings(at));
     solution.cost = problem_.cost(solution.ideal, at);
     double damping = 1e-3;
@@ -163,13 +180,13 @@ class Searcher {
       slopes_ = jacobian(at, solution.ideal);
       if (step == most_steps) break;
       const MatrixXd curvature = slopes_.transpose() * slopes_ + prior_weight * MatrixXd::Identity(at.size(), at.size());
-      const VectorXd gradient = slopes_.transpose() * solution.distance.residual + prior_weight * (at - own);
+      const VectorXd gradient = slopes_.transpose() * solution.distance.residual + prior_weight * model().from_own(at);
       bool lower = false;
       double length = 0.0;
       for (int attempt = 0; attempt < 4 && !lower; ++attempt) {
         MatrixXd damped = curvature;
         damped.diagonal() *= 1.0 + damping;
-        const VectorXd there = (at - damped.llt().solve(gradient)).cwiseMax(0.0).cwiseMin(1.0);
+        const VectorXd there = (at - damped.llt().solve(gradient)).cwiseMax(low_).cwiseMin(high_);
         length = (there - at).cwiseAbs().maxCoeff();
         if (length < small_step) break;
         const Waves waves = simulated(all_recordings(there));
@@ -182,6 +199,9 @@ class Searcher {
         solution.cost = cost;
       }
       if (!lower) break;
+    }
+    for (Index p = 0; p < at.size(); ++p) {
+      if (model().circular(static_cast<std::size_t>(p))) at(p) -= std::floor(at(p));
     }
     solution.places = at;
   }
@@ -208,7 +228,7 @@ class Searcher {
       known.determined = half_interval * known.sd < widest_known;
       if (!model().recording_of(static_cast<std::size_t>(p))) {
         profile(solution, p, known);
-        known.determined = known.determined && rises(known, solution.places(p));
+        known.determined = known.determined && rises(known, solution.places(p), model().circular(static_cast<std::size_t>(p)));
       }
       solution.known.push_back(std::move(known));
     }
@@ -219,8 +239,8 @@ class Searcher {
     std::vector<Task> tasks;
     for (std::size_t k = 0; k < profile_points; ++k) {
       const double way = profile_reach * (2.0 * static_cast<double>(k) / static_cast<double>(profile_points - 1) - 1.0);
-      const double place = std::clamp(solution.places(p) + way * half_interval * known.sd, 0.0, 1.0);
-      VectorXd places = (solution.places + (place - solution.places(p)) * along).cwiseMax(0.0).cwiseMin(1.0);
+      const double place = std::clamp(solution.places(p) + way * half_interval * known.sd, low_(p), high_(p));
+      VectorXd places = (solution.places + (place - solution.places(p)) * along).cwiseMax(low_).cwiseMin(high_);
       places(p) = place;
       for (Task& task : all_recordings(places)) tasks.push_back(std::move(task));
     }
@@ -234,13 +254,14 @@ class Searcher {
     }
   }
 
-  // True if a profile rises enough on both sides of the fit; a side that ends at a bound is exempt.
-  static bool rises(const Known& known, double place) {
+  // True if a profile rises enough on both sides of the fit; a side that ends at a bound is exempt,
+  // but a circle has no bound.
+  static bool rises(const Known& known, double place, bool circular) {
     double below = 0.0, above = 0.0;
     for (const auto& [at, rise] : known.profile) (at < place ? below : above) = std::max(at < place ? below : above, rise);
     const double half = half_interval * known.sd;
-    return (below >= chi_square_of_95 || place < half || at_lower_bound(place)) &&
-           (above >= chi_square_of_95 || place > 1.0 - half || at_upper_bound(place));
+    return (below >= chi_square_of_95 || (!circular && (place < half || at_lower_bound(place)))) &&
+           (above >= chi_square_of_95 || (!circular && (place > 1.0 - half || at_upper_bound(place))));
   }
 
   const Problem& problem_;
@@ -248,6 +269,7 @@ class Searcher {
   std::size_t total_ = 0;
   std::atomic<std::size_t> done_ = 0;
   MatrixXd slopes_;
+  VectorXd low_, high_;  // ends of the places of all parameters
 };
 
 constexpr std::size_t devices = 6;  // simulated for each set of values, always the same
@@ -343,10 +365,7 @@ MatrixXd CurveProblem::scores(const Distance& distance, const MatrixXd& slopes) 
 
 double Problem::cost(const Waves& simulated, const VectorXd& places) const {
   double squared = distance(simulated).squared;
-  for (Index p = 0; p < places.size(); ++p) {
-    const double away = places(p) - model->own_places()(static_cast<Index>(model->key_of(static_cast<std::size_t>(p))));
-    squared += prior_weight * away * away;
-  }
+  for (const double away : model->from_own(places)) squared += prior_weight * away * away;
   return squared;
 }
 
@@ -356,7 +375,7 @@ bool at_upper_bound(double place) { return place > 1.0 - bound_width; }
 Solution search(const Problem& problem, const SearchOptions& options) { return Searcher(problem, options).run(); }
 
 double minimise(VectorXd& places, const std::function<double(const VectorXd&)>& cost, std::optional<double> first_step,
-                double tolerance, std::size_t evaluations) {
+                double tolerance, std::size_t evaluations, const VectorXd& reach) {
   std::exception_ptr error;
   const nlopt::vfunc objective = [](const std::vector<double>& at, std::vector<double>& /*gradient*/, void* data) {
     auto& [cost_of, thrown] = *static_cast<std::pair<const std::function<double(const VectorXd&)>&, std::exception_ptr&>*>(data);
@@ -369,8 +388,13 @@ double minimise(VectorXd& places, const std::function<double(const VectorXd&)>& 
   };
   std::pair<const std::function<double(const VectorXd&)>&, std::exception_ptr&> objective_data(cost, error);
   nlopt::opt optimiser(first_step ? nlopt::LN_SBPLX : nlopt::GN_CRS2_LM, static_cast<unsigned>(places.size()));
-  optimiser.set_lower_bounds(0.0);
-  optimiser.set_upper_bounds(1.0);
+  std::vector<double> low, high;
+  for (const double beyond : reach) {
+    low.push_back(-beyond);
+    high.push_back(1.0 + beyond);
+  }
+  optimiser.set_lower_bounds(low);
+  optimiser.set_upper_bounds(high);
   if (first_step) optimiser.set_initial_step(*first_step);
   optimiser.set_xtol_abs(tolerance);
   optimiser.set_maxeval(static_cast<int>(evaluations));
@@ -421,7 +445,7 @@ ElectronicsFit fit_electronics(const Model& model, const CurveProblem& problem, 
   const auto cost = [&](const VectorXd& places) {
     return sizes.residual(places).squaredNorm() + prior_weight * (places - own).squaredNorm();
   };
-  minimise(fit.places, cost, 0.2, 1e-3, evaluations_a_key * static_cast<std::size_t>(own.size()));
+  minimise(fit.places, cost, 0.2, 1e-3, evaluations_a_key * static_cast<std::size_t>(own.size()), VectorXd::Zero(own.size()));
   MatrixXd curvature = prior_weight * MatrixXd::Identity(own.size(), own.size());
   MatrixXd slopes(sizes_of_real.size(), own.size());
   for (Index p = 0; p < own.size(); ++p) {

@@ -103,11 +103,11 @@ struct Solution {
 // as Model::simulate.
 Solution search(const Problem& problem, const SearchOptions& options);
 
-// Minimises `cost` over `places`, each from 0 to 1, with NLopt, and returns the least cost: with
+// Minimises `cost` over `places`, each from -reach to 1 + reach, with NLopt, and returns the least cost: with
 // Subplex if `first_step` is given, else with CRS2. Ends once no place moves by more than
 // `tolerance`, or after `evaluations`. Throws what `cost` throws.
 double minimise(Eigen::VectorXd& places, const std::function<double(const Eigen::VectorXd&)>& cost,
-                std::optional<double> first_step, double tolerance, std::size_t evaluations);
+                std::optional<double> first_step, double tolerance, std::size_t evaluations, const Eigen::VectorXd& reach);
 
 // Half-width of a 95 % interval over the sd.
 inline constexpr double half_interval = 1.96;
