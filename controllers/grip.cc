@@ -24,9 +24,14 @@ std::string described(const std::vector<Channel>& channels) {
 
 }  // namespace
 
-VectorChannel::VectorChannel(const std::vector<Channel>& channels, const std::string& name, const std::string& controller) {
+VectorChannel::VectorChannel(const std::vector<Channel>& channels, const std::string& name, const std::string& unit,
+                             const std::string& controller) {
   for (const Channel& channel : channels) {
     if (channel.name == name && channel.shape.size() == 2 && channel.shape[1] == 3) {
+      if (channel.unit != unit) {
+        throw SceneValueError("controller.type", quote(controller) + " reads the channel '" + name + "' in " + unit +
+                                                     ", but the sensor has it in " + quote(channel.unit));
+      }
       first_ = frame_size_;
       units_ = channel.shape[0];
     }

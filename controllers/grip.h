@@ -19,9 +19,11 @@ using UnitVector = std::span<const float, 3>;
 // A channel with three axes per unit, located in a sensor's frames.
 class VectorChannel {
  public:
-  // Finds the channel `name` of `channels`. Throws SceneValueError at controller.type, naming
-  // `controller`, if the sensor has no such channel of extents {N, 3}.
-  VectorChannel(const std::vector<Channel>& channels, const std::string& name, const std::string& controller);
+  // Finds the channel `name` of `channels` in the physical `unit`. Throws SceneValueError at
+  // controller.type, naming `controller`, if the sensor has no such channel of extents {N, 3}, or
+  // has it in another unit.
+  VectorChannel(const std::vector<Channel>& channels, const std::string& name, const std::string& unit,
+                const std::string& controller);
 
   [[nodiscard]] std::size_t units() const { return units_; }
 
@@ -40,7 +42,7 @@ class GripForce {
  public:
   // Reads the channel "force" {N, 3} [N], z into the sensor. Throws as VectorChannel.
   GripForce(const std::vector<Channel>& channels, const std::string& controller)
-      : force_(channels, "force", controller), controller_(controller) {}
+      : force_(channels, "force", "N", controller), controller_(controller) {}
 
   [[nodiscard]] std::size_t units() const { return force_.units(); }
   [[nodiscard]] double normal(const SensorFrame& frame, std::size_t unit) const;      // N, z of one unit

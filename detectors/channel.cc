@@ -5,10 +5,18 @@
 
 namespace slipbench {
 
-ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector, std::size_t axes) {
+ChannelPlace vector_channel(const FrameSource& source, std::string_view name, std::string_view unit, const std::string& detector,
+                            std::size_t axes) {
   std::size_t first = 0;
   for (const Channel& channel : source.channels) {
-    if (channel.name == name && channel.shape.size() == 2 && channel.shape[1] == axes) return {first, channel.shape[0]};
+    if (channel.name == name && channel.shape.size() == 2 && channel.shape[1] == axes) {
+      if (channel.unit != unit) {
+        throw SceneValueError("detector.sensor", detector + " reads the " + std::string(name) + " in " + std::string(unit) +
+                                                     ", but the " + source.type + " " + quote(source.sensor) + " has it in " +
+                                                     quote(channel.unit) + other_unit_remedy);
+      }
+      return {first, channel.shape[0]};
+    }
     first += channel.size();
   }
   throw SceneValueError("detector.sensor", detector + " reads a " + std::string(name) +

@@ -15,6 +15,10 @@
 
 namespace slipbench {
 
+// End of a message about a channel in another physical unit.
+inline constexpr const char* other_unit_remedy =
+    "; the keys unit and scale of the map of `import` convert recordings to SI units";
+
 // Values of one channel inside a frame.
 struct ChannelPlace {
   std::size_t first = 0;  // index into SensorFrame::values
@@ -22,9 +26,11 @@ struct ChannelPlace {
 };
 
 // Returns the place of the channel `name` of `source`, which must hold `axes` (2 or 3) values per
-// unit: extents {N, axes}. `detector`: name of the detector, for errors. Throws SceneValueError at
-// detector.sensor if the sensor has no such channel.
-ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector, std::size_t axes = 3);
+// unit, in the physical `unit`: extents {N, axes}. `detector`: name of the detector, for errors.
+// Throws SceneValueError at detector.sensor if the sensor has no such channel, or has it in another
+// physical unit.
+ChannelPlace vector_channel(const FrameSource& source, std::string_view name, std::string_view unit, const std::string& detector,
+                            std::size_t axes = 3);
 
 // Returns the index into SensorFrame::values of the channel `name`, which must hold one value:
 // extents {1}. `detector`: name of the detector, for errors. Throws SceneValueError at

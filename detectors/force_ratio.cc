@@ -8,7 +8,7 @@ namespace {
 class ForceRatio final : public Detector {
  public:
   ForceRatio(const Parameters& parameters, const FrameSource& source)
-      : force_(vector_channel(source, "force", "force_ratio")),
+      : force_(vector_channel(source, "force", "N", "force_ratio")),
         ratio_(parameters.number("ratio")),
         touch_(parameters.number("touch")) {}
 

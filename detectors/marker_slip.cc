@@ -38,8 +38,8 @@ class MarkerDetector final : public Detector {
  public:
   MarkerDetector(const Parameters& parameters, const FrameSource& source)
       : parameters_(parameters),
-        displacement_(vector_channel(source, "displacement", "a detector of markers")),
-        pixel_(vector_channel(source, "pixel", "a detector of markers", 2)),
+        displacement_(vector_channel(source, "displacement", "m", "a detector of markers")),
+        pixel_(vector_channel(source, "pixel", "px", "a detector of markers", 2)),
         touches_(displacement_.units, false),
         began_(2, displacement_.units),
         places_(began_),

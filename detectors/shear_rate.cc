@@ -10,7 +10,7 @@ namespace {
 class ShearRate final : public Detector {
  public:
   ShearRate(const Parameters& parameters, const FrameSource& source)
-      : force_(vector_channel(source, "force", "shear_rate")),
+      : force_(vector_channel(source, "force", "N", "shear_rate")),
         window_(parameters.number("window"), 2 * force_.units, source, "shear_rate"),
         loading_(parameters.number("loading") / parameters.number("window")),
         following_(parameters.number("following")),

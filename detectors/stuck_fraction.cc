@@ -11,8 +11,8 @@ namespace {
 class StuckFraction final : public Detector {
  public:
   StuckFraction(const Parameters& parameters, const FrameSource& source)
-      : force_(vector_channel(source, "force", "stuck_fraction")),
-        displacement_(vector_channel(source, "displacement", "stuck_fraction")),
+      : force_(vector_channel(source, "force", "N", "stuck_fraction")),
+        displacement_(vector_channel(source, "displacement", "m", "stuck_fraction")),
         window_(parameters.number("window"), 2 * displacement_.units, source, "stuck_fraction"),
         moving_(parameters.number("moving_speed")),
         share_(parameters.number("stuck_share")),

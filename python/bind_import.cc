@@ -14,12 +14,14 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "detectors/channel.h"
 #include "python/module.h"
 #include "sim/core/counted.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/yaml_tree.h"
 #include "tools/cli/commands/dataset_commands.h"
 #include "tools/files/reject.h"
+#include "tools/formats/import/channel_unit.h"
 #include "tools/formats/import/source_table.h"
 
 namespace nb = nanobind;
@@ -116,6 +118,11 @@ void bind_import(nb::module_& module) {
   module.def("list_sources", &sources_of, nb::arg("sources"), nb::arg("endings"));
   module.def("read_yaml", [](const std::string& path) { return tuple_of(SceneFile::load(path).root()); });
   module.def("is_plain_name", &is_plain_name);
+  module.def("si_unit_of", [](const std::string& unit) {
+    const SiUnit si = si_unit_of(unit);
+    return std::pair(si.symbol, si.factor);
+  });
+  module.attr("other_unit_remedy") = other_unit_remedy;
   nb::class_<MappedImport>(module, "MappedImport")
       .def(nb::init<std::vector<std::string>, std::string, std::string, std::uint64_t, std::optional<double>,
                     const std::string&>(),

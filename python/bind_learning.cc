@@ -225,6 +225,9 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
   all["command"] = read.command;
   all["sha256"] = read.sha256;
   all["inputs"] = read.inputs;
+  nb::dict units;
+  for (const network::ChannelPick& pick : read.input.channels) units[pick.name.c_str()] = pick.unit;
+  all["units"] = units;
   all["classes"] = classes_as_pairs(options.classes, options.labels);
   all["examples"] = examples;
   return Described(all);

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* as_saved = "model";
 
 ChannelPlace displacement_of(const FrameSource& source) {
-  const ChannelPlace place = vector_channel(source, "displacement", "the hyperdimensional classifier");
+  const ChannelPlace place = vector_channel(source, "displacement", "m", "the hyperdimensional classifier");
   if (source.type != "papillarray" || place.units != pillar_count) {
     throw SceneValueError("detector.sensor", "the hyperdimensional classifier needs the nine pillars of a papillarray, but " +
                                                  quote(source.sensor) + " is a " + source.type);

@@ -193,8 +193,9 @@ Json parsed(std::string_view text, const std::string& subject) {
 }
 
 ChannelPick parse_channel(const Json& json, const Object& input) {
-  const Object object(json, input.subject(), input.where("channels"), {"name", "values"});
+  const Object object(json, input.subject(), input.where("channels"), {"name", "values", "unit"});
   ChannelPick pick{.name = object.text("name"), .values = {}};
+  if (object.has("unit")) pick.unit = object.text("unit");
   if (object.has("values")) {
     pick.values = object.indices(object.need("values"), "values");
     if (pick.values.empty())
@@ -316,6 +317,11 @@ std::vector<Class> parse_classes(const Object& whole) {
 
 }  // namespace
 
+std::string unit_of_pick(const ChannelPick& pick) {
+  if (!pick.unit.empty()) return pick.unit;
+  return pick.name == "force" ? "N" : pick.name == "displacement" ? "m" : "";
+}
+
 std::size_t frame_size(const Input& input, std::size_t values) {
   const std::size_t lines = input.pixels.empty() ? values : input.pixels.size();
   if (input.transform == Transform::samples) return input.window * lines;
@@ -360,6 +366,7 @@ std::string description_text(const Description& description) {
   for (const ChannelPick& pick : input.channels) {
     Json channel{{"name", pick.name}};
     if (!pick.values.empty()) channel["values"] = pick.values;
+    if (!pick.unit.empty()) channel["unit"] = pick.unit;
     in["channels"].push_back(std::move(channel));
   }
   in["median"] = input.median;

@@ -18,7 +18,12 @@ inline constexpr const char* metadata_key = "slipbench";
 struct ChannelPick {
   std::string name;                 // of the channel: "force"
   std::vector<std::size_t> values;  // indices into the channel's values in C order; empty: all
+  std::string unit = {};            // in which it was trained: "N"; empty: unit_of_pick() has the conventional one
 };
+
+// Physical unit in which the network reads the channel: of the description; without one N for force
+// and m for displacement, as every simulated sensor has them; empty: unknown, any unit fits.
+std::string unit_of_pick(const ChannelPick& pick);
 
 // Transform of the `window` samples of each value.
 enum class Transform {

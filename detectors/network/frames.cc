@@ -5,6 +5,7 @@
 #include <complex>
 #include <optional>
 
+#include "detectors/channel.h"
 #include "detectors/spectral/spectral_features.h"
 #include "sim/core/counted.h"
 #include "sim/core/error.h"
@@ -29,6 +30,11 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
       std::vector<std::string> names;
       for (const Channel& channel : channels) names.push_back(channel.name);
       throw InputError("the network needs the channel " + quote(pick.name) + allowed_names(pick.name, names));
+    }
+    const std::string unit = unit_of_pick(pick);
+    if (!unit.empty() && !found->unit.empty() && found->unit != unit) {
+      throw InputError("the network reads the channel " + quote(pick.name) + " in " + quote(unit) +
+                       ", but the sensor has it in " + quote(found->unit) + other_unit_remedy);
     }
     std::size_t first = 0;
     for (auto channel = channels.begin(); channel != found; ++channel) first += channel->size();

@@ -51,6 +51,15 @@ TEST(Controllers, RefuseASensorWithoutForces) {
   }
 }
 
+TEST(Controllers, RefuseForcesInAnotherUnit) {
+  const std::vector<Channel> small{{"force", "mN", {9, 3}, {}}};
+  for (const ControllerKind& kind : built_in()) {
+    const std::string& name = kind.about.name;
+    EXPECT_THAT(refusal_of([&] { (void)make_controller(named(name), {.channels = small}); }),
+                refused_at("controller.type", {name, "in N", "'mN'"}));
+  }
+}
+
 TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
   GripSource source = papillarray_source();
   source.detected = false;

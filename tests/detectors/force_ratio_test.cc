@@ -72,5 +72,13 @@ TEST(ForceRatio, RefusesASensorWithoutForces) {
               refused_at("detector.sensor", {"force_ratio", "force", "skin"}));
 }
 
+// A threshold of 0.05 N would be 0.05 mN in a recording in mN.
+TEST(ForceRatio, RefusesForcesInAnotherUnit) {
+  FrameSource source = vector_source({"force"}, 9, 1000.0);
+  source.channels.front().unit = "mN";
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { detector(0.5, source); }),
+              refused_at("detector.sensor", {"force_ratio", "force", "in N", "'mN'", "import"}));
+}
+
 }  // namespace
 }  // namespace slipbench

@@ -11,10 +11,12 @@
 
 namespace slipbench {
 
-// Channels {units, 3}, as in a PapillArray.
+// Channels {units, 3} in N or m, as in a PapillArray.
 inline FrameSource vector_source(const std::vector<std::string>& channels, std::size_t units, double rate) {
   FrameSource source{"pad", "papillarray", rate, {}};
-  for (const std::string& name : channels) source.channels.push_back({name, "", {units, 3}, {}});
+  for (const std::string& name : channels) {
+    source.channels.push_back({name, name == "force" ? "N" : "m", {units, 3}, {}});
+  }
   return source;
 }
 

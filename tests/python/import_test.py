@@ -606,6 +606,28 @@ class Layouts(ImportTest):
             self.refused(map.replace("a .. c", "'p*x', 'p*y'"), path),
         )
 
+    def test_channels_are_stored_in_si_units(self):
+        # Factors to SI; gravity has its standard value, 9.80665 m/s2. g is a mass, a force or an
+        # acceleration, and remains, as do unknown units.
+        for unit, si, factor in (("N", "N", 1.0), ("mN", "N", 1e-3), ("kN", "N", 1e3), ("uN", "N", 1e-6), ("gf", "N", 9.80665e-3), ("kgf", "N", 9.80665),
+                                 ("mm", "m", 1e-3), ("um", "m", 1e-6), ("\u00b5m", "m", 1e-6), ("mm/s", "m/s", 1e-3), ("kPa", "Pa", 1e3),
+                                 ("deg", "rad", np.pi / 180), ("g", "g", 1.0), ("counts", "counts", 1.0), ("1", "1", 1.0), ("%", "%", 1.0)):
+            with self.subTest(unit=unit):
+                source = self.write("a.csv", table())
+                pad = self.read(f"{{sensor: pad, type: own, time: {{column: t}}, channels: {{force: {{unit: {json.dumps(unit)}, scale: 2, columns: [f1]}}}}}}", source)[0][0].sensors["pad"]
+                self.assertEqual(pad.units, {"force": si})
+                np.testing.assert_allclose(pad.force[:, 0], 2 * factor * np.array([0.5, 0.6, 0.7]), rtol=1e-7)
+
+    def test_a_recording_in_another_unit_is_the_same_recording(self):
+        rows = [[f"{0.01 * k:.2f}", *(f"{0.1 * (k + i) % 3:.3f}" for i in range(6))] for k in range(40)]
+        titles = ["t", *(f"f{i}" for i in range(3)), *(f"d{i}" for i in range(3))]
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: %s, components: 3, columns: [f0 .. f2]}, displacement: {unit: %s, components: 3, columns: [d0 .. d2]}}}"
+        milli = [[row[0], *(f"{1e3 * float(cell):.0f}" for cell in row[1:])] for row in rows]
+        si = self.read(map % ("N", "m"), self.write("si.csv", table(rows=rows, titles=titles)))[0][0].sensors["pad"]
+        small = self.read(map % ("mN", "mm"), self.write("milli.csv", table(rows=milli, titles=titles)))[0][0].sensors["pad"]
+        np.testing.assert_array_equal(si.force, small.force)
+        np.testing.assert_array_equal(si.displacement, small.displacement)
+
     def test_labels_are_of_their_own_files(self):
         """A folder's name does not match a file, and a table's row does not match two files."""
         for name in ("slip_set/none_1.csv", "other/none_1.csv"):

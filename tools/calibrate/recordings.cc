@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "detectors/channel.h"
 #include "sim/core/math/decade.h"
 #include "sim/core/quantity.h"
 #include "tools/dataset/checked_dataset.h"
@@ -135,6 +136,9 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
       if (found->shape != column.shape)
         reject("{}: {}/{} has [{}] values per sample, but the scene's sensor has [{}]", real.name, sensor.name, column.name,
                fmt::join(found->shape, ", "), fmt::join(column.shape, ", "));
+      if (found->unit != column.unit)
+        reject("{}: {}/{} is in {}, but the scene's sensor has it in {}{}", real.name, sensor.name, column.name,
+               quote(found->unit), quote(column.unit), other_unit_remedy);
       ChannelPlace place = place_of(sensor, column);
       place.first = columns.count;
       place.recorded_sensor = recorded;

@@ -106,9 +106,13 @@ class Commanded {
   SceneFile scene_;
 };
 
-const std::vector<float>& channel_of(const SensorRecord& record, const std::string& name) {
+const std::vector<float>& channel_of(const SensorRecord& record, const std::string& name, const std::string& unit) {
   for (const SensorColumn& channel : record.channels) {
-    if (channel.name == name && channel.shape == std::vector<std::size_t>{pillars, 3}) return channel.values;
+    if (channel.name != name || channel.shape != std::vector<std::size_t>{pillars, 3}) continue;
+    if (channel.unit != unit)
+      reject("sensor {}: channel {} is in {}, but it is read in {}{}", record.name, name, quote(channel.unit), unit,
+             other_unit_remedy);
+    return channel.values;
   }
   reject("sensor {}: has no channel '{}' of {} pillars", record.name, name, pillars);
 }
@@ -227,8 +231,8 @@ PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule
   if (record.labels.units() != pillars) {
     reject("sensor {}: labels of {}, expected {}", record.name, counted(record.labels.units(), "unit"), pillars);
   }
-  force_ = &channel_of(record, "force");
-  displacement_ = &channel_of(record, "displacement");
+  force_ = &channel_of(record, "force", "N");
+  displacement_ = &channel_of(record, "displacement", "m");
   if (rule != SlipRule::has_slipped) return;
   has_slipped_.resize(size() * pillars);
   for (std::size_t row = 0; row < size(); ++row) {

@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
-from slipbench._data import check_evenly_spaced
+from slipbench._data import check_evenly_spaced, check_units
 from slipbench._export.card import card_text, croissant_text
 from slipbench._export.parquet import encodings
 from slipbench._export.request import Progress, Request, locked_folder, make_folder, split_of
@@ -152,6 +152,7 @@ def _has_points(trial: StoredTrial, sensor: str) -> bool:
 def _points(trial: StoredTrial, sensor: str, series: list[Series]) -> Feature:
     """Position and force of each unit as the sensor measures them, in the pad frame. Units of a
     sensor without displacements stay at rest."""
+    check_units(f"--points: sensor {sensor}", trial.sensors[sensor].units, {"force": "N", "displacement": "m"})
     labels, measured = trial.labels[sensor].attrs, {one.name: one.values for one in series if (one.kind, one.owner) == ("sensors", sensor)}
     places = np.column_stack([labels["unit_positions"], labels["unit_heights"]])
     force = measured["force"].reshape(-1, *places.shape)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
+from slipbench._data import check_units
 from slipbench._export.card import CARDS, check_card, without_folders, write_card
 from slipbench._export.cdr import Messages
 from slipbench._export.mcap_rows import MAGIC, Topic, write_mcap
@@ -206,6 +207,7 @@ def _is_of_the_driver(channels: list[Series]) -> bool:
 def _sensor_state(number: int, sensor: str, channels: list[Series], labels: list[Series], group: Arrays | None, rule: str | None) -> Topic:
     """A PapillArray's topic in the driver's format; `number`: number of the sensor at its hub."""
     values = {one.name: one for one in channels}
+    check_units(f"sensor {sensor}: the message of the PapillArray's driver", {one.name: one.unit for one in channels}, {"force": "N", "displacement": "m"})
     force, displacement = (values[name].values for name in ("force", "displacement"))
     topic, count = f"/hub_0/sensor_{number}", len(force)
     times = _times(values["force"].t, topic)

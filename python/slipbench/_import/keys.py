@@ -135,7 +135,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
         Key("rate", "rate", "", "rate of samples without times, such as 100 Hz"),
     ),
     "channel": (
-        Key("unit", "text", "", "unit of the values in the dataset", required=True),
+        Key("unit", "text", "", "unit of the values after `scale`; the dataset has the SI unit if it is a known one, such as mN, mm, kPa or deg", required=True),
         Key("scale", "numbers", "1", "factor from a cell to `unit`, or a list with one factor for each component"),
         Key("components", "integer", "1, or the number of titles with *", "components of a unit, such as 3 of a force"),
         Key(

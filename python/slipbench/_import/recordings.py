@@ -232,7 +232,7 @@ class Map:
 
 
 def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int], list[str], np.ndarray]:
-    """Shape of a row, names of its values, and values [T, N] in the channel's unit."""
+    """Shape of a row, names of its values, and values [T, N] in the SI unit of the channel's unit."""
     titles, starred = source.find_all(channel.need("columns"), f"channels.{key}.columns")
     parts = [source.values(title) for title in titles]
     names = [
@@ -247,7 +247,7 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
     components = channel.get("components", starred)
     has_table = len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel  # whose last axis has the components
     factors = _factors(key, channel, parts[0].shape[-1] if has_table else components, len(names))
-    joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * factors
+    joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * (factors * _core.si_unit_of(channel.need("unit"))[1])
     large = np.argwhere(np.abs(joined) > np.finfo(np.float32).max)
     if large.size:
         raise InputError(
@@ -410,7 +410,7 @@ class Importer:
             [
                 (
                     key,
-                    sensor.channels[key].need("unit"),
+                    _core.si_unit_of(sensor.channels[key].need("unit"))[0],
                     shape,
                     titles,
                     np.ascontiguousarray(values[kept], np.float32).ravel(),

@@ -41,6 +41,8 @@ class Input:
             sensor's unit
         spans: samples, of spreads, levels and units
         pixels: for each pixel of an image, the values to average; empty: the values themselves
+        units: physical unit of channels by name, such as {"signal": "counts"}; default: N for force
+            and m for displacement; other channels: that of the first sensor that is read
     """
 
     sensor: str
@@ -57,6 +59,7 @@ class Input:
     floor: float = 0.0
     spans: Sequence[int] = ()
     pixels: Sequence[Sequence[int]] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def period(self) -> float:
@@ -66,7 +69,8 @@ class Input:
     def as_dict(self) -> dict[str, Any]:
         """The object `input` of a description."""
         picks = self.channels if isinstance(self.channels, Mapping) else {name: () for name in self.channels}
-        channels = [{"name": name, "values": list(values)} if len(values) else {"name": name} for name, values in picks.items()]
+        channels = [{"name": name} | ({"values": list(values)} if len(values) else {}) | ({"unit": self.units[name]} if self.units.get(name) else {})
+                    for name, values in picks.items()]
         all_keys: dict[str, Any] = {"sensor": self.sensor, "rate": self.rate, "channels": channels, "median": self.median, "window": self.window,
                                     "stride": self.stride, "centre": self.centre, "transform": self.transform}
         if self.transform in ("log_psd", "amplitude"):
@@ -259,6 +263,7 @@ class Examples:
         inputs: values per frame
         command: command that wrote the datasets
         sha256: digest of each dataset
+        units: physical unit of each channel of the input
     """
 
     all: list[Example]
@@ -266,6 +271,7 @@ class Examples:
     inputs: int
     command: str
     sha256: list[str]
+    units: dict[str, str]
 
     def part(self, name: str) -> list[Example]:
         """Examples of the part `name`: "learns", "validates" or "judges"."""
@@ -303,7 +309,7 @@ def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micr
     """
     read = _core.read_examples([str(path) for path in datasets], frames.text(), labels, classes, sensor, turned, at_most, seed, split, held_out,
                                divide_anew, progress)
-    return Examples([Example(**one) for one in read["examples"]], read["classes"], read["inputs"], read["command"], read["sha256"])
+    return Examples([Example(**one) for one in read["examples"]], read["classes"], read["inputs"], read["command"], read["sha256"], read["units"])
 
 
 def fit_units(frames: Input, dataset: str, sensor: str) -> Input:
@@ -331,5 +337,5 @@ def fit_units(frames: Input, dataset: str, sensor: str) -> Input:
         return frames
     found = json.loads(text)["input"]
     [channel] = found["channels"]
-    return replace(frames, sensor=found["sensor"], rate=found["rate"], channels=[channel["name"]], window=found["window"], stride=found["stride"],
+    return replace(frames, sensor=found["sensor"], rate=found["rate"], channels=[channel["name"]], units={channel["name"]: channel["unit"]} if "unit" in channel else {}, window=found["window"], stride=found["stride"],
                    spans=tuple(found["spans"]), floor=found["floor"])

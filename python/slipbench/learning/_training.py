@@ -268,7 +268,7 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
             "balanced_accuracy": _or_none(counts["balanced_accuracy"]), "f1": _or_none(counts["f1"]),
             **{key: counts[key] for key in ("slip_called_slip", "slip_called_hold", "hold_called_slip", "hold_called_hold")},
             "alarms_per_minute": _or_none(counts["alarms_per_minute"]), "all_classes_balanced_accuracy": _or_none(accuracy[1])}
-    description = describe_file(chosen.input, examples.classes, threshold=point["threshold"], alarm=alarm, trained=trained)
+    description = describe_file(replace(chosen.input, units=examples.units), examples.classes, threshold=point["threshold"], alarm=alarm, trained=trained)
     description["input"] |= {"offset": offset.tolist(), "scale": scale.tolist()}
     write_detector(path, members, examples.inputs, description, scaled[1][0][0])
     for member in range(chosen.members):

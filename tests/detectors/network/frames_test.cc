@@ -267,6 +267,22 @@ TEST(Frames, UnitsAreLevelsAndRatesOfEachUnitsForce) {
   EXPECT_THAT(refusal_of([&] { frames_of(input); }), mentions({"units", "2 values"}));
 }
 
+// Without a unit in the description a force is in N and a displacement in m, as every simulated
+// sensor has them; other channels have any unit unless the description states one.
+TEST(Frames, RefuseAChannelInAnotherUnit) {
+  const auto read = [](const std::string& channel, const std::string& trained, const std::string& found) {
+    Input input = input_of({{channel, {}, trained}});
+    const std::vector<Channel> channels{{channel, found, {1, 3}, {}}};
+    Frames(input, input.sensor, input.rate, channels);
+  };
+  EXPECT_NO_THROW(read("force", "", "N"));
+  EXPECT_NO_THROW(read("force", "mN", "mN"));
+  EXPECT_NO_THROW(read("signal", "", "counts"));
+  EXPECT_THAT(refusal_of([&] { read("force", "", "mN"); }), mentions({"'force'", "'N'", "'mN'"}));
+  EXPECT_THAT(refusal_of([&] { read("displacement", "", "mm"); }), mentions({"'displacement'", "'m'", "'mm'"}));
+  EXPECT_THAT(refusal_of([&] { read("signal", "counts", "V"); }), mentions({"'signal'", "'counts'", "'V'"}));
+}
+
 TEST(Frames, APixelOfSpectraIsTheirMeanBinByBin) {
   Input input = spectrum_of({{"force", {0, 1}}}, 200.0, 300.0);
   input.pixels = {{0, 1}, {1}};

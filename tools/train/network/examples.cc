@@ -130,6 +130,8 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
   const std::vector<std::uint8_t>& states = rule == LabelRule::strict              ? labels.state
                                             : recorded || rule == LabelRule::paper ? labels.state_paper
                                                                                    : labels.state_micro;
+  if (states.empty() && recorded)
+    reject("sensor {}: the recording has no labels; import it with the key state in the map", sensor.name);
   if (states.size() != sensor.time.size()) {
     reject("sensor {}: {} by the labels {} for {}; expected one for each", sensor.name, counted(states.size(), "state"),
            choice_name(label_words, rule), counted(sensor.time.size(), "sample"));
@@ -291,6 +293,15 @@ bool fits(const SensorRecord& sensor, const network::Input& input) {
   return true;
 }
 
+// Sets the unit of each channel of which `input` does not say it to that of the sensor, so that all
+// later sensors must have the same. The units that unit_of_pick() knows remain.
+void adopt_units(const SensorRecord& sensor, network::Input& input) {
+  for (network::ChannelPick& pick : input.channels) {
+    if (pick.unit.empty()) pick.unit = network::unit_of_pick(pick);
+    if (pick.unit.empty()) pick.unit = std::ranges::find(sensor.channels, pick.name, &SensorColumn::name)->unit;
+  }
+}
+
 // Describes the required sensor, for errors.
 std::string wanted(const network::Input& input) {
   if (input.transform == network::Transform::units)
@@ -439,8 +450,11 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
   there.input.sensor = found->type;
   there.input.rate = found->rate;
   there.units = count_of_values(column.shape) / 3;
-  if (column.name != input.channels.front().name) {
-    there.input.channels.front().name = column.name;
+  network::ChannelPick& pick = there.input.channels.front();
+  const std::string unit = network::unit_of_pick(pick);
+  if (column.name != pick.name || column.unit != unit) {
+    pick.name = column.name;
+    pick.unit = column.unit;
     double largest = 0.0;
     for (const float value : column.values) largest = std::max(largest, std::abs(static_cast<double>(value)));
     if (largest == 0.0)
@@ -462,13 +476,15 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
 Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options) {
   for (const std::string& path : dataset_paths) check_labels(path, options.labels);
   Examples all = read_examples(dataset_paths.front(), options);
+  ExampleOptions same_units = options;
+  same_units.input = all.input;
   // A trial in several datasets could be in both training and evaluation.
   std::map<std::string, std::string> dataset_of;
   for (const Example& example : all.all) dataset_of.emplace(example.sha256, dataset_paths.front());
   std::size_t dataset = 0;
   for (const std::string& path : dataset_paths.subspan(1)) {
     ++dataset;
-    Examples more = read_examples(path, options);
+    Examples more = read_examples(path, same_units);
     if (more.inputs != all.inputs)
       reject("{}: {} per frame, but {} has {}", path, counted(more.inputs, "value"), dataset_paths.front(), all.inputs);
     for (const Example& example : more.all) {
@@ -507,6 +523,7 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
     const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(record.trial)], record.trial);
     RandomStream turns(options.seed, record.trial, "turns");
     for (const SensorRecord* sensor : chosen_sensors(record, unscaled, subject)) {
+      adopt_units(*sensor, unscaled.input);
       for (std::size_t copy = 0; copy <= options.turned; ++copy) {
         try {
           Example& example =
@@ -520,6 +537,7 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
     }
     if (progress) progress(++read, reader.trials().size());
   });
+  examples.input = unscaled.input;
   for (const Example& example : examples.all) {
     if (example.frames.label.empty()) continue;
     const std::size_t inputs = example.frames.features.size() / example.frames.label.size();

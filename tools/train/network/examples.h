@@ -108,6 +108,7 @@ struct Examples {
   std::string command;              // command that wrote the dataset
   std::vector<std::string> sha256;  // content digest of each file
   std::size_t inputs = 0;           // values per frame
+  network::Input input;             // that of the options, with the physical unit of each channel in the datasets
   std::vector<Example> all;         // by trial, then by sensor
 };
 

@@ -240,6 +240,15 @@ class Rosbag2(ExportTest):
         self.assertRegex(said, "metadata.yaml.*ROS 2 bag.*another folder")
         self.assertEqual(contents(out), {"demo_1/metadata.yaml": b"my notes"})
 
+    def test_a_papillarray_in_other_units_than_the_driver_is_refused(self):
+        names = [f"{kind}{k}" for kind in "fd" for k in range(27)]
+        rows = "".join(",".join([f"{0.01 * k:.2f}", *["1"] * 54]) + "\n" for k in range(3))
+        dataset = import_table(self.folder, "t," + ",".join(names) + "\n" + rows,
+                               "sensor: pad\ntype: papillarray\ntime: {column: t}\nchannels:\n"
+                               "  force: {unit: counts, components: 3, columns: [f0 .. f26]}\n  displacement: {unit: mm, components: 3, columns: [d0 .. d26]}\n")
+        _, said = export(dataset, self.folder / "out", "--format", "rosbag2", status=2)
+        self.assertRegex(said, "pad.*channel force is in 'counts', but it is read in N; .*scale")
+
     def test_a_papillarray_with_other_channels_than_the_driver_has_its_own_message(self):
         dataset = import_table(self.folder, "t,x,y,z,d\n0,0.1,0,2.4,0.33\n0.01,0.2,0,2.5,0.34\n",
                                "sensor: a\ntype: papillarray\ntime: {column: t}\n"
