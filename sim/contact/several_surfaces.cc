@@ -100,11 +100,11 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
   return owner;
 }
 
-// The grid of a mesh rounds edges and knows the nearest face only: where meshes adjoin it sees the
-// inner face between them, which no element can touch. `owner`: the surface that element i meets,
+// An element meets the nearest face of a mesh. Where meshes adjoin this may be the inner face between
+// them, which no element can touch. `owner`: the surface that element i meets,
 // or none.
 void refuse_seam_of_meshes(std::span<const Field> fields, std::span<const Pose> pads, std::size_t i, std::size_t owner) {
-  constexpr double rounded = 1e-4;  // m, a fifth of a cell of half a millimetre
+  constexpr double rounded = 1e-4;  // m, of faces that are not exactly level
   constexpr double leaning = -0.7;  // cosine between axis and normal of a face that leans by 45 deg
   for (std::size_t k = 0; k < fields.size(); ++k) {
     const Field& field = fields[k];
@@ -117,7 +117,7 @@ void refuse_seam_of_meshes(std::span<const Field> fields, std::span<const Pose> 
       there = {pads[j].rotation, there * contact - pads[j].rotation * field.layout().elements[i].tip};
       if (j == k || std::abs(fields[j].meet(i, there).gap) > rounded) continue;
       throw InputError(
-          "a pad touches the seam of two geoms, at least one of them a mesh, whose distance grid rounds its edges; element " +
+          "a pad touches the seam of two geoms, at least one of them a mesh, of which an element meets the nearest face; element " +
           std::to_string(i) +
           " would press on the wall between the geoms: join the meshes, let them overlap by 2 mm, or use boxes");
     }

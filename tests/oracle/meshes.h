@@ -72,6 +72,40 @@ inline Mesh l_mesh(double unit) {
   return mesh;
 }
 
+// A solid cylinder on the plane z = 0: `sides` facets around z, whose corners have the radius
+// `radius`. With a wall it is a mug, open at the top: the hollow has the same corners, `wall` nearer
+// to the axis, and the bottom is as thick as the wall.
+inline Mesh can_mesh(double radius, double height, std::uint32_t sides, double wall = 0.0) {
+  Mesh mesh;
+  const auto add_ring = [&](double r, double z) {
+    for (std::uint32_t k = 0; k < sides; ++k) {
+      const double angle = 2.0 * M_PI * k / sides;
+      mesh.vertices.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+    }
+  };
+  const bool hollow = wall > 0.0;
+  add_ring(radius, 0.0);
+  add_ring(radius, height);
+  if (hollow) {
+    add_ring(radius - wall, height);
+    add_ring(radius - wall, wall);
+  }
+  const std::uint32_t rings = hollow ? 4 : 2, below = rings * sides, above = below + 1;
+  mesh.vertices.emplace_back(0.0, 0.0, 0.0);
+  mesh.vertices.emplace_back(0.0, 0.0, hollow ? wall : height);
+  for (std::uint32_t k = 0; k < sides; ++k) {
+    const std::uint32_t next = (k + 1) % sides, last = (rings - 1) * sides;
+    for (std::uint32_t ring = 0; ring + 1 < rings; ++ring) {
+      const std::uint32_t low = ring * sides, high = low + sides;
+      mesh.faces.push_back({low + k, low + next, high + next});
+      mesh.faces.push_back({low + k, high + next, high + k});
+    }
+    mesh.faces.push_back({below, next, k});
+    mesh.faces.push_back({above, last + k, last + next});
+  }
+  return mesh;
+}
+
 // An icosahedron whose triangles are split into four `splits` times, with all vertices on the
 // sphere.
 inline Mesh ball_mesh(double radius, int splits) {

@@ -1,7 +1,9 @@
 #include "sim/contact/surface/distance_grid.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,6 +17,9 @@ struct DistanceGrid::Samples {
   std::array<double, 3> cells;       // along x, y, z
   std::size_t stride_x, stride_y;    // in coefficients; 1 along z
   std::vector<double> coefficients;  // m, cells + 3 along each axis
+  // Mark of the cell whose first coefficient has the same index; empty: the spline everywhere.
+  std::vector<std::uint8_t> marks;
+  FindNearest near_kinks;
 };
 
 namespace {
@@ -24,7 +29,25 @@ constexpr double margin = 3.0;  // cells between the box and the edge of the gri
 constexpr std::size_t reach = 3;
 constexpr std::size_t filter_reach = 2;
 
+// Bits of a cell's mark: the corner at its lower (0) or upper end (1) along x, y and z, at bit
+// 4 x + 2 y + z, is a corner of a cell within reach of a kink. 0: the cell uses the spline; all: it
+// calls the function.
+constexpr std::uint8_t all_corners = 0xFF;
+
+constexpr double least_cosine = 0.94;      // of 20 degrees: between normals at neighbouring nodes, away from kinks
+constexpr double largest_rounding = 0.05;  // cells, of the spline at points of the surface
+// Samples along each axis that a cell's spline depends on, beginning at the one with the cell's index.
+constexpr std::size_t support = 2 * reach + 2;
+
 using Counts = std::array<std::size_t, 3>;
+using Marks = std::vector<std::uint8_t>;
+
+// Number of values between neighbours along an axis.
+std::size_t stride_of(const Counts& counts, std::size_t axis) {
+  std::size_t stride = 1;
+  for (std::size_t k = axis + 1; k < 3; ++k) stride *= counts[k];
+  return stride;
+}
 
 // Returns the number of nodes with a sample, along one axis.
 double sampled_nodes(double extent, double cell) { return std::ceil(extent / cell) + 2.0 * margin + 1.0 + 2.0 * reach; }
@@ -37,8 +60,7 @@ Eigen::Vector3d beyond(const Eigen::Vector3d& p, const Eigen::Vector3d& low, con
 // Applies the filter of the class comment along one axis, which loses filter_reach nodes at either
 // end.
 std::vector<double> filtered(const std::vector<double>& f, Counts& counts, std::size_t axis) {
-  std::size_t stride = 1;
-  for (std::size_t k = axis + 1; k < 3; ++k) stride *= counts[k];
+  const std::size_t stride = stride_of(counts, axis);
   const std::size_t kept = counts[axis] - 2 * filter_reach, lines = f.size() / (stride * counts[axis]);
   std::vector<double> c(lines * kept * stride);
   for (std::size_t line = 0; line < lines; ++line) {
@@ -53,6 +75,45 @@ std::vector<double> filtered(const std::vector<double>& f, Counts& counts, std::
   }
   counts[axis] = kept;
   return c;
+}
+
+// Returns, for each index from which `width` values along the axis follow, whether one of them is
+// set. Reduces the count along the axis.
+Marks any_in_window(const Marks& marks, Counts& counts, std::size_t axis, std::size_t width) {
+  const std::size_t stride = stride_of(counts, axis), kept = counts[axis] + 1 - width;
+  const std::size_t lines = marks.size() / (stride * counts[axis]);
+  Marks any(lines * kept * stride, 0);
+  for (std::size_t line = 0; line < lines; ++line) {
+    for (std::size_t i = 0; i < kept * stride; ++i) {
+      const std::uint8_t* from = marks.data() + line * counts[axis] * stride + i;
+      std::uint8_t set = 0;
+      for (std::size_t j = 0; j < width; ++j) set |= from[j * stride];
+      any[line * kept * stride + i] = set;
+    }
+  }
+  counts[axis] = kept;
+  return any;
+}
+
+// Returns the cells, as many as `cells` along each axis, whose spline depends on a marked sample (of
+// `counts` samples); of marked pairs along an axis, `counts` is one less there.
+Marks cells_within_reach(Marks marks, Counts counts, const Counts& cells) {
+  for (std::size_t axis = 0; axis < 3; ++axis) marks = any_in_window(marks, counts, axis, counts[axis] + 1 - cells[axis]);
+  return marks;
+}
+
+// Returns which pairs of neighbouring samples along an axis have a kink between them.
+Marks kinks_along(const std::vector<Eigen::Vector3f>& normals, Counts& counts, std::size_t axis) {
+  const std::size_t stride = stride_of(counts, axis), line_size = counts[axis] * stride;
+  Marks kinks;
+  kinks.reserve(normals.size());
+  for (std::size_t line = 0; line < normals.size(); line += line_size) {
+    for (std::size_t i = line; i + stride < line + line_size; ++i) {
+      kinks.push_back(normals[i].dot(normals[i + stride]) < least_cosine ? 1 : 0);
+    }
+  }
+  --counts[axis];
+  return kinks;
 }
 
 // The four cubic B-splines whose support contains a point at the fraction t of a cell, and their
@@ -79,8 +140,8 @@ double sum_of_products(const double (&a)[4], const double (&b)[4]) {
 
 }  // namespace
 
-DistanceGrid::DistanceGrid(const std::function<double(const Eigen::Vector3d&)>& distance, const Eigen::Vector3d& low,
-                           const Eigen::Vector3d& high, double cell) {
+std::shared_ptr<DistanceGrid::Samples> DistanceGrid::sampled(const Distance& distance, const Eigen::Vector3d& low,
+                                                             const Eigen::Vector3d& high, double cell) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("distance grid: " + what); };
   const Eigen::Vector3d extent = high - low;
   if (!low.allFinite() || !high.allFinite() || !(extent.minCoeff() > 0.0)) refuse("the box must be finite and not empty");
@@ -125,7 +186,74 @@ DistanceGrid::DistanceGrid(const std::function<double(const Eigen::Vector3d&)>& 
   grid->stride_y = counts[2];
   grid->stride_x = counts[1] * counts[2];
   grid->coefficients = std::move(samples);
-  samples_ = std::move(grid);
+  return grid;
+}
+
+DistanceGrid::DistanceGrid(const Distance& distance, const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell)
+    : samples_(sampled(distance, low, high, cell)) {}
+
+DistanceGrid::DistanceGrid(const FindNearest& nearest, FindNearest near_kinks, std::span<const Eigen::Vector3d> on_surface,
+                           const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell) {
+  std::vector<Eigen::Vector3f> normals;
+  const std::shared_ptr<Samples> grid = sampled(
+      [&](const Eigen::Vector3d& p) {
+        const Nearest found = nearest(p);
+        normals.push_back(found.normal.cast<float>());
+        return found.distance;
+      },
+      low, high, cell);
+  samples_ = grid;
+  Counts cells, counts;
+  for (std::size_t k = 0; k < 3; ++k) {
+    cells[k] = static_cast<std::size_t>(grid->cells[k]);
+    counts[k] = cells[k] + support - 1;
+  }
+  Marks exact(cells[0] * cells[1] * cells[2], 0);
+  const auto add = [&](const Marks& more) {
+    for (std::size_t i = 0; i < exact.size(); ++i) exact[i] |= more[i];
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Counts pairs = counts;
+    const Marks kinks = kinks_along(normals, pairs, axis);
+    add(cells_within_reach(kinks, pairs, cells));
+  }
+  // A detail between the nodes shows where the spline is not 0 on the surface.
+  Counts lower{counts[0] - 1, counts[1] - 1, counts[2] - 1};
+  Marks details(lower[0] * lower[1] * lower[2], 0);
+  for (const Eigen::Vector3d& p : on_surface) {
+    if (at(p.x(), p.y(), p.z(), 0.0, 0.0, 0.0).gap <= largest_rounding * cell) continue;
+    std::size_t index = 0;
+    for (int k = 0; k < 3; ++k) {
+      index = index * lower[static_cast<std::size_t>(k)] + static_cast<std::size_t>((p[k] - grid->first[k]) * grid->rate) + reach;
+    }
+    details[index] = 1;
+  }
+  add(cells_within_reach(std::move(details), lower, cells));
+  if (std::ranges::none_of(exact, [](std::uint8_t mark) { return mark != 0; })) return;
+
+  const auto corner_of = [&grid](std::size_t first, unsigned corner) {
+    return first + (corner >> 2U) * grid->stride_x + (corner >> 1U & 1U) * grid->stride_y + (corner & 1U);
+  };
+  const auto for_each_cell = [&](const auto& action) {
+    std::size_t cell_at = 0;
+    for (std::size_t i = 0; i < cells[0]; ++i) {
+      for (std::size_t j = 0; j < cells[1]; ++j) {
+        for (std::size_t k = 0; k < cells[2]; ++k) action(cell_at++, i * grid->stride_x + j * grid->stride_y + k);
+      }
+    }
+  };
+  Marks corners(grid->coefficients.size(), 0);
+  for_each_cell([&](std::size_t cell_at, std::size_t first) {
+    for (unsigned corner = 0; exact[cell_at] != 0 && corner < 8; ++corner) corners[corner_of(first, corner)] = 1;
+  });
+  grid->marks.assign(grid->coefficients.size(), 0);
+  for_each_cell([&](std::size_t, std::size_t first) {
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      if (corners[corner_of(first, corner)] != 0)
+        grid->marks[first] = static_cast<std::uint8_t>(grid->marks[first] | 1U << corner);
+    }
+  });
+  grid->near_kinks = std::move(near_kinks);
 }
 
 double DistanceGrid::cell_for(const Eigen::Vector3d& extent, std::size_t nodes) {
@@ -162,11 +290,20 @@ SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay
     return outside(grid, x, y, z);
   }
   const auto i = static_cast<std::size_t>(u), j = static_cast<std::size_t>(v), k = static_cast<std::size_t>(w);
+  const std::size_t first = i * grid.stride_x + j * grid.stride_y + k;
+  const auto met = [&](double gap, double nx, double ny, double nz) -> SurfacePoint {
+    return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
+  };
+  const std::uint8_t mark = grid.marks.empty() ? std::uint8_t{0} : grid.marks[first];
+  if (mark == all_corners) {
+    const Nearest exact = grid.near_kinks({x, y, z});
+    return met(exact.distance, exact.normal.x(), exact.normal.y(), exact.normal.z());
+  }
   const Weights along_x(u - static_cast<double>(i)), along_y(v - static_cast<double>(j)), along_z(w - static_cast<double>(k));
 
   // Sums over x and y, for each of the four nodes along z, so that the compiler vectorises them.
   double value[4] = {}, slope_x[4] = {}, slope_y[4] = {};
-  const double* plane = grid.coefficients.data() + i * grid.stride_x + j * grid.stride_y + k;
+  const double* plane = grid.coefficients.data() + first;
   for (const std::size_t a : {0U, 1U, 2U, 3U}) {
     const double* line = plane + a * grid.stride_x;
     double plane_value[4] = {}, plane_slope[4] = {};
@@ -187,8 +324,30 @@ SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay
                gz = sum_of_products(value, along_z.slope);
   const double steepness = std::sqrt(gx * gx + gy * gy + gz * gz);
   if (steepness == 0.0) return {std::abs(gap), ax, ay, az};
-  const double nx = gx / steepness, ny = gy / steepness, nz = gz / steepness;
-  return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
+  if (mark == 0) return met(gap, gx / steepness, gy / steepness, gz / steepness);
+
+  const double along[3] = {u - static_cast<double>(i), v - static_cast<double>(j), w - static_cast<double>(k)};
+  double share = 0.0;  // of the exact distance: 1 at marked corners, 0 at the others, trilinear in between
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    if ((mark >> corner & 1U) == 0) continue;
+    const auto weight = [&](int axis, unsigned bit) { return (corner >> bit & 1U) != 0 ? along[axis] : 1.0 - along[axis]; };
+    share += weight(0, 2U) * weight(1, 1U) * weight(2, 0U);
+  }
+  const Nearest exact = grid.near_kinks({x, y, z});
+  const Eigen::Vector3d n = (share * exact.normal + (1.0 - share) / steepness * Eigen::Vector3d(gx, gy, gz)).normalized();
+  return met(share * exact.distance + (1.0 - share) * gap, n.x(), n.y(), n.z());
+}
+
+bool DistanceGrid::is_exact(const Eigen::Vector3d& p) const {
+  const Samples& grid = *samples_;
+  const Eigen::Vector3d at = (p - grid.first) * grid.rate;
+  if (grid.marks.empty() || !(at.minCoeff() >= 0.0)) return false;
+  std::size_t index[3];
+  for (int k = 0; k < 3; ++k) {
+    if (!(at[k] < grid.cells[static_cast<std::size_t>(k)])) return false;
+    index[k] = static_cast<std::size_t>(at[k]);
+  }
+  return grid.marks[index[0] * grid.stride_x + index[1] * grid.stride_y + index[2]] == all_corners;
 }
 
 }  // namespace slipbench

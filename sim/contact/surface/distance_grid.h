@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include <Eigen/Core>
@@ -19,13 +20,28 @@ namespace slipbench {
 // Splines, ch. XII). So it is local: a kink of the distance acts up to 4 cells away along each
 // axis. Cubics are reproduced exactly; on a smooth surface the error of the distance is of fourth
 // order in the cell and that of the normal, its gradient, of third order; the normal and its slope
-// are continuous. Inside an edge or a corner, where the distance has a kink, the faces are blended
-// within 4 cells, and so are two sides that are less than about 8 cells apart.
+// are continuous. At a kink of the distance (at an edge, in the middle of a wall or of a narrow gap)
+// the spline blends the faces on both sides, and with them all within 4 cells.
+//
+// So a grid of a function that also knows the normal uses the spline only where no kink is within
+// its reach. Elsewhere it calls the function: the distance is then exact, at several times the cost. A
+// kink is between two neighbouring nodes if the normal turns by more than 20 degrees from one to the
+// other: the nearest points are on different faces, or the surface curves with a radius below 3
+// cells. Facets that turn by less approximate a curved surface; the spline rounds their edges by up
+// to 1/20 of a cell. In between, over one cell, the two distances are blended, which makes the gap
+// continuous.
 //
 // Copies share the samples, which never change: any number of threads may read them.
 class DistanceGrid {
  public:
   struct Samples;
+  // The signed distance of a point [m], and the outward unit normal at the nearest point: the
+  // gradient of the distance.
+  struct Nearest {
+    double distance;
+    Eigen::Vector3d normal;
+  };
+  using FindNearest = std::function<Nearest(const Eigen::Vector3d&)>;
   static constexpr std::size_t max_nodes = std::size_t{1} << 23;  // 64 MiB
 
   // Samples `distance`, the signed distance [m] to a closed surface within the box from `low` to
@@ -36,6 +52,11 @@ class DistanceGrid {
   // box; otherwise the surface would not lie within the box.
   DistanceGrid(const std::function<double(const Eigen::Vector3d&)>& distance, const Eigen::Vector3d& low,
                const Eigen::Vector3d& high, double cell);
+  // The same for a function that also returns normals. `on_surface`: points of the surface, no farther
+  // apart than a cell, which show details too small for the nodes. `near_kinks`: the same function,
+  // which the grid keeps and calls beside kinks; it must be thread-safe.
+  DistanceGrid(const FindNearest& nearest, FindNearest near_kinks, std::span<const Eigen::Vector3d> on_surface,
+               const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell);
 
   // Returns the cell [m] for which the grid of a box with the edges `extent` [m] has `nodes` nodes,
   // or a few less. `nodes` must be above 13^3, the number for an empty box.
@@ -49,12 +70,18 @@ class DistanceGrid {
   // The cell [m], and the number of stored nodes, 8 bytes each.
   [[nodiscard]] double cell() const;
   [[nodiscard]] std::size_t nodes() const;
+  // True if the distance at p is that of the function and not that of the spline.
+  [[nodiscard]] bool is_exact(const Eigen::Vector3d& p) const;
 
   // The samples that copies share; the constructor below makes the same grid from them.
   [[nodiscard]] const std::shared_ptr<const Samples>& samples() const { return samples_; }
   explicit DistanceGrid(std::shared_ptr<const Samples> samples) : samples_(std::move(samples)) {}
 
  private:
+  using Distance = std::function<double(const Eigen::Vector3d&)>;
+  // Makes the grid without marks.
+  static std::shared_ptr<Samples> sampled(const Distance& distance, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                                          double cell);
   [[nodiscard]] static SurfacePoint outside(const Samples& grid, double x, double y, double z);
 
   std::shared_ptr<const Samples> samples_;

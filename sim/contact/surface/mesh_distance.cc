@@ -1,15 +1,15 @@
 #include "sim/contact/surface/mesh_distance.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/quantity.h"
-#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace {
@@ -166,39 +166,173 @@ void MeshDistance::split(std::uint32_t first, std::uint32_t count) {
   split(first + half, count - half);
 }
 
-double MeshDistance::operator()(const Eigen::Vector3d& p) const {
-  double distance2 = std::numeric_limits<double>::infinity();
-  search(0, p, distance2);
-  return winding(0, p) == 0 ? std::sqrt(distance2) : -std::sqrt(distance2);
+DistanceGrid::Nearest MeshDistance::nearest(const Eigen::Vector3d& p) const {
+  Found found{std::numeric_limits<double>::infinity(), nullptr};
+  search(0, p, found);
+  return result(found, p, winding(0, p) == 0 ? 1.0 : -1.0);
 }
+
+// `side`: 1 outside, -1 inside.
+DistanceGrid::Nearest MeshDistance::result(const Found& found, const Eigen::Vector3d& p, double side) {
+  const double distance = std::sqrt(found.distance2);
+  const Eigen::Vector3d& face = found.triangle->normal;
+  const Foot foot = foot_on(*found.triangle, p);
+  // Closer to the mesh than this [m] the difference is lost in rounding.
+  constexpr double on_surface = 1e-12;
+  if (!(distance > on_surface)) return {side * distance, face};
+  if (foot.within) return {side * distance, face.dot(p - foot.at) < 0.0 ? -side * face : side * face};
+  return {side * distance, side / distance * (p - foot.at)};
+}
+
+// Divides the space around the mesh into cubes. For a point in one of them the nearest face is one
+// of a few, which are found when the first point in the cube is asked for. Thread-safe.
+class MeshDistance::Cells {
+ public:
+  Cells(const MeshDistance& mesh, double cell) : mesh_(mesh), cell_(cell) {
+    constexpr double margin = 4.0;  // cells around the mesh; beyond, the tree is searched
+    low_ = mesh_.nodes_.front().low.array() - margin * cell;
+    const Eigen::Vector3d extent = mesh_.nodes_.front().high - low_;
+    for (std::size_t k = 0; k < 3; ++k) counts_[k] = static_cast<std::size_t>(extent[static_cast<int>(k)] / cell + margin) + 1;
+    cubes_ = std::vector<std::atomic<const Faces*>>(counts_[0] * counts_[1] * counts_[2]);
+  }
+  Cells(const Cells&) = delete;
+  Cells& operator=(const Cells&) = delete;
+  ~Cells() {
+    for (const std::atomic<const Faces*>& cube : cubes_) delete cube.load();
+  }
+
+  [[nodiscard]] DistanceGrid::Nearest nearest(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d at = (p - low_) / cell_;
+    std::size_t index = 0;
+    Eigen::Vector3d corner;
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t count = counts_[static_cast<std::size_t>(k)];
+      if (!(at[k] >= 0.0 && at[k] < static_cast<double>(count))) return mesh_.nearest(p);
+      const auto i = static_cast<std::size_t>(at[k]);
+      index = index * count + i;
+      corner[k] = low_[k] + static_cast<double>(i) * cell_;
+    }
+    const Faces& faces = faces_in(index, corner);
+    Found found{std::numeric_limits<double>::infinity(), nullptr};
+    const double from_middle = (p - corner - Eigen::Vector3d::Constant(0.5 * cell_)).norm() + slack * cell_;
+    for (const auto& [distance, face] : faces.near) {
+      const double least = distance - from_middle;  // from p
+      if (least > 0.0 && least * least > found.distance2) break;
+      compare(mesh_.triangles_[face], p, found);
+    }
+    if (faces.side != 0.0) return result(found, p, faces.side);
+    int winding = 0;
+    for (const std::uint32_t face : faces.ahead) winding += crossing(mesh_.triangles_[face], p);
+    return result(found, p, winding == 0 ? 1.0 : -1.0);
+  }
+
+ private:
+  static constexpr double slack = 1e-6;  // cells, for the rounding of positions
+  struct Faces {
+    // With their distances from the middle of the cube [m], in ascending order: for any point of the
+    // cube one of them is the nearest.
+    std::vector<std::pair<double, std::uint32_t>> near;
+    std::vector<std::uint32_t> ahead;  // all that a ray along +x from such a point may meet
+    double side;                       // of the whole cube; 0: the mesh may pass through it
+  };
+
+  const Faces& faces_in(std::size_t index, const Eigen::Vector3d& corner) const {
+    std::atomic<const Faces*>& cube = cubes_[index];
+    if (const Faces* const known = cube.load(std::memory_order_acquire)) return *known;
+    auto found = std::make_unique<const Faces>(faces_of(corner));
+    const Faces* present = nullptr;
+    if (cube.compare_exchange_strong(present, found.get(), std::memory_order_acq_rel)) return *found.release();
+    return *present;  // another thread was faster, with the same faces
+  }
+
+  [[nodiscard]] Faces faces_of(const Eigen::Vector3d& corner) const {
+    const Eigen::Vector3d middle = corner.array() + 0.5 * cell_;
+    const double reach = (0.5 * std::sqrt(3.0) + slack) * cell_;  // of the cube about its middle
+    const DistanceGrid::Nearest at_middle = mesh_.nearest(middle);
+    Faces faces{{}, {}, 0.0};
+    // The face nearest to the middle is no farther than this from any point of the cube, and one
+    // that is nearer there is no farther than this and `reach` from the middle.
+    const double farthest = std::abs(at_middle.distance) + 2.0 * reach;
+    mesh_.collect(
+        0, [&](const auto& low, const auto& high) { return distance2_to_box(middle, low, high) <= farthest * farthest; },
+        [&](std::uint32_t face) {
+          const Triangle& triangle = mesh_.triangles_[face];
+          if (triangle.normal.isZero(0.0)) return;
+          const double distance = (middle - foot_on(triangle, middle).at).norm();
+          if (distance <= farthest) faces.near.emplace_back(distance, face);
+        });
+    std::ranges::sort(faces.near);
+    if (std::abs(at_middle.distance) > reach) {
+      faces.side = at_middle.distance > 0.0 ? 1.0 : -1.0;
+      return faces;
+    }
+    const Eigen::Vector3d from = corner.array() - slack * cell_, to = corner.array() + (1.0 + slack) * cell_;
+    const auto ahead = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+      return high.x() >= from.x() && high.y() >= from.y() && high.z() >= from.z() && low.y() <= to.y() && low.z() <= to.z();
+    };
+    mesh_.collect(0, ahead, [&](std::uint32_t face) {
+      const auto& [a, b, c] = mesh_.triangles_[face].corner;
+      if (ahead(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c))) faces.ahead.push_back(face);
+    });
+    return faces;
+  }
+
+  MeshDistance mesh_;
+  double cell_;  // m
+  Eigen::Vector3d low_;
+  std::array<std::size_t, 3> counts_{};
+  mutable std::vector<std::atomic<const Faces*>> cubes_;  // null: not asked for yet
+};
 
 DistanceGrid MeshDistance::on_grid(std::size_t nodes) const {
   const Eigen::Vector3d &low = nodes_.front().low, &high = nodes_.front().high;
   const double cell = DistanceGrid::cell_for(high - low, nodes);
-  DistanceGrid grid(*this, low, high, cell);
-  // A cell below the middle of a face the grid must see a good part of that depth: below a wall of
-  // two cells all of it, up to the blending of its two sides; below an edge of 90 degrees, from its
-  // very rim, 0.7 of it.
-  double area = 0.0, thin = 0.0;
-  for (const Triangle& t : triangles_) {
-    const double share = (t.corner[1] - t.corner[0]).cross(t.corner[2] - t.corner[0]).norm();
-    const Eigen::Vector3d below = (t.corner[0] + t.corner[1] + t.corner[2]) / 3.0 - cell * t.normal;
-    const SurfacePoint met = grid.at(below.x(), below.y(), below.z(), -t.normal.x(), -t.normal.y(), -t.normal.z());
-    area += share;
-    if (!(met.gap < -0.5 * cell)) thin += share;
-  }
-  if (thin > thin_share * area) {
-    throw InputError("the mesh is too thin: " + std::to_string(static_cast<int>(100.0 * thin / area)) +
-                     " % of its area is thinner than two cells of its grid, " + readable_quantity(2.0 * cell, Quantity::length) +
-                     "; allowed: up to 10 %; divide it into compact meshes, or use boxes");
-  }
-  return grid;
+  const auto cells = std::make_shared<const Cells>(*this, cell);
+  return {[this](const Eigen::Vector3d& p) { return nearest(p); },
+          [cells](const Eigen::Vector3d& p) { return cells->nearest(p); },
+          points(cell),
+          low,
+          high,
+          cell};
 }
 
-void MeshDistance::search(std::uint32_t at, const Eigen::Vector3d& p, double& distance2) const {
+// Returns points of the surface, at most `pitch` [m] apart along two edges of each triangle: the
+// centres of equal parts of it.
+std::vector<Eigen::Vector3d> MeshDistance::points(double pitch) const {
+  std::vector<Eigen::Vector3d> result;
+  for (const auto& [corner, normal] : triangles_) {
+    const Eigen::Vector3d ab = corner[1] - corner[0], ac = corner[2] - corner[0];
+    const auto parts = static_cast<int>(std::ceil(std::max(ab.norm(), ac.norm()) / pitch));
+    const double step = 1.0 / parts;
+    for (int i = 0; i < parts; ++i) {
+      for (int j = 0; i + j < parts; ++j) {
+        result.emplace_back(corner[0] + (i + 1.0 / 3.0) * step * ab + (j + 1.0 / 3.0) * step * ac);
+      }
+    }
+  }
+  return result;
+}
+
+void MeshDistance::compare(const Triangle& triangle, const Eigen::Vector3d& p, Found& found) {
+  if (triangle.normal.isZero(0.0)) return;
+  const double distance2 = (p - foot_on(triangle, p).at).squaredNorm();
+  if (distance2 < found.distance2) found = {distance2, &triangle};
+}
+
+template <class Touches, class Add>
+void MeshDistance::collect(std::uint32_t at, const Touches& touches, const Add& add) const {
+  const Node& node = nodes_[at];
+  if (!touches(node.low, node.high)) return;
+  for (std::uint32_t i = 0; i < node.count; ++i) add(node.first + i);
+  if (node.count > 0) return;
+  collect(at + 1, touches, add);
+  collect(node.first, touches, add);
+}
+
+void MeshDistance::search(std::uint32_t at, const Eigen::Vector3d& p, Found& found) const {
   const Node& node = nodes_[at];
   if (node.count > 0) {
-    for (std::uint32_t i = 0; i < node.count; ++i) distance2 = std::min(distance2, distance2_to(triangles_[node.first + i], p));
+    for (std::uint32_t i = 0; i < node.count; ++i) compare(triangles_[node.first + i], p, found);
     return;
   }
   std::uint32_t near = at + 1, far = node.first;
@@ -208,31 +342,29 @@ void MeshDistance::search(std::uint32_t at, const Eigen::Vector3d& p, double& di
     std::swap(near, far);
     std::swap(way_to_near, way_to_far);
   }
-  if (way_to_near < distance2) search(near, p, distance2);
-  if (way_to_far < distance2) search(far, p, distance2);
+  if (way_to_near < found.distance2) search(near, p, found);
+  if (way_to_far < found.distance2) search(far, p, found);
 }
 
 // By the region that p projects to: a corner, an edge or the face ([ericson2005], sec. 5.1.5).
-double MeshDistance::distance2_to(const Triangle& triangle, const Eigen::Vector3d& p) {
-  if (triangle.normal.isZero(0.0)) return std::numeric_limits<double>::infinity();
+MeshDistance::Foot MeshDistance::foot_on(const Triangle& triangle, const Eigen::Vector3d& p) {
   const auto& [a, b, c] = triangle.corner;
-  const auto to = [&](const Eigen::Vector3d& foot) { return (p - foot).squaredNorm(); };
   const Eigen::Vector3d ab = b - a, ac = c - a;
   const double ab_a = ab.dot(p - a), ac_a = ac.dot(p - a);
-  if (ab_a <= 0.0 && ac_a <= 0.0) return to(a);
+  if (ab_a <= 0.0 && ac_a <= 0.0) return {a, false};
   const double ab_b = ab.dot(p - b), ac_b = ac.dot(p - b);
-  if (ab_b >= 0.0 && ac_b <= ab_b) return to(b);
+  if (ab_b >= 0.0 && ac_b <= ab_b) return {b, false};
   const double over_c = ab_a * ac_b - ab_b * ac_a;
-  if (over_c <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0) return to(a + ab_a / (ab_a - ab_b) * ab);
+  if (over_c <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0) return {a + ab_a / (ab_a - ab_b) * ab, false};
   const double ab_c = ab.dot(p - c), ac_c = ac.dot(p - c);
-  if (ac_c >= 0.0 && ab_c <= ac_c) return to(c);
+  if (ac_c >= 0.0 && ab_c <= ac_c) return {c, false};
   const double over_b = ab_c * ac_a - ab_a * ac_c;
-  if (over_b <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0) return to(a + ac_a / (ac_a - ac_c) * ac);
+  if (over_b <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0) return {a + ac_a / (ac_a - ac_c) * ac, false};
   const double over_a = ab_b * ac_c - ab_c * ac_b;
   const double from_b = ac_b - ab_b, from_c = ab_c - ac_c;
-  if (over_a <= 0.0 && from_b >= 0.0 && from_c >= 0.0) return to(b + from_b / (from_b + from_c) * (c - b));
+  if (over_a <= 0.0 && from_b >= 0.0 && from_c >= 0.0) return {b + from_b / (from_b + from_c) * (c - b), false};
   const double whole = over_a + over_b + over_c;
-  return to(a + over_b / whole * ab + over_c / whole * ac);
+  return {a + over_b / whole * ab + over_c / whole * ac, true};
 }
 
 // Returns how often the ray from p along +x leaves the mesh, minus how often it enters it.

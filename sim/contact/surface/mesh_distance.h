@@ -32,28 +32,46 @@ class MeshDistance {
   MeshDistance(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Face>& faces);
 
   // The distance of p from the mesh [m]; negative inside.
-  [[nodiscard]] double operator()(const Eigen::Vector3d& p) const;
+  [[nodiscard]] double operator()(const Eigen::Vector3d& p) const { return nearest(p).distance; }
+  // Likewise, with the outward normal at the nearest point. At an edge or a corner, seen from
+  // outside, the normal points at p.
+  [[nodiscard]] DistanceGrid::Nearest nearest(const Eigen::Vector3d& p) const;
 
-  // Samples the distances on a grid of at most `nodes` nodes. Throws InputError if more than
-  // thin_share of the mesh's area belongs to walls thinner than two cells, which the grid would
-  // lose.
+  // Samples the distances on a grid of at most `nodes` nodes, which near edges, in thin walls and in
+  // narrow gaps finds the nearest face of a copy of the mesh.
   [[nodiscard]] DistanceGrid on_grid(std::size_t nodes) const;
-  static constexpr double thin_share = 0.1;
 
  private:
   struct Triangle {
     std::array<Eigen::Vector3d, 3> corner;
     Eigen::Vector3d normal;  // unit; zero if never a nearest face
   };
+  class Cells;  // of the copy: nearest() by the few faces that matter in a cell
   struct Node {
     Eigen::Vector3d low, high;
     // Triangles of a leaf. A count of 0: an inner node, whose children are the next node and the
     // one at `first`.
     std::uint32_t first, count;
   };
+  [[nodiscard]] std::vector<Eigen::Vector3d> points(double pitch) const;
   void split(std::uint32_t first, std::uint32_t count);
-  void search(std::uint32_t node, const Eigen::Vector3d& p, double& distance2) const;
-  [[nodiscard]] static double distance2_to(const Triangle& triangle, const Eigen::Vector3d& p);
+  // The nearest triangle found so far, and the square of its distance.
+  struct Found {
+    double distance2;
+    const Triangle* triangle;
+  };
+  void search(std::uint32_t node, const Eigen::Vector3d& p, Found& found) const;
+  static void compare(const Triangle& triangle, const Eigen::Vector3d& p, Found& found);
+  [[nodiscard]] static DistanceGrid::Nearest result(const Found& found, const Eigen::Vector3d& p, double side);
+  // Calls `add(index)` for every triangle of the leaves whose boxes `touches(low, high)` accepts.
+  template <class Touches, class Add>
+  void collect(std::uint32_t node, const Touches& touches, const Add& add) const;
+  // The nearest point of a triangle; within its edges or on them.
+  struct Foot {
+    Eigen::Vector3d at;
+    bool within;
+  };
+  [[nodiscard]] static Foot foot_on(const Triangle& triangle, const Eigen::Vector3d& p);
   [[nodiscard]] int winding(std::uint32_t node, const Eigen::Vector3d& p) const;
   [[nodiscard]] static int crossing(const Triangle& triangle, const Eigen::Vector3d& p);
 

@@ -21,18 +21,17 @@ inline constexpr std::size_t mesh_grid_nodes = 400'000;
 
 // Returns the surface of geom `geom` of a compiled model. Plane (infinite, whatever its drawn
 // size), box, sphere, cylinder, capsule and ellipsoid are exact. A mesh is the mesh itself, with
-// its hollows (MuJoCo's own contact uses its convex hull), sampled on a grid: where the mesh is
-// smooth and 6 cells or more from an edge or from the middle of a wall, the gap is that of the
-// triangles to fourth order of the cell; nearer to an edge it is rounded by up to a fifth of a
-// cell. Like a sphere, a mesh has one face at each point, the nearest one: an element that is
-// deeper than its distance from an edge meets the face beyond the edge, and nothing if its axis
-// does not point at that face. So a box is better modelled as a box. A mesh's grid takes about a
-// second to compute and is shared by all users of the same mesh while one of them exists.
-// Thread-safe.
+// its hollows (MuJoCo's own contact uses its convex hull): exactly the triangles near edges, in thin
+// walls and in narrow gaps, and elsewhere a smooth surface through them, from a grid
+// (distance_grid.h). Like a sphere, a mesh has one face at each point, the nearest one: an element
+// that is deeper than its distance from an edge meets the face beyond the edge, and nothing if its
+// axis does not point at that face. So a box is better modelled as a box. An element that passes the
+// middle of a wall would meet the far side: it loses contact, which is refused (Field::lost()). A
+// mesh's grid takes about a second to compute and is shared by all users of the same mesh while one
+// of them exists. Thread-safe.
 //
 // Throws std::invalid_argument for a geom that is not in the model, and InputError, which names the
-// geom, its mesh and a remedy, for a geom of another type (height field, sdf) and for a mesh that
-// is not closed or too thin for its grid (surface.h).
+// geom, its mesh and a remedy, for a geom of another type (height field, sdf), and for a mesh that is not closed.
 GeomSurface surface_of_geom(const mjModel_* model, int geom);
 
 }  // namespace slipbench

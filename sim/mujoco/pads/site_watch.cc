@@ -115,7 +115,7 @@ SiteWatch::SiteWatch(const PadLayout& layout) {
 }
 
 // A gap is valid only for an element that points at the surface; inside, one of the two directions
-// does. A grid's gap may be off by a fifth of a cell at either end.
+// does. A grid's gap may be rounded at either end.
 double SiteWatch::clearance(const Surface& shape, const Pose& pad) const {
   const auto* const grid = std::get_if<DistanceGrid>(&shape);
   const double rounded_by = grid != nullptr ? grid->cell() : 0.0;

@@ -340,7 +340,7 @@ TEST(MeshDistance, BesideSharpEdgesAndTipsTheSideIsThatOfTheWholeMesh) {
 }
 
 TEST(MeshDistance, GridOfACubeIsABoxAwayFromItsEdges) {
-  // A grid reproduces a linear distance and reads up to 4 cells away along each axis. At a depth of
+  // A spline reproduces a linear distance and reads up to 4 cells away along each axis. At a depth of
   // up to 2 cells it reads down to 6, and 10 from the edges it reads to within 6 of them, where two
   // faces are equally near.
   const Box box{{30e-3, 20e-3, 50e-3}};
@@ -465,16 +465,128 @@ TEST(MeshDistance, ShellsMayTouchAndLookEitherWay) {
   expect_distance(oracle::both(cube, other, apart), 1e-17, nearer(apart));
 }
 
-TEST(MeshDistance, AWallThinnerThanTwoCellsIsRefused) {
-  // A plate of 100 x 100 x 0.2 mm: 400,000 samples are at most 30,000 in each of the 13 layers that
-  // any grid has, so cells are over 100 mm/sqrt(30,000) = 0.57 mm. A plate of 100 x 100 x 10 mm
-  // fits: its cells are under 1 mm.
-  const auto grid = [](double thickness) {
-    const oracle::Mesh mesh = oracle::box_mesh({50e-3, 50e-3, 0.5 * thickness});
-    return MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
-  };
-  EXPECT_THAT(refusal_of([&] { grid(0.2e-3); }), mentions({"thin"}));
-  EXPECT_LT(grid(10e-3).cell(), 1e-3);
+DistanceGrid grid_of(const oracle::Mesh& mesh) { return MeshDistance(mesh.vertices, mesh.faces).on_grid(100'000); }
+
+TEST(MeshDistance, OnBothSidesOfAWallTheDepthIsThatBelowTheFace) {
+  // The middle of a facet of a mug of 40 mm and 180 facets is at the radius R cos(pi/180), and one
+  // of the hollow at (R - w) cos(pi/180). Up to the middle of the wall the depth below either is
+  // that of the point. Cells are over 2 mm, so that walls have half a cell to two.
+  constexpr double radius = 40e-3;
+  constexpr std::uint32_t sides = 180;
+  const double to_facet = std::cos(M_PI / sides);
+  for (const double wall : {5e-3, 3.5e-3, 3e-3, 1e-3}) {
+    const DistanceGrid grid = grid_of(oracle::can_mesh(radius, 90e-3, sides, wall));
+    EXPECT_GT(grid.cell(), 2e-3);
+    RandomStream draw(14, 0, "wall");
+    for (int k = 0; k < 500; ++k) {
+      const double angle = 2.0 * M_PI * (std::floor(draw.uniform(0.0, sides)) + 0.5) / sides, z = draw.uniform(20e-3, 70e-3);
+      const Vector out(std::cos(angle), std::sin(angle), 0.0);
+      // the wall is a little thinner at the middle of a facet
+      const double depth = 0.49 * wall * to_facet * draw.uniform();
+      const SurfacePoint outer = met(grid, (radius * to_facet - depth) * out + Vector(0.0, 0.0, z), -out);
+      ASSERT_NEAR(outer.gap, -depth, 1e-15) << wall << " at " << angle;
+      ASSERT_NEAR((normal(outer) - out).norm(), 0.0, 1e-9);
+      const SurfacePoint inner = met(grid, ((radius - wall) * to_facet + depth) * out + Vector(0.0, 0.0, z), out);
+      ASSERT_NEAR(inner.gap, -depth, 1e-15) << wall << " at " << angle;
+      ASSERT_NEAR((normal(inner) + out).norm(), 0.0, 1e-9);
+    }
+  }
+}
+
+TEST(MeshDistance, APlateMayBeThinnerThanACell) {
+  // 100 x 100 mm: 100,000 samples are at most 7,700 in each of the 13 layers that any grid has, so
+  // cells are over 100 mm/sqrt(7,700) = 1.1 mm.
+  for (const double thickness : {0.7e-3, 0.2e-3, 0.02e-3}) {
+    const DistanceGrid grid = grid_of(oracle::box_mesh({50e-3, 50e-3, 0.5 * thickness}));
+    EXPECT_GT(grid.cell(), 1.1e-3);
+    RandomStream draw(15, 0, "plate");
+    for (int k = 0; k < 500; ++k) {
+      const double x = draw.uniform(-45e-3, 45e-3), y = draw.uniform(-45e-3, 45e-3), gap = thickness * draw.uniform(-0.49, 2.0);
+      expect_met(grid, {x, y, 0.5 * thickness + gap}, {0.0, 0.0, -1.0}, gap, {0.0, 0.0, 1.0});
+      expect_met(grid, {x, y, -0.5 * thickness - gap}, {0.0, 0.0, 1.0}, gap, {0.0, 0.0, -1.0});
+    }
+  }
+}
+
+TEST(MeshDistance, InAGapBetweenTwoWallsTheNearerOneIsMet) {
+  // Two plates, 10 mm thick, 3 mm apart: two to three cells.
+  const Vector half(30e-3, 30e-3, 5e-3);
+  const DistanceGrid grid = grid_of(oracle::both(oracle::box_mesh(half), oracle::box_mesh(half), {0.0, 0.0, 13e-3}));
+  EXPECT_LT(3e-3, 3.0 * grid.cell());
+  for (const double gap : {-1e-3, -0.2e-3, 0.0, 0.2e-3, 1e-3, 1.4e-3}) {
+    expect_met(grid, {1e-3, 2e-3, 5e-3 + gap}, {0.0, 0.0, -1.0}, gap, {0.0, 0.0, 1.0});
+    expect_met(grid, {1e-3, 2e-3, 8e-3 - gap}, {0.0, 0.0, 1.0}, gap, {0.0, 0.0, -1.0});
+  }
+}
+
+TEST(MeshDistance, BesideAnEdgeTheDepthIsThatBelowTheFace) {
+  // This holds for an element that is nearer to its face than to the next one. The gap of a deeper one
+  // is the distance from the next face, which it does not look at.
+  const DistanceGrid grid = grid_of(oracle::box_mesh({30e-3, 20e-3, 50e-3}));
+  for (const double from_edge : {0.3e-3, 0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3}) {
+    for (const double depth : {0.1e-3, 0.2e-3, 0.45e-3}) {
+      const SurfacePoint point = met(grid, {30e-3 - from_edge, 1e-3, 50e-3 - depth}, {0.0, 0.0, -1.0});
+      const bool nearer = depth < from_edge;
+      EXPECT_NEAR(point.gap, nearer ? -depth : from_edge, 1e-15) << from_edge << ", " << depth;
+      EXPECT_NEAR(normal(point).z(), nearer ? 1.0 : 0.0, 1e-12) << from_edge << ", " << depth;
+    }
+  }
+}
+
+TEST(MeshDistance, DetailsSmallerThanACellAreSeen) {
+  // A ridge of 0.3 x 0.3 mm on a block of 60 x 60 x 20 mm, whose cells are over 1 mm.
+  const DistanceGrid grid = grid_of(
+      oracle::both(oracle::box_mesh({30e-3, 30e-3, 10e-3}), oracle::box_mesh({0.15e-3, 20e-3, 0.3e-3}), {0.11e-3, 0.0, 10e-3}));
+  EXPECT_GT(grid.cell(), 1e-3);
+  for (const double depth : {-0.1e-3, 0.05e-3, 0.1e-3}) {
+    expect_met(grid, {0.11e-3, 5e-3, 10.3e-3 - depth}, {0.0, 0.0, -1.0}, -depth, {0.0, 0.0, 1.0});
+  }
+}
+
+TEST(MeshDistance, WithoutKinksNearbyTheGridIsTheSplineAlone) {
+  // Bit-identical to the spline through the distances: the facets of a ball of 1,280 triangles turn
+  // by about 8 degrees, and a tip is far from the middle of the ball.
+  const oracle::Mesh mesh = oracle::ball_mesh(30e-3, 3);
+  const MeshDistance distance(mesh.vertices, mesh.faces);
+  const DistanceGrid grid = distance.on_grid(100'000);
+  Vector low = mesh.vertices.front(), high = low;
+  for (const Vector& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const DistanceGrid spline(distance, low, high, grid.cell());
+  RandomStream draw(16, 0, "ball");
+  for (int k = 0; k < 2000; ++k) {
+    const Vector out = random_direction(draw), p = draw.uniform(25e-3, 32e-3) * out;
+    ASSERT_FALSE(grid.is_exact(p)) << p.transpose();
+    const SurfacePoint a = met(grid, p, -out), b = met(spline, p, -out);
+    ASSERT_EQ(a.gap, b.gap);
+    ASSERT_EQ(normal(a), normal(b));
+  }
+  EXPECT_TRUE(grid.is_exact(Vector::Zero()));
+}
+
+TEST(MeshDistance, GapIsContinuousWhereTheSplineBegins) {
+  // Along the side of a can, from its rim to its middle, 0.2 mm below the facets. In steps of 1 um
+  // the gap changes by no more than the two distances differ times 1 um/cell, 20 nm: the corner of a
+  // facet is R (1 - cos(pi/180)) = 5 um above its middle, and the spline is in between.
+  const DistanceGrid grid = grid_of(oracle::can_mesh(33e-3, 115e-3, 180));
+  const double radius = 33e-3 * std::cos(M_PI / 180.0);
+  const Vector out(std::cos(M_PI / 180.0), std::sin(M_PI / 180.0), 0.0);
+  double before = 0.0;
+  int exact = 0, steps = 0;
+  for (double z = 114e-3; z > 60e-3; z -= 1e-6, ++steps) {
+    const Vector p = (radius - 0.2e-3) * out + Vector(0.0, 0.0, z);
+    const double gap = met(grid, p, -out).gap;
+    exact += grid.is_exact(p) ? 1 : 0;
+    ASSERT_NEAR(gap, -0.2e-3, 5e-6);
+    if (steps > 0) {
+      ASSERT_NEAR(gap, before, 20e-9) << z;
+    }
+    before = gap;
+  }
+  EXPECT_GT(exact, 1000);
+  EXPECT_LT(exact, steps / 2);
 }
 
 }  // namespace

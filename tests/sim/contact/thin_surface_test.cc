@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contact/surface/mesh_distance.h"
 #include "sim/contact/surface/thickness.h"
+#include "tests/oracle/meshes.h"
 #include "tests/oracle/pads.h"
 #include "tests/sim/contact/random_case.h"
 
@@ -127,7 +129,11 @@ TEST(ThinSurface, RoundBodiesTellWhenAnElementHasComeThrough) {
     PadLayout pad;
     double x;  // m, beside the middle
   };
-  const std::vector<Case> cases{{Sphere{r}, r, pillar(), 0.05e-3},
+  const oracle::Mesh plate = oracle::box_mesh({5e-3, 4e-3, r});
+  const DistanceGrid grid = MeshDistance(plate.vertices, plate.faces).on_grid(400'000);
+  const std::vector<Case> cases{{grid, r, pillar(), 0.3e-3},
+                                {grid, r, unknown, 0.3e-3},
+                                {Sphere{r}, r, pillar(), 0.05e-3},
                                 {Sphere{r}, r, pillar(), 0.0},
                                 {Capsule{r, 2e-3}, 2e-3 + r, pillar(), 0.01e-3},
                                 {Ellipsoid{{r, 2.0 * r, 3.0 * r}}, 3.0 * r, pillar(), 0.1e-3},

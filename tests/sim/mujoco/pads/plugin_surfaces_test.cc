@@ -1,5 +1,8 @@
 // Pads of the plugin on overlapping and thin geoms.
+#include <fmt/format.h>
+
 #include "tests/expect.h"
+#include "tests/oracle/meshes.h"
 #include "tests/sim/mujoco/pads/plugin_rig.h"
 
 namespace slipbench::testing_plugin {
@@ -105,6 +108,40 @@ TEST_P(PluginSurfaces, AnElementThatComesThroughARoundBodyIsRefused) {
     refused = mju_error_of([=] { mj_step(m, d); });
   }
   EXPECT_THAT(refused, mentions({"wire", "object", "0.6 mm"}));
+}
+
+const std::string one_element = config("elements", "[[0, 0, 0, 3000, 500]]");
+
+// Steps for one second under `force` [N] and returns the height of the pad's origin [m]. A slide
+// with 3 kN/m and 50 N s/m on 0.2 kg settles at 120 /s.
+double height_under(double force, const mjModel* model, mjData* data) {
+  data->ctrl[0] = -force;
+  for (int k = 0; k < 5000; ++k) mj_step(model, data);
+  return data->site_xpos[3 * mj_name2id(model, mjOBJ_SITE, "pad") + 2];
+}
+
+TEST_P(PluginSurfaces, TheWallOfAMugBearsAsAThickOne) {
+  // The middle of a facet of a mug of 40 mm and 180 facets is level and at z = 0. An element of 3
+  // N/mm under 0.6 N is 0.2 mm deep, whatever the wall, and the mug's slide of 100 N/mm 6 um.
+  constexpr std::uint32_t sides = 180;
+  const double half = M_PI / sides, top = 0.04 * std::cos(half);
+  for (const double wall : {3e-3, 1e-3}) {
+    const oracle::Mesh mug = oracle::can_mesh(0.04, 0.09, sides, wall);
+    std::string vertices, faces;
+    for (const Eigen::Vector3d& v : mug.vertices) {
+      const Eigen::Vector3d out(std::cos(half), std::sin(half), 0.0), along(-std::sin(half), std::cos(half), 0.0);
+      vertices += fmt::format("{:.17g} {:.17g} {:.17g} ", 0.05 - v.z(), along.dot(v), out.dot(v) - top);
+    }
+    for (const auto& [a, b, c] : mug.faces) faces += fmt::format("{} {} {} ", a, b, c);
+    std::string xml =
+        pressed("<geom name='mug' type='mesh' mesh='mug' contype='0' conaffinity='0'/>", "mug", GetParam(), one_element);
+    xml.insert(xml.find("<worldbody>"),
+               fmt::format("<asset><mesh name='mug' inertia='shell' vertex='{}' face='{}'/></asset>", vertices, faces));
+    const Model model = load(xml);
+    const Data data = data_of(model);
+    // Vertices are floats: 6e-8 of 0.08 m.
+    EXPECT_NEAR(height_under(0.6, model.get(), data.get()), -0.2e-3 - 6e-6, 10e-9) << wall;
+  }
 }
 
 TEST(PluginSurfaces, ACardBetweenTwoPadsIsHeldAtAnyGrip) {
