@@ -31,16 +31,19 @@ struct Cylinder {
                looks = a[2] < 0.0 ? one : -one;  // the nearer cap; the cap that faces the element
 
     const Real towards_side = -(nx * a[0] + ny * a[1]), towards_cap = a[2] < 0.0 ? -a[2] : a[2];
-    const Real depth = half_length - looks * p[2];
-    const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side);
-    // It entered through the cap, unless it points out through the side and leaves there sooner.
-    const auto by_cap = (depth * -towards_side <= -side * towards_cap) | (depth <= column * towards_cap);
-    const Real behind_gap = by_cap ? -depth : -side, behind_z = by_cap ? looks : none,
-               behind_faces = by_cap ? cap_bit(looks) : none;
+    const Real depth = half_length - looks * p[2], ahead = 2.0 * half_length - depth;  // to the other cap
+    // It entered through the side or the cap, unless it points out through the other cap (or, if
+    // through the cap, through the side) and leaves there sooner.
+    const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side) &
+                         ((-side * towards_cap <= ahead * towards_side) | (-side <= column * towards_side));
+    const auto by_cap = ((depth * -towards_side <= -side * towards_cap) & (depth <= ahead)) | (depth <= column * towards_cap);
+    const auto by_end = ahead * -towards_side <= -side * towards_cap;  // where it leaves, if it has not entered
+    const Real behind_gap = by_cap ? -depth : (by_end ? ahead : -side);
+    const Real behind_z = by_cap ? looks : (by_end ? -looks : none), behind_faces = by_cap ? cap_bit(looks) : none;
     const Real inside_gap = by_side ? side : behind_gap, inside_z = by_side ? none : behind_z;
     const Real inside_faces = by_side ? none + side_bit : behind_faces;
     // factor of the side's normal for a tip inside
-    const Real within = by_side ? one : (by_cap ? none : one);
+    const Real within = by_side ? one : (by_cap | by_end ? none : one);
 
     const Real past_gap = beyond ? cap : inside_gap, past_z = beyond ? end : inside_z;
     const Real past_faces = beyond ? cap_bit(end) : inside_faces, past = beyond ? none : within;

@@ -158,6 +158,67 @@ TEST(SurfaceShapes, NormalIsTheGradientOfTheGap) {
   }
 }
 
+// Checks that a tip at p, exactly on the faces with the normals `faces`, touches them without depth,
+// or nothing, however it looks: it is at none of the faces behind it.
+template <class Shape>
+void expect_on_surface(const Shape& shape, const Vector& p, const std::vector<Vector>& faces) {
+  RandomStream draw(17, 0, "axes");
+  std::vector<Vector> axes;
+  for (int k = 0; k < 3; ++k) axes.insert(axes.end(), {Vector::Unit(k), -Vector::Unit(k)});
+  for (int k = 0; k < 500; ++k) axes.push_back(random_direction(draw));
+  for (const Vector& axis : axes) {
+    // An axis along a face is of an element that lies in it.
+    if (std::ranges::any_of(faces, [&](const Vector& n) { return std::abs(n.dot(axis)) < 1e-3; })) continue;
+    const double gap = met(shape, p, axis).gap;
+    ASSERT_GE(gap, -1e-16) << p.transpose() << " along " << axis.transpose();
+    if (std::ranges::all_of(faces, [&](const Vector& n) { return n.dot(axis) < 0.0; })) {
+      ASSERT_LE(gap, 1e-16) << p.transpose() << " along " << axis.transpose();
+    }
+  }
+}
+
+TEST(SurfaceShapes, ATipExactlyOnTheSurfaceHasNoDepth) {
+  const Vector x = Vector::UnitX(), y = Vector::UnitY(), z = Vector::UnitZ();
+  const Box box{{30e-3, 20e-3, 50e-3}};
+  expect_on_surface(box, {0.0, 0.0, 50e-3}, {z});
+  expect_on_surface(box, {30e-3, 5e-3, -10e-3}, {x});
+  expect_on_surface(box, {30e-3, 5e-3, 50e-3}, {x, z});
+  expect_on_surface(box, {30e-3, -20e-3, 50e-3}, {x, -y, z});
+  for (const double half : {50e-3, 5e-3, 150e-3}) {
+    const Cylinder can{30e-3, half};
+    for (const double end : {1.0, -1.0}) {
+      for (const double r : {0.0, 10e-3, 29e-3}) expect_on_surface(can, {0.0, r, end * half}, {end * z});
+      expect_on_surface(can, {30e-3, 0.0, end * half}, {x, end * z});  // on the rim
+    }
+    for (const double height : {0.0, 0.9 * half}) expect_on_surface(can, {0.0, -30e-3, height}, {-y});
+  }
+  expect_on_surface(Sphere{30e-3}, {0.0, 30e-3, 0.0}, {y});
+  const Capsule capsule{10e-3, 20e-3};
+  expect_on_surface(capsule, {0.0, 0.0, 30e-3}, {z});
+  expect_on_surface(capsule, {10e-3, 0.0, 20e-3}, {x});  // where cylinder and half ball adjoin
+  expect_on_surface(capsule, {10e-3, 0.0, 7e-3}, {x});
+  const Ellipsoid ellipsoid{{30e-3, 20e-3, 10e-3}};
+  for (int k = 0; k < 3; ++k) {
+    expect_on_surface(ellipsoid, ellipsoid.half[k] * Vector::Unit(k), {Vector::Unit(k)});
+    expect_on_surface(ellipsoid, -ellipsoid.half[k] * Vector::Unit(k), {-Vector::Unit(k)});
+  }
+  const oracle::Mesh mesh = oracle::box_mesh(box.half);
+  const DistanceGrid grid = MeshDistance(mesh.vertices, mesh.faces).on_grid(400'000);
+  expect_on_surface(grid, {29e-3, 0.0, 50e-3}, {z});
+  expect_on_surface(grid, {30e-3, 5e-3, 50e-3}, {x, z});
+}
+
+TEST(Cylinder, AnElementThatPointsOutOfACapMeetsNothing) {
+  // As in a box: 1 mm below the top of a cylinder of 100 mm, pointing up. Its column is unknown, so
+  // it has not come from the bottom, 99 mm behind it, nor from the side, 2 mm beside it, when it
+  // leans by 0.1.
+  const Cylinder can{30e-3, 50e-3};
+  expect_met(can, {10e-3, 0.0, 49e-3}, {0.0, 0.0, 1.0}, 1e-3, {0.0, 0.0, 1.0});
+  expect_met(can, {28e-3, 0.0, 49e-3}, Vector(-0.1, 0.0, 1.0).normalized(), 1e-3, {0.0, 0.0, 1.0});
+  expect_met(can, {28e-3, 0.0, 49e-3}, {-1.0, 0.0, 0.0}, -2e-3, {1.0, 0.0, 0.0});
+  expect_met(can, {10e-3, 0.0, 49e-3}, {0.0, 0.0, -1.0}, -1e-3, {0.0, 0.0, 1.0});
+}
+
 TEST(DistanceGrid, CubicsAreReproduced) {
   // Far above the minimum that the distance to the box allows; the value is 100 and its slope of
   // the order of 1, so rounding is 1e-14 of it.

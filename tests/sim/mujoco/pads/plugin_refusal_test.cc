@@ -79,6 +79,16 @@ TEST(PluginRefusal, TellsWhatIsWrongWithAModel) {
   refuses(site + plate + one + config("solver", "implict"), {"solver", "implict", "implicit"});
 }
 
+TEST(PluginRefusal, APadExactlyOnAnEndOfACylinderPointsAtIt) {
+  std::string on_can = model_of(site + plate + one);
+  const std::string box = "type='box' size='.1 .1 .1'";
+  on_can.replace(on_can.find(box), box.size(), "type='cylinder' size='.1 .1'");
+  EXPECT_EQ(refusal_of_model(on_can), "accepted");
+  const std::string tip = "<site name='fingertip'";
+  on_can.replace(on_can.find(tip), tip.size(), tip + " zaxis='0 0 -1' pos='0 0 -.001'");
+  EXPECT_THAT(refusal_of_model(on_can), mentions({"plugin 'left'", "plate", "wrong way"}));
+}
+
 TEST(PluginRefusal, EffectMustSuitEveryTouchedGeom) {
   const std::string textured = site + one + config("effects", "[texture]");
   EXPECT_EQ(refusal_of(textured + plate), "accepted");
