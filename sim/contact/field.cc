@@ -561,6 +561,14 @@ void Field::note_lost(std::size_t i) {
     lost_ = Lost{i, depth};
 }
 
+std::optional<std::size_t> Field::overcompressed() const {
+  if (!std::isfinite(layout_.unit_height) || touching() == 0) return std::nullopt;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (penetration(i) > layout_.unit_height) return i;
+  }
+  return std::nullopt;
+}
+
 ElementColumns Field::view(double dt) const {
   const kernel::Columns& c = columns_;
   return {.count = count_,

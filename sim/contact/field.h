@@ -118,6 +118,9 @@ class Field : public FieldResults {
     double depth;  // m, in the last step
   };
   [[nodiscard]] const std::optional<Lost>& lost() const { return lost_; }
+  // Returns the first element whose penetration exceeds the height of a unit, if one does: a real
+  // unit has no such compression.
+  [[nodiscard]] std::optional<std::size_t> overcompressed() const;
 
   // The state: all that the next step needs from earlier ones. save_state() writes state_size()
   // values and load_state() restores them, so that the following steps are bit-identical; the

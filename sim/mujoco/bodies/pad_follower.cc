@@ -73,6 +73,11 @@ void PadFollower::go_to(double time, bool arrives) {
   }
   step_on_surfaces(fields_, poses_, dt, arrives ? std::span<const Twist>(motions_) : std::span<const Twist>());
   for (const Field& field : fields_) {
+    if (field.overcompressed()) {
+      throw InputError(fmt::format(
+          "the sensor that follows '{}': at {:.6g} s its element {} is compressed by more than the height of a unit, {:.3g} mm; press less",
+          followed_.config().name, time, *field.overcompressed(), 1e3 * field.layout().unit_height));
+    }
     if (!field.lost()) continue;
     throw SceneValueError(
         "sensors",

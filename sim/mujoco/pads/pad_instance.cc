@@ -234,6 +234,12 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   exclude_all_but_first(fields_, poses_);  // the solver steps one field at a time
 }
 
+// Ends the run. A pad of a scene has the name of its sensor.
+void PadInstance::refuse(const std::string& what) const {
+  if (config_.unchecked) throw SceneValueError("sensors." + config_.name, what);
+  throw InputError(fmt::format("plugin '{}': {}", config_.name, what));
+}
+
 // The force of an element that has passed through a thin or round body would vanish without a
 // message.
 void PadInstance::refuse_lost(const mjModel* model) const {
@@ -243,10 +249,21 @@ void PadInstance::refuse_lost(const mjModel* model) const {
     const TouchedGeom& touched = kinematics_.touched()[k];
     const char* const body = mj_id2name(model, mjOBJ_BODY, touched.body);
     const double thickness = thickness_of(touched.shape);
-    throw InputError(fmt::format(
-        "plugin '{}': at {:.6g} s element {}, which was {:.3g} mm deep in geom '{}' of body '{}'{}, passed through it; press less or make the body thicker",
-        config_.name, time_, lost->element, 1e3 * lost->depth, name_of_geom(model, touched.geom), body == nullptr ? "" : body,
+    refuse(fmt::format(
+        "at {:.6g} s element {}, which was {:.3g} mm deep in geom '{}' of body '{}'{}, passed through it; press less or make the body thicker",
+        time_, lost->element, 1e3 * lost->depth, name_of_geom(model, touched.geom), body == nullptr ? "" : body,
         std::isfinite(thickness) ? fmt::format(" ({:.3g} mm thick)", 1e3 * thickness) : ""));
+  }
+}
+
+// Springs go on beyond the height of a unit, a real unit does not.
+void PadInstance::refuse_overcompressed(const mjModel* model) const {
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const std::optional<std::size_t> element = fields_[k].overcompressed();
+    if (!element) continue;
+    refuse(fmt::format(
+        "at {:.6g} s element {} is compressed by more than the height of a unit of the pad, {:.3g} mm, on geom '{}'; press less",
+        time_, *element, 1e3 * fields_[k].layout().unit_height, name_of_geom(model, kinematics_.touched()[k].geom)));
   }
 }
 
@@ -289,6 +306,8 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
     evaluate(state, computed_at_);
   }
   refuse_lost(model);
+  // Not in the first step, which MuJoCo's compiler takes before bodies are where the scene has them.
+  if (state.placed()) refuse_overcompressed(model);
   state.committed_time() = time_;
   if (readout_.watched()) {
     measure(state);

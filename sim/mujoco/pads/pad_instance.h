@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <mujoco/mujoco.h>
@@ -126,7 +127,9 @@ class PadInstance {
   void measure(const PluginState& state);
   void check_model(const mjModel* model) const;
   void check_site(const mjModel* model, const PluginState& state);
+  [[noreturn]] void refuse(const std::string& what) const;
   void refuse_lost(const mjModel* model) const;
+  void refuse_overcompressed(const mjModel* model) const;
 
   PadConfig config_;
   int instance_;

@@ -199,6 +199,15 @@ TEST_F(BodiesRun, RunThatGoesWrongFailsWithWhatWasSeen) {
   EXPECT_THAT(summary.failed[0].message, HasSubstr("body 'box'"));
 }
 
+// A box that lies on a table cannot yield to a pad that comes 5 mm further: pillars are 4.2 mm high.
+TEST_F(BodiesRun, PillarsCompressedBeyondTheirHeightNameTheLineOfTheSensor) {
+  const SweepSummary summary =
+      run(scenes + "pressed_box.yaml", "x.h5", 1, {{"motion.compression", "5 mm"}, {"motion.start", "1.6 s"}});
+  ASSERT_EQ(summary.failed.size(), 1U);
+  EXPECT_THAT(summary.failed[0].message,
+              refused_at("trial 0: " + scenes + "pressed_box.yaml:15", {"sensors.pad", "'box'", "4.2 mm"}));
+}
+
 // A pillar has k_n/k_t = 1.2/0.65, so a column of 1 mm without a stop buckles, k_n d = k_t length,
 // at 0.54 mm: within a step of MuJoCo, whose own errors are plain texts. The prescribed bench gives
 // the same error at the same line.

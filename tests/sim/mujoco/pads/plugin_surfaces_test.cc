@@ -144,6 +144,26 @@ TEST_P(PluginSurfaces, TheWallOfAMugBearsAsAThickOne) {
   }
 }
 
+TEST_P(PluginSurfaces, PillarsAreNotCompressedBeyondTheirHeight) {
+  // A PapillArray's pillars are 4.2 mm high and have 7.1 N/mm. At 4.2 mm of the middle one the edges
+  // are 4.0 mm and the corners 3.75 mm compressed: 7.1 (4.2 + 4 x 4.0 + 4 x 3.75) = 250 N.
+  const Model model = load(pressed(box("block", ".02 .02 .01", "0 0 -.01"), "block", GetParam(), real_pillars()));
+  const Data data = data_of(model);
+  mjModel* const m = model.get();
+  mjData* const d = data.get();
+  std::string refused;
+  const auto run = [&](double force) {
+    for (int k = 0; k < 6000 && refused.empty(); ++k) {
+      d->ctrl[0] = std::max(d->ctrl[0] - 0.1, -force);
+      refused = mju_error_of([=] { mj_step(m, d); });
+    }
+  };
+  run(247.0);
+  EXPECT_EQ(refused, "");
+  run(253.0);
+  EXPECT_THAT(refused, mentions({"plugin 'pad'", "element 4", "'block'", "4.2 mm"}));
+}
+
 TEST(PluginSurfaces, ACardBetweenTwoPadsIsHeldAtAnyGrip) {
   // 0.76 mm thick, like a bank card: the nearest tips pass its middle from 3 N on, its far side
   // from 7 N on.
