@@ -1,5 +1,7 @@
 #include "sim/mujoco/pads/geom_surface.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -8,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include "sim/contact/surface/mesh_distance.h"
@@ -72,9 +75,26 @@ DistanceGrid grid_of(const Mesh& mesh) {
   return grid;
 }
 
-Surface shape_of(const mjModel* model, int geom) {
-  const mjtNum* size = model->geom_size + 3 * geom;
-  switch (model->geom_type[geom]) {
+// Number of sizes that a geom of this type has.
+std::size_t size_count(int type) {
+  switch (type) {
+    case mjGEOM_SPHERE: return 1;
+    case mjGEOM_CYLINDER:
+    case mjGEOM_CAPSULE: return 2;
+    case mjGEOM_BOX:
+    case mjGEOM_ELLIPSOID: return 3;
+    default: return 0;
+  }
+}
+
+Surface surface_of(const mjModel* model, const ShapeValues& shape) {
+  const auto& size = shape.size;
+  for (std::size_t k = 0; k < size_count(shape.type); ++k) {
+    if (!(size[k] > 0.0) || !std::isfinite(size[k])) {
+      throw InputError(fmt::format("its size {} is {:.9g} m; expected a positive length", k, size[k]));
+    }
+  }
+  switch (shape.type) {
     case mjGEOM_PLANE: return Plane{};
     case mjGEOM_BOX: return Box{{size[0], size[1], size[2]}};
     case mjGEOM_SPHERE: return Sphere{size[0]};
@@ -82,24 +102,30 @@ Surface shape_of(const mjModel* model, int geom) {
     case mjGEOM_CAPSULE: return Capsule{size[0], size[1]};
     case mjGEOM_ELLIPSOID: return Ellipsoid{{size[0], size[1], size[2]}};
     case mjGEOM_MESH: {
-      const int mesh = model->geom_dataid[geom];
+      const int mesh = shape.mesh;
       return grid_of({model->mesh_vert + 3 * model->mesh_vertadr[mesh], static_cast<std::size_t>(model->mesh_vertnum[mesh]),
                       model->mesh_face + 3 * model->mesh_faceadr[mesh], static_cast<std::size_t>(model->mesh_facenum[mesh])});
     }
     default:
-      throw InputError("it is " + type_name(model->geom_type[geom]) +
-                       "; allowed: plane, box, sphere, cylinder, capsule, ellipsoid, mesh");
+      throw InputError("it is " + type_name(shape.type) + "; allowed: plane, box, sphere, cylinder, capsule, ellipsoid, mesh");
   }
 }
 
 }  // namespace
+
+ShapeValues shape_values(const mjModel* model, int geom) {
+  const int type = model->geom_type[geom];
+  ShapeValues shape{type, type == mjGEOM_MESH ? model->geom_dataid[geom] : -1, {}};
+  std::copy_n(model->geom_size + 3 * static_cast<std::ptrdiff_t>(geom), size_count(type), shape.size.begin());
+  return shape;
+}
 
 GeomSurface surface_of_geom(const mjModel* model, int geom) {
   if (geom < 0 || geom >= model->ngeom) throw std::invalid_argument("geom " + std::to_string(geom) + " is not in the model");
   try {
     // MuJoCo's shapes have the same pose in their geom's frame as ours in theirs; the compiler has
     // transformed meshes accordingly.
-    return {shape_of(model, geom), Pose{}};
+    return {surface_of(model, shape_values(model, geom)), Pose{}};
   } catch (const InputError& error) {
     throw InputError(name_of(model, geom) + " cannot be touched by a pad: " + error.what());
   }

@@ -1,6 +1,7 @@
 // The surface of a touched MuJoCo geom.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 #include "sim/contact/surface/surface.h"
@@ -15,7 +16,17 @@ struct GeomSurface {
   Pose in_geom;  // of the surface frame in the geom's frame (geom_xpos, geom_xmat)
 };
 
-// Largest number of nodes of a mesh's distance grid (3 MB): for a compact object, cells of about a
+// Values of a model that determine a geom's surface, apart from the vertices and faces of its mesh.
+struct ShapeValues {
+  int type;                    // mjtGeom
+  int mesh;                    // -1: none
+  std::array<double, 3> size;  // m; 0 where the type has fewer
+
+  bool operator==(const ShapeValues&) const = default;
+};
+ShapeValues shape_values(const mjModel_* model, int geom);
+
+// Largest number of nodes of a mesh's distance grid (7 MB): for a compact object, cells of about a
 // sixtieth of its longest edge.
 inline constexpr std::size_t mesh_grid_nodes = 400'000;
 
@@ -31,7 +42,8 @@ inline constexpr std::size_t mesh_grid_nodes = 400'000;
 // of them exists. Thread-safe.
 //
 // Throws std::invalid_argument for a geom that is not in the model, and InputError, which names the
-// geom, its mesh and a remedy, for a geom of another type (height field, sdf), and for a mesh that is not closed.
+// geom, its mesh and a remedy, for a geom of another type (height field, sdf), for a size that is
+// not positive and finite, and for a mesh that is not closed.
 GeomSurface surface_of_geom(const mjModel_* model, int geom);
 
 }  // namespace slipbench

@@ -162,6 +162,13 @@ void PadInstance::check_model(const mjModel* model) const {
   }
 }
 
+// Reads the sizes of the touched geoms again, which the caller may change between any two calls.
+void PadInstance::follow_shapes(const mjModel* model) {
+  if (!kinematics_.update_shapes(model)) return;
+  fields_ = make_fields(model, config_, readout_.sensor(), kinematics_.touched());
+  phase_ = PadPhase::outdated;
+}
+
 // Reports a mistake in the pose of the site once.
 void PadInstance::check_site(const mjModel* model, const PluginState& state) {
   if (config_.unchecked || warned_) return;
@@ -171,7 +178,10 @@ void PadInstance::check_site(const mjModel* model, const PluginState& state) {
 }
 
 void PadInstance::add_force(const mjModel* model, mjData* data) {
-  if (!keeps_state_) check_model(model);
+  if (!keeps_state_) {
+    check_model(model);
+    follow_shapes(model);
+  }
   const PluginState state = this->state(model, data);
   computed_at_ = data->time;
   if (is_idle(model, data, state, data->time)) {
@@ -200,6 +210,7 @@ void PadInstance::describe(const mjModel* model, std::vector<ImplicitPad>& pads)
 
 void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector<ImplicitContact>& contacts) {
   check_model(model);
+  follow_shapes(model);
   const PluginState state = this->state(model, data);
   computed_at_ = data->time;
   const int pad_body = kinematics_.pad_body(model);
@@ -269,6 +280,7 @@ void PadInstance::refuse_overcompressed(const mjModel* model) const {
 
 void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   check_model(model);
+  if (!keeps_state_) follow_shapes(model);
   if (!readout_.has_outputs()) return;  // MuJoCo calls this for every instance, read or not
   const PluginState state = this->state(model, data);
   // RK4 commits at the end of a step, so that at the start of the next one nothing has moved: the

@@ -130,6 +130,7 @@ class PadInstance {
   [[noreturn]] void refuse(const std::string& what) const;
   void refuse_lost(const mjModel* model) const;
   void refuse_overcompressed(const mjModel* model) const;
+  void follow_shapes(const mjModel* model);
 
   PadConfig config_;
   int instance_;

@@ -1,10 +1,13 @@
 #include "sim/mujoco/pads/pad_kinematics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
+#include "sim/contact/surface/thickness.h"
 #include "sim/core/error.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "sim/mujoco/pads/implicit.h"
@@ -53,15 +56,9 @@ mjtNum* store_pose(const mjtNum* position, const mjtNum* rotation, mjtNum* to) {
 
 }  // namespace
 
-PadKinematics::PadKinematics(const mjModel* model, const PadConfig& config, const PadLayout& layout) : site_(config.site) {
-  for (const int geom : config.geoms) {
-    const GeomSurface surface = surface_of_geom(model, geom);
-    const SiteWatch watch(layout);
-    // A mesh's grid is rounded beyond the bounding ball.
-    const bool in_ball = model->geom_rbound[geom] > 0.0 && model->geom_type[geom] != mjGEOM_MESH;
-    touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, surface.shape, watch,
-                        in_ball ? model->geom_rbound[geom] + watch.radius() + far_enough : 0.0});
-  }
+PadKinematics::PadKinematics(const mjModel* model, const PadConfig& config, const PadLayout& layout)
+    : site_(config.site), watch_(layout) {
+  for (const int geom : config.geoms) touched_.push_back(touched_geom(model, geom));
   constexpr std::size_t seen_of_a_frame = 21;
   seen_.resize(seen_of_a_frame * (1 + touched_.size()));
   sees_.resize(seen_.size());
@@ -71,6 +68,31 @@ PadKinematics::PadKinematics(const mjModel* model, const PadConfig& config, cons
                                    config.name, name_of_geom(model, touched.geom)));
     }
   }
+}
+
+TouchedGeom PadKinematics::touched_geom(const mjModel* model, int geom) const {
+  const GeomSurface surface = surface_of_geom(model, geom);
+  const double ball = ball_around(surface.shape);
+  return {geom,
+          model->geom_bodyid[geom],
+          shape_values(model, geom),
+          surface.in_geom,
+          surface.shape,
+          watch_,
+          std::isfinite(ball) ? ball + watch_.radius() + far_enough : 0.0};
+}
+
+bool PadKinematics::update_shapes(const mjModel* model) {
+  bool changed = false;
+  for (TouchedGeom& touched : touched_) {
+    if (touched.values == shape_values(model, touched.geom)) continue;
+    touched = touched_geom(model, touched.geom);
+    changed = true;
+  }
+  if (!changed) return false;
+  std::ranges::fill(seen_, std::numeric_limits<double>::quiet_NaN());  // of no pose: the next locate() computes all
+  clear_.reset();
+  return true;
 }
 
 // True if poses and velocities are those of the last call. Cheaper than recomputing the same

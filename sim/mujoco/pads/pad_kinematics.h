@@ -14,6 +14,7 @@
 #include "sim/contact/field.h"
 #include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
+#include "sim/mujoco/pads/geom_surface.h"
 #include "sim/mujoco/pads/pad_config.h"
 #include "sim/mujoco/pads/site_watch.h"
 
@@ -30,6 +31,7 @@ inline Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {Mj
 struct TouchedGeom {
   int geom;
   int body;
+  ShapeValues values;  // of which the surface was made
   Pose surface_in_geom;
   Surface shape;
   SiteWatch watch;
@@ -44,6 +46,10 @@ class PadKinematics {
  public:
   // `layout`: of the pad. Throws InputError if a geom cannot be touched or moves with the pad.
   PadKinematics(const mjModel* model, const PadConfig& config, const PadLayout& layout);
+
+  // Makes the surfaces of geoms whose shape has changed anew. Returns true if one has. Throws
+  // InputError if a geom cannot be touched.
+  bool update_shapes(const mjModel* model);
 
   // Finds the pad in the frame of every touched surface. Returns true if all poses and velocities
   // are those of the last call. `always`: computes them without comparing MuJoCo's values first,
@@ -82,9 +88,11 @@ class PadKinematics {
   [[nodiscard]] int pad_body(const mjModel* model) const { return model->site_bodyid[site_]; }
 
  private:
+  [[nodiscard]] TouchedGeom touched_geom(const mjModel* model, int geom) const;
   [[nodiscard]] bool sees_the_same(const mjModel* model, const mjData* data);
 
   int site_;
+  SiteWatch watch_;  // that has seen nothing
   std::vector<TouchedGeom> touched_;
   // MuJoCo's values at the last locate(), and space for those of the next.
   std::vector<double> seen_, sees_;

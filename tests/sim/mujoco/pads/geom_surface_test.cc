@@ -203,6 +203,16 @@ void expect_refused(const World& world, const std::vector<std::string>& words) {
   EXPECT_THAT(said, refused_at("geom 'touched'", words));
 }
 
+TEST(GeomSurface, SizesThatAreNotPositiveAreRefused) {
+  // As a program may set them in a compiled model.
+  World world("type='cylinder' size='0.03 0.05'");
+  EXPECT_NO_THROW(surface_of_geom(world.model(), 0));
+  for (const double size : {0.0, -0.05, std::numeric_limits<double>::quiet_NaN()}) {
+    world.model()->geom_size[1] = size;
+    expect_refused(world, {"size 1", "positive"});
+  }
+}
+
 TEST(GeomSurface, OtherGeomsAreRefusedByName) {
   expect_refused(World("type='hfield' hfield='hills'", "<hfield name='hills' nrow='2' ncol='2' size='1 1 1 1'/>"),
                  {"height field", "plane", "box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"});

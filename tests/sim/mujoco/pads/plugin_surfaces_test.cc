@@ -144,6 +144,56 @@ TEST_P(PluginSurfaces, TheWallOfAMugBearsAsAThickOne) {
   }
 }
 
+TEST_P(PluginSurfaces, ANewSizeOfAGeomIsUsed) {
+  // The top of each shape is at z = 0. 2.7 N press an element of 3 N/mm 0.9 mm into it and the
+  // object 27 um down. Each millimetre that a size grows raises the top and the pad by as much:
+  // after a reset, in a new mjData, and without either.
+  struct Case {
+    std::string geom;
+    std::size_t vertical;  // index of the vertical size
+  };
+  for (const Case& one :
+       {Case{"type='box' size='.02 .02 .01' pos='0 0 -.01'", 2}, Case{"type='sphere' size='.02' pos='0 0 -.02'", 0},
+        Case{"type='cylinder' size='.02 .01' pos='0 0 -.01'", 1},
+        Case{"type='capsule' size='.02 .01' pos='0 0 -.02' euler='90 0 0'", 0},
+        Case{"type='ellipsoid' size='.03 .02 .01' pos='0 0 -.01'", 2}}) {
+    const Model model =
+        load(pressed("<geom name='object' contype='0' conaffinity='0' " + one.geom + "/>", "object", GetParam(), one_element));
+    Data data = data_of(model);
+    double top = 0.0;
+    const auto check = [&](const char* when) {
+      EXPECT_NEAR(height_under(2.7, model.get(), data.get()), top - 0.9e-3 - 27e-6, 1e-8) << one.geom << ", " << when;
+    };
+    const auto grow = [&] {
+      model->geom_size[one.vertical] += 1e-3;
+      top += 1e-3;
+    };
+    check("as compiled");
+    grow();
+    mj_resetData(model.get(), data.get());
+    check("after a reset");
+    grow();
+    check("without a reset");
+    grow();
+    data = data_of(model);
+    check("in a new mjData");
+  }
+}
+
+TEST(PluginSurfaces, AGeomThatGrowsReachesAPadFarAway) {
+  // 5 mm above a ball of 20 mm the pad is idle; it is 1 mm deep in one of 26 mm. geom_rbound, which
+  // MuJoCo leaves to the caller, is still that of 20 mm.
+  const Model model = load(pressed("<geom name='ball' type='sphere' size='.02' pos='0 0 -.02' contype='0' conaffinity='0'/>",
+                                   "ball", "explicit", one_element));
+  const Data data = data_of(model);
+  data->qpos[1] = 5e-3 - 1e-4;
+  for (int k = 0; k < 10; ++k) mj_step(model.get(), data.get());
+  ASSERT_EQ(pad_of(model.get(), data.get(), 0)->fields().front().touching(), 0U);
+  model->geom_size[0] = 0.026;
+  mj_forward(model.get(), data.get());
+  EXPECT_NEAR(pad_of(model.get(), data.get(), 0)->fields().front().penetration(0), 1e-3, 1e-12);
+}
+
 TEST_P(PluginSurfaces, PillarsAreNotCompressedBeyondTheirHeight) {
   // A PapillArray's pillars are 4.2 mm high and have 7.1 N/mm. At 4.2 mm of the middle one the edges
   // are 4.0 mm and the corners 3.75 mm compressed: 7.1 (4.2 + 4 x 4.0 + 4 x 3.75) = 250 N.
