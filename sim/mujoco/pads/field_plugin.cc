@@ -3,17 +3,21 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/error.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/register_plugin.h"
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <utility>
 
 namespace slipbench {
@@ -40,8 +44,7 @@ void report_errors(Action&& action) {
   if (message[0] != '\0') mju_error("%s", message.data());
 }
 
-// The object behind plugin_data: the pad, and for the last pad of an mjData the group of all of
-// them.
+// An instance in one mjData: the pad, and for the last pad of an mjData the group of all of them.
 struct Slot {
   PadInstance pad;
   std::unique_ptr<PadGroup> group;
@@ -49,7 +52,60 @@ struct Slot {
 
 int make(const mjModel* model, mjData* data, int instance);
 
-Slot* slot_in(const mjData* data, int instance) { return reinterpret_cast<Slot*>(data->plugin_data[instance]); }
+// The slots of every mjData, by its address. MuJoCo's plugin_data would hold a pointer, too, but
+// Python's pickle writes that as a number: a loaded MjData then has the pointer of another MjData,
+// or of another process.
+class Slots {
+ public:
+  void add(const mjData* data, int instance, std::unique_ptr<Slot> slot) {
+    const std::lock_guard lock(mutex_);
+    slots_[{data, instance}] = std::move(slot);
+    changes_.fetch_add(1, std::memory_order_release);
+  }
+
+  void remove(const mjData* data, int instance) {
+    std::unique_ptr<Slot> removed;  // deleted after the lock is released
+    const std::lock_guard lock(mutex_);
+    const auto found = slots_.find({data, instance});
+    if (found == slots_.end()) return;
+    removed = std::move(found->second);
+    slots_.erase(found);
+    changes_.fetch_add(1, std::memory_order_release);
+  }
+
+  // Throws InputError if there is none. Takes no lock if the thread has found the slot before and
+  // none has been added or removed since.
+  Slot& at(const mjData* data, int instance) {
+    struct Seen {
+      const mjData* data = nullptr;
+      int instance = 0;
+      std::uint64_t changes = 0;
+      Slot* slot = nullptr;
+    };
+    constexpr std::size_t kept = 64, alignment = 64;
+    thread_local std::array<Seen, kept> seen;
+    Seen& last = seen[(reinterpret_cast<std::uintptr_t>(data) / alignment + static_cast<std::size_t>(instance)) % kept];
+    const std::uint64_t changes = changes_.load(std::memory_order_acquire);
+    if (last.data != data || last.instance != instance || last.changes != changes) {
+      const std::lock_guard lock(mutex_);
+      const auto found = slots_.find({data, instance});
+      if (found == slots_.end()) throw InputError("this mjData has no pads; make it by mj_makeData or mj_copyData");
+      last = {data, instance, changes, found->second.get()};
+    }
+    return *last.slot;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::pair<const mjData*, int>, std::unique_ptr<Slot>> slots_;
+  std::atomic<std::uint64_t> changes_{0};
+};
+
+Slots& slots() {
+  // Never destroyed: an mjData may outlive the static objects of this library.
+  static Slots& shared = *new Slots;
+  return shared;
+}
 
 bool is_pad(const mjModel* model, int instance) {
   const mjpPlugin* plugin = mjp_getPluginAtSlot(model->plugin[instance]);
@@ -82,24 +138,25 @@ int make(const mjModel* model, mjData* data, int instance) {
     if (instance == last_pad(model)) {
       std::vector<PadInstance*> pads;
       for (int i = 0; i < instance; ++i) {
-        if (is_pad(model, i)) pads.push_back(&slot_in(data, i)->pad);
+        if (is_pad(model, i)) pads.push_back(&slots().at(data, i).pad);
       }
       pads.push_back(&slot->pad);
       slot->group = std::make_unique<PadGroup>(model, pads);
     }
-    data->plugin_data[instance] = reinterpret_cast<std::uintptr_t>(slot.release());
+    slots().add(data, instance, std::move(slot));
   });
   return 0;
 }
 
-void destroy(mjData* data, int instance) {
-  delete slot_in(data, instance);
-  data->plugin_data[instance] = 0;
-}
+void destroy(mjData* data, int instance) { slots().remove(data, instance); }
 
 void copy(mjData* to, const mjModel* /*model*/, const mjData* from, int instance) {
-  slot_in(to, instance)->pad.copy_from(slot_in(from, instance)->pad);
-  if (const auto& group = slot_in(from, instance)->group) slot_in(to, instance)->group->copy_from(*group);
+  report_errors([&] {
+    Slot& target = slots().at(to, instance);
+    const Slot& source = slots().at(from, instance);
+    target.pad.copy_from(source.pad);
+    if (source.group) target.group->copy_from(*source.group);
+  });
 }
 
 void reset(const mjModel* model, mjtNum* state, void* /*plugin_data*/, int instance) {
@@ -108,7 +165,7 @@ void reset(const mjModel* model, mjtNum* state, void* /*plugin_data*/, int insta
 
 void compute(const mjModel* model, mjData* data, int instance, int capability) {
   report_errors([&] {
-    Slot& slot = *slot_in(data, instance);
+    Slot& slot = slots().at(data, instance);
     if (capability != mjPLUGIN_PASSIVE) {
       slot.pad.write_sensors(model, data);
       return;
@@ -120,14 +177,14 @@ void compute(const mjModel* model, mjData* data, int instance, int capability) {
 
 void advance(const mjModel* model, mjData* data, int instance) {
   report_errors([&] {
-    Slot& slot = *slot_in(data, instance);
+    Slot& slot = slots().at(data, instance);
     slot.pad.commit(model, data);
     if (slot.group) slot.group->finish(model, data);
   });
 }
 
 void visualize(const mjModel* model, mjData* data, const mjvOption* /*option*/, mjvScene* scene, int instance) {
-  report_errors([&] { slot_in(data, instance)->pad.draw(model, data, scene); });
+  report_errors([&] { slots().at(data, instance).pad.draw(model, data, scene); });
 }
 
 void register_as(const char* name) {
@@ -184,12 +241,12 @@ double longest_step(const mjModel* model, mjData* data) {
 }
 
 PadInstance* pad_of(const mjModel* model, const mjData* data, int instance) {
-  return is_pad(model, instance) ? &slot_in(data, instance)->pad : nullptr;
+  return is_pad(model, instance) ? &slots().at(data, instance).pad : nullptr;
 }
 
 PadGroup* pad_group_of(const mjModel* model, const mjData* data) {
   const int last = last_pad(model);
-  return last < 0 ? nullptr : slot_in(data, last)->group.get();
+  return last < 0 ? nullptr : slots().at(data, last).group.get();
 }
 
 }  // namespace slipbench

@@ -2,7 +2,9 @@
 load it. Runs in every release of MuJoCo for which the plugin is built."""
 
 import copy
+import gc
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -244,6 +246,49 @@ class Misuse(unittest.TestCase):
             os.chdir(before)
             with open(os.path.join(folder, "MUJOCO_LOG.TXT")) as file:
                 self.assertIn("slipbench: plugin 'left': MuJoCo's own contact between", file.read())
+
+
+class Pickle(unittest.TestCase):
+    """An MjData from pickle has MuJoCo's arrays, and goes on as after mj_setState."""
+
+    def steps(self, model, data, first, last):
+        for tick in range(first, last):
+            step(model, data, tick)
+        return data.qpos.copy(), data.sensordata.copy(), data.plugin_state.copy()
+
+    def same(self, a, b):
+        for x, y in zip(a, b, strict=True):
+            np.testing.assert_array_equal(x, y)
+
+    def test_goes_on_like_the_original(self):
+        model = mujoco.MjModel.from_xml_string(grip())
+        data = mujoco.MjData(model)
+        self.steps(model, data, 0, 500)
+        written = pickle.dumps(data)
+        read = pickle.loads(written)
+        self.assertGreater(np.count_nonzero(read.plugin_state), 0)
+        there = self.steps(model, data, 500, 800)
+        self.same(self.steps(read.model, read, 500, 800), there)
+        del data, read
+        gc.collect()
+        again = pickle.loads(written)  # perhaps at the address of one that is gone
+        self.same(self.steps(again.model, again, 500, 800), there)
+
+    def test_in_another_process(self):
+        model = mujoco.MjModel.from_xml_string(grip())
+        data = mujoco.MjData(model)
+        self.steps(model, data, 0, 500)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "data")
+            with open(path, "wb") as file:
+                pickle.dump(data, file)
+            script = (f"import mujoco, pickle; mujoco.mj_loadPluginLibrary({LIBRARY!r}); data = pickle.load(open({path!r}, 'rb'))\n"
+                      "for _ in range(100): mujoco.mj_step(data.model, data)\n"
+                      "print(float(data.qpos[0]).hex())")
+            said = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True).stdout
+        for _ in range(100):
+            mujoco.mj_step(model, data)
+        self.assertEqual(said.strip(), float(data.qpos[0]).hex())
 
 
 class Unloaded(unittest.TestCase):

@@ -161,6 +161,25 @@ TEST_P(PluginState, CopyGoesOnToTheSameBits) {
   EXPECT_TRUE(same(m(), d(), overwritten.get()));
 }
 
+TEST_P(PluginState, PointersInPluginDataDoNotMatter) {
+  // As Python's pickle makes an mjData: a new one, then all arrays, plugin_data included, of an
+  // mjData that may be gone or of another process.
+  go_to_the_middle();
+  Data made = data_of(model_);
+  std::vector<mjtNum> state(static_cast<std::size_t>(mj_stateSize(m(), mjSTATE_INTEGRATION)));
+  mj_getState(m(), d(), state.data(), mjSTATE_INTEGRATION);
+  mj_setState(m(), made.get(), state.data(), mjSTATE_INTEGRATION);
+  std::copy_n(d()->plugin_data, m()->nplugin, made->plugin_data);
+  run(m(), made.get(), middle, middle + 50);
+  std::fill_n(made->plugin_data, m()->nplugin, std::uintptr_t{0xdead});
+  run(m(), made.get(), middle + 50, middle + rest);
+  run(m(), d(), middle, middle + rest);
+  EXPECT_TRUE(same(m(), made.get(), d()));
+  std::copy_n(d()->plugin_data, m()->nplugin, made->plugin_data);
+  made.reset();
+  run(m(), d(), middle + rest, middle + rest + 50);
+}
+
 TEST_P(PluginState, ResetBeginsTheSameRunAnew) {
   run(m(), d(), 0, 300);
   const Data first(mj_copyData(nullptr, m(), d()));
