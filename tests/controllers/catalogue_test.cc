@@ -91,7 +91,7 @@ TEST(Controllers, RefuseForcesThatAreNotFinite) {
   for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
     EXPECT_THAT(refusal_of([&] { (void)make(name)->update(input_of(frame, 20, PadState::non_slip, 50)); }),
-                refused_at("controller " + name, {"nan N", "1 s"}));
+                refused_at("controller", {"'" + name + "'", "nan N", "1 s"}));
   }
 }
 
