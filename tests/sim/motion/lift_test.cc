@@ -100,6 +100,15 @@ TEST(Lift, ShakesWholeCyclesFromRestToRest) {
   EXPECT_NEAR(motion->top_speed(0.1), 0.01 * pi * 4.0, 1e-15);
 }
 
+TEST(Lift, LongestStepResolvesShakingAndTilt) {
+  EXPECT_TRUE(std::isinf(lift({})->longest_step()));
+  // 32 steps in a period of 4 Hz; 3 deg at 360 deg/s.
+  EXPECT_NEAR(lift({{"shake", std::vector{0.0, 0.0, 0.01}}, {"shake_frequency", 4.0}})->longest_step(), 1.0 / 128.0, 1e-12);
+  const double turn = 2.0 * pi;
+  EXPECT_NEAR(lift({{"tilt", std::vector{1.0, 0.0}}, {"tilt_speed", turn}, {"tilt_acceleration", 1e9}})->longest_step(),
+              1.0 / 120.0, 1e-12);
+}
+
 TEST(Lift, VelocityIsTheDerivativeOfThePose) {
   const auto motion = lift(
       {{"sideways", std::vector{0.03, -0.02}}, {"tilt", std::vector{0.3, 0.2}}, {"shake", std::vector{0.002, 0.001, 0.003}}});

@@ -106,6 +106,12 @@ TEST(Rub, VelocityIsTheRateOfItsPose) {
   EXPECT_LE(fastest, motion->top_speed(10.1e-3));
 }
 
+TEST(Rub, LongestStepIsAKnotOrATurn) {
+  EXPECT_EQ(rub({11, 2})->longest_step(), 0.01);
+  // q is at most drive + 4 = 4.6: 3 deg at 4.6 x 360 deg/s.
+  EXPECT_NEAR(rub({11, 2}, {{"rotation", 2.0 * std::numbers::pi}})->longest_step(), 1.0 / 120.0 / 4.6, 1e-12);
+}
+
 // Poses and rates are smooth at the knots: 2 ns apart, both sides differ by at most rate and
 // curvature times 2 ns.
 TEST(Rub, IsSmoothOverItsKnots) {

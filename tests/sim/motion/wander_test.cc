@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -84,6 +85,19 @@ TEST(Wander, VelocityIsTheRateOfItsPose) {
   }
   EXPECT_GT(fastest, 0.0);
   EXPECT_LE(fastest, motion->top_speed(std::hypot(9.5e-3, 9.5e-3)));
+}
+
+// A coordinate is a product of two waves of up to 0.5 Hz: at least 32 steps in a period of 1 Hz. No
+// step turns by more than 3 deg.
+TEST(Wander, LongestStepResolvesTheWaves) {
+  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    const auto motion = wander({3, trial});
+    const double step = motion->longest_step();
+    EXPECT_LE(step, 1.0 / 32.0);
+    EXPECT_GT(step, 1e-3) << "a useful bound";
+    for (double t = 0.0; t < 20.0; t += 0.01)
+      ASSERT_LE(std::abs(motion->pad_at(t).angular_velocity.z()) * step, 3.0 * std::numbers::pi / 180.0);
+  }
 }
 
 TEST(Wander, IsAnotherOneInEveryTrialAndForEverySeed) {
