@@ -114,7 +114,8 @@ def main():
                 late += 1
                 continue
             statuses[result.returncode] = statuses.get(result.returncode, 0) + 1
-            if result.returncode not in (0, 1, 2) or "internal error" in result.stderr or "scene.yaml" not in result.stderr + "scene.yaml" * (result.returncode == 0):
+            placed = result.returncode == 0 or "scene.yaml" in result.stderr or "trial 0: " in result.stderr
+            if result.returncode not in (0, 1, 2) or "internal error" in result.stderr or not placed:
                 wrong.append(f"{title}: status {result.returncode}: {result.stderr.strip()[-300:]}")
             left = sorted(set(os.listdir(folder)) - {"scene.yaml"})
             if left:
