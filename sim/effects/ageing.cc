@@ -41,6 +41,7 @@ EffectKind ageing() {
            {number_spec("rate", Quantity::none, "0.03", non_negative, "Growth of mu_s for each factor e of time.",
                         "assumed; 0.01 to 0.05 for polymers"),
             number_spec("time", Quantity::time, "100 ms", positive, "Time from which on the growth is logarithmic.", "assumed")}},
+          {Change::static_friction},
           [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
             effects.friction.push_back(std::make_unique<Ageing>(p, context));
           }};

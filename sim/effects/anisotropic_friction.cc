@@ -109,6 +109,7 @@ EffectKind anisotropic_friction() {
             "angle", Quantity::angle, "0 deg", any_value,
             "Direction of the grain in the surface, from the surface's X axis; on the side faces of a box the grain is horizontal.",
             "assumed")}},
+      {Change::static_friction, Change::kinetic_friction},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         // On a curved surface the grain's direction would jump where the surface normal is parallel
         // to it.

@@ -164,6 +164,7 @@ EffectKind asperities() {
         number_spec("speed", Quantity::speed, "10 mm/s", positive, "Speed at which the median of A is `amplitude`.", "assumed"),
         number_spec("second", Quantity::none, "1", non_negative, "Amplitude of the second mode over that of the first.",
                     "assumed: a short blow excites both modes alike")}},
+      {Change::tip_force, Change::stick_force},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!effects.tip) throw SceneValueError("effects", "asperities needs the effect inertia");
         if (effects.tip->damping_ratio() >= 1.0) {

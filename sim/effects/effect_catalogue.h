@@ -30,9 +30,22 @@ struct EffectContext {
   [[nodiscard]] RandomStream stream(std::string_view name) const { return {seed, trial, "effect." + std::string(name)}; }
 };
 
+// Changes by an effect of the labels of a field, compared with springs and Coulomb friction of the
+// scene (sim/contact/field.h). tools/verify derives from it which laws the labels obey.
+enum class Change : std::uint8_t {
+  static_friction,        // mu_s, or the shape of the cone; `margin` includes it
+  kinetic_friction,       // mu_k, or the shape of the cone; slipping units keep margin >= 0
+  less_kinetic_friction,  // only less than the scene's mu_k
+  more_kinetic_friction,  // only more than the scene's mu_k, also more than mu_s
+  tip_force,              // slipping, partly slipping and detached units: the tangential force is not the friction
+  stick_force,            // sticking units: likewise
+  normal_force,           // f_n is not k_n times the depth of the undeformed tip in the surface's shape
+};
+
 // An effect: its entry in the catalogue, and the function that adds it to a field.
 struct EffectKind {
   Entry about;
+  std::vector<Change> changes;
   // Adds the effect to `effects`. Throws SceneValueError if it does not fit the field.
   void (*install)(const Parameters& parameters, const EffectContext& context, FieldEffects& effects);
   // True: installed after the effect that moves the tips, whatever the scene's order.

@@ -79,6 +79,7 @@ EffectKind elastic_skin() {
         number_spec("tolerance", Quantity::none, "0.0001", {1e-10, 1e-2},
                     "Residual at which the solver stops, as a share of the largest depth and of the largest friction.",
                     "error of a force below 0.01 % of the load: tests/oracle")}},
+      {Change::normal_force},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (effects.skin) throw SceneValueError("effects", "elastic_skin is listed twice");
         if (context.dashpots) {

@@ -230,6 +230,7 @@ EffectKind inertia() {
                     "assumed: elements of one skin differ; with equal frequencies they would ring as one"),
         number_spec("damping", Quantity::none, "0.1", {0.0, 10.0}, "Damping ratio; elements with a ratio below 1 ring.",
                     "assumed: a stroked PVDF finger has 0.06")}},
+      {Change::tip_force},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.plane) throw SceneValueError("effects", "inertia needs a plane (surface.shape: plane)");
         if (context.dashpots) {

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "sim/core/error.h"
-#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {
@@ -32,6 +31,10 @@ EffectContext context_for(const PadLayout& layout, const Surface& surface, std::
 
 }  // namespace
 
+const EffectKind& effect_kind(std::string_view name) {
+  return *std::ranges::find(effect_catalogue(), name, [](const EffectKind& kind) { return std::string_view(kind.about.name); });
+}
+
 FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
                              std::uint64_t seed, std::uint64_t trial) {
   FieldEffects installed;
@@ -39,10 +42,9 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
   const EffectContext context = context_for(layout, surface, seed, trial);
   for (const bool after_tip : {false, true}) {
     for (const Named& effect : effects) {
-      const auto kind =
-          std::ranges::find(effect_catalogue(), effect.name, [](const EffectKind& known) { return known.about.name; });
-      if (kind->after_tip != after_tip) continue;
-      kind->install(effect.parameters, context, installed);
+      const EffectKind& kind = effect_kind(effect.name);
+      if (kind.after_tip != after_tip) continue;
+      kind.install(effect.parameters, context, installed);
       if (installed.tip && moves_tips.empty()) moves_tips = effect.name;
       const bool maps = installed.cone || installed.rate || installed.lean || !installed.rheology.empty();
       if (maps && maps_tips.empty()) maps_tips = effect.name;

@@ -16,6 +16,7 @@ EffectKind lean() {
             "geometry: length x (gap of 0.254 mm minus its reduction by load) / 1.4 mm, the distance from the hinge to the edge that touches down"),
         number_spec("stop_stiffness", Quantity::stiffness, "1 N/mm", non_negative, "Stiffness that the stop adds.",
                     "assumed: five times the column's own")}},
+      {Change::normal_force},
       [](const Parameters& p, const EffectContext&, FieldEffects& effects) {
         effects.lean = Lean{p.number("length"), p.number("stop"), p.number("stop_stiffness")};
       }};

@@ -38,6 +38,7 @@ EffectKind load_dependent_friction() {
        {number_spec("reference", Quantity::force, "1 N", positive, "Normal force of a unit at which mu is the scene's.",
                     "assumed"),
         number_spec("exponent", Quantity::none, "0.3333333333333333", {0.0, 1.0}, "Exponent of the fall.", "Schallamach 1958")}},
+      {Change::static_friction, Change::kinetic_friction},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.friction.push_back(std::make_unique<LoadDependentFriction>(p, context));
       }};

@@ -145,6 +145,7 @@ EffectKind patchy_friction() {
             number_spec("shortest", Quantity::length, "2 mm", positive, "Shortest wavelength.", "assumed"),
             number_spec("longest", Quantity::length, "5 mm", positive, "Longest wavelength, at most ten times `shortest`.",
                         "assumed")}},
+          {Change::static_friction, Change::kinetic_friction},
           [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
             if (!context.flat_surface)
               throw SceneValueError("effects", "patchy_friction needs a flat surface; allowed shapes: plane, box");

@@ -138,6 +138,7 @@ EffectKind roughness() {
                      "3: the fewest whose sum looks alike in all directions up to curvature"),
         number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the first ridges, from the surface's X axis.",
                     "assumed")}},
+      {Change::normal_force},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.flat_surface) throw SceneValueError("effects", "roughness needs a flat surface; allowed shapes: plane, box");
         refuse_unordered(p.number("shortest"), p.number("longest"));

@@ -35,6 +35,7 @@ EffectKind stribeck() {
             number_spec("speed", Quantity::speed, "2 mm/s", positive, "Stribeck speed.", "assumed"),
             number_spec("exponent", Quantity::none, "1", positive, "Shape of the fall; 2 in the LuGre paper, 0.5 to 2 in use.",
                         "assumed")}},
+          {Change::less_kinetic_friction},
           [](const Parameters& p, const EffectContext&, FieldEffects& effects) {
             effects.friction.push_back(std::make_unique<Stribeck>(p));
           }};

@@ -111,6 +111,7 @@ EffectKind texture() {
                     "Amplitude of a slow wave along the same direction, as on a board that is not flat.", "0: none"),
         number_spec("waviness_length", Quantity::length, "150 mm", positive, "Length of the slow wave.",
                     board + ": a quarter of the variance has one wave in the 150 mm of a slide")}},
+      {Change::normal_force},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         if (!context.flat_surface) throw SceneValueError("effects", "texture needs a flat surface; allowed shapes: plane, box");
         check_profile(p);

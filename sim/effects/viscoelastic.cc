@@ -91,6 +91,7 @@ EffectKind viscoelastic() {
        {number_spec("relaxation", Quantity::none, "0.05", {0.0, 0.99}, "Share of the stiffness that relaxes.",
                     "assumed; recordings show about 4 % per decade of time"),
         number_spec("time", Quantity::time, "1 s", positive, "Relaxation time at constant deflection.", "assumed")}},
+      {Change::normal_force},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.rheology.push_back(std::make_unique<Viscoelastic>(p, context));
       }};

@@ -98,6 +98,7 @@ EffectKind viscous_friction() {
                     "Growth of friction for every factor 10 of the speed, far above `speed`.",
                     "assumed: the gradual slip of the published PTFE trials suggests some strengthening"),
         number_spec("speed", Quantity::speed, "1 mm/s", positive, "Speed of slip from which on friction grows.", "assumed")}},
+      {Change::more_kinetic_friction},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
         effects.rate = std::make_unique<ViscousFriction>(p, context);
       }};

@@ -12,6 +12,7 @@ class Nothing final : public FrictionEffect {
 
 EffectKind nothing() {
   return {{"nothing", "Does nothing.", "mu = mu", "this test", {}},
+          {},
           [](const Parameters&, const EffectContext&, FieldEffects& effects) {
             effects.friction.push_back(std::make_unique<Nothing>());
           }};

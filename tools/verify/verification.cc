@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <span>
 
 #include <fmt/format.h>
@@ -11,7 +10,6 @@
 #include "sim/api/contact_frame.h"
 #include "sim/core/math.h"
 #include "tools/dataset/record/encoder.h"
-#include "tools/registry/sensor_catalogue.h"
 
 namespace slipbench::verify {
 namespace {
@@ -20,16 +18,15 @@ struct About {
   const char* name;
   const char* items;  // counted items
 };
-constexpr std::array<About, 7> about{{{"digests", "trials"},
+constexpr std::array<About, 8> about{{{"digests", "trials"},
                                       {"order", "trials"},
                                       {"times", "samples"},
                                       {"values", "values"},
                                       {"events", "samples of units"},
                                       {"cone", "samples of units"},
+                                      {"slip", "samples of units"},
                                       {"contact", "samples of units"}}};
 
-// s; an event at the instant of a sample may count before or after it.
-constexpr double same_instant = 1e-9;
 constexpr double of_a_sample = 1e-6;
 
 void check_rising(const std::vector<double>& times, std::optional<double> rate, const Where& where, Verification& verification) {
@@ -39,7 +36,7 @@ void check_rising(const std::vector<double>& times, std::optional<double> rate, 
     const Where here{where.trial, where.array, i};
     if (!(step > 0.0)) {
       verification.fail(Check::times, here, fmt::format("{} s after {} s", times[i], times[i - 1]));
-    } else if (rate && std::abs(step * *rate - 1.0) > of_a_sample) {
+    } else if (rate && !(std::abs(step * *rate - 1.0) <= of_a_sample)) {
       verification.fail(Check::times, here,
                         fmt::format("{} s after the previous sample, but {} s by rate_hz", step, 1.0 / *rate));
     }
@@ -70,6 +67,19 @@ constexpr auto never = [](std::size_t) { return false; };
 constexpr std::array<UnitState, 6> state_after{UnitState::stick,    UnitState::slip,    UnitState::stick,
                                                UnitState::detached, UnitState::partial, UnitState::partial};
 
+// True if an event of `kind` can happen to a unit in `state`.
+bool can_follow(UnitState state, EventKind kind) {
+  switch (kind) {
+    case EventKind::touch: return state == UnitState::detached;
+    case EventKind::micro: return state == UnitState::stick;
+    case EventKind::slip: return state == UnitState::partial;  // after micro, at the latest at the same time
+    case EventKind::stick: return state == UnitState::slip || state == UnitState::partial;
+    case EventKind::part_sticks: return state == UnitState::slip;
+    case EventKind::detach: return state != UnitState::detached;
+  }
+  return false;
+}
+
 // For each unit the first time of an event whose kind `counts`.
 template <class Counts>
 std::vector<double> first_times(const LabelRecord& labels, const Counts& counts) {
@@ -90,14 +100,15 @@ class EventCheck {
         trial_(trial),
         verification_(verification) {}
 
-  void run() {
-    if (!events_are_sound()) return;
+  bool run() {
+    if (!events_are_sound()) return false;
     check_onsets("onset_time_s", labels_.onset_time,
                  first_times(labels_, [](EventKind kind) { return kind == EventKind::slip; }));
     check_onsets("micro_onset_time_s", labels_.micro_onset_time,
                  first_times(labels_, [](EventKind kind) { return kind == EventKind::slip || kind == EventKind::micro; }));
     for (std::size_t unit = 0; unit < labels_.units(); ++unit) check_unit(unit);
     check_pad();
+    return true;
   }
 
  private:
@@ -131,12 +142,27 @@ class EventCheck {
     }
   }
 
+  // Each event of a unit must be possible after the unit's previous one.
+  void check_sequence(const std::vector<std::size_t>& events) {
+    UnitState state = UnitState::detached;
+    for (const std::size_t e : events) {
+      const auto kind = static_cast<EventKind>(labels_.event_kind[e]);
+      if (!can_follow(state, kind)) {
+        fail("events/kind", e,
+             fmt::format("unit {}: {} is not possible in the state {}", labels_.event_unit[e], labels_.event_kind[e],
+                         static_cast<int>(state)));
+      }
+      state = state_after[labels_.event_kind[e]];
+    }
+  }
+
   // The state of each sample must be that after the last event before it.
   void check_unit(std::size_t unit) {
     std::vector<std::size_t> events;
     for (std::size_t e = 0; e < labels_.event_time.size(); ++e) {
       if (labels_.event_unit[e] == unit) events.push_back(e);
     }
+    check_sequence(events);
     std::size_t before = 0, until = 0;  // events certainly before the sample, and those possibly before it
     for (std::size_t row = 0; row < time_.size(); ++row) {
       while (before < events.size() && labels_.event_time[events[before]] <= time_[row] - same_instant) ++before;
@@ -214,6 +240,28 @@ void check_slip_direction(const LabelRecord& labels, const Where& where, Verific
   }
 }
 
+// Checks that each entry is a state of a pad.
+void check_codes(const std::vector<std::uint8_t>& states, const Where& where, Verification& verification) {
+  verification.count(Check::values, states.size());
+  for (std::size_t row = 0; row < states.size(); ++row) {
+    if (states[row] > static_cast<std::uint8_t>(PadState::gross))
+      verification.fail(Check::values, {where.trial, where.array, row}, fmt::format("{} is not a state of a pad", states[row]));
+  }
+}
+
+// A pose's quaternion is a rotation, rounded to float32.
+void check_rotations(const BodyRecord& body, const Where& where, Verification& verification) {
+  constexpr double rounded = 1e-6;  // four components of at most 1, each with an error of 6e-8
+  for (std::size_t row = 0; row < body.pose.size() / 7; ++row) {
+    double squares = 0.0;
+    for (std::size_t k = 3; k < 7; ++k)
+      squares += static_cast<double>(body.pose[7 * row + k]) * static_cast<double>(body.pose[7 * row + k]);
+    if (std::isfinite(squares) && std::abs(squares - 1.0) > rounded)
+      verification.fail(Check::values, {where.trial, where.array, row},
+                        fmt::format("the quaternion has the length {}, not 1", std::sqrt(squares)));
+  }
+}
+
 void check_label_values(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
   const LabelRecord& labels = sensor.labels;
   const std::size_t units = labels.units(), rows = sensor.time.size();
@@ -243,21 +291,16 @@ void check_label_values(const SensorRecord& sensor, std::size_t trial, Verificat
       verification.fail(Check::values, {trial, at("unit_state").array, i / units},
                         fmt::format("{} is not a state of a unit", labels.unit_state[i]));
   }
-}
-
-// Labels are float32, so both sides of the law are rounded at 6e-8 of the force.
-constexpr double relative = 1e-6;
-constexpr double least_force = 1e-9;  // N
-constexpr double of_margin = 1e-5;
-
-// True if the elements of a pad point in several directions, as those of a fingertip do.
-bool is_curved(const PadLayout& layout) {
-  return std::ranges::any_of(layout.elements,
-                             [&](const Element& element) { return element.axis != layout.elements.front().axis; });
-}
-
-bool has_sums(const PadLayout& layout) {
-  return std::ranges::any_of(layout.units, [](const UnitRange& unit) { return unit.count > 1; });
+  check_codes(labels.state_paper, at("state_paper"), verification);
+  const auto attribute = [&](const char* name, std::size_t unit, double value, bool holds) {
+    if (!holds) verification.fail(Check::values, at(name), fmt::format("unit {}: is {}", unit, value));
+  };
+  for (std::size_t unit = 0; unit < units; ++unit) {
+    attribute("k_normal", unit, labels.k_normal[unit], labels.k_normal[unit] > 0.0);
+    attribute("k_tangential", unit, labels.k_tangential[unit], labels.k_tangential[unit] > 0.0);
+    attribute("mu_kinetic", unit, labels.mu_kinetic[unit], labels.mu_kinetic[unit] >= 0.0);
+    attribute("mu_static", unit, labels.mu_static[unit], labels.mu_static[unit] >= labels.mu_kinetic[unit]);
+  }
 }
 
 }  // namespace
@@ -312,6 +355,8 @@ void check_times(const TrialRecord& record, Verification& verification) {
   for (const SensorRecord& sensor : record.sensors) {
     // Imported recordings keep their recorded steps.
     const auto rate = sensor.labels.truth ? std::optional(sensor.rate) : std::nullopt;
+    if (rate && !(*rate > 0.0 && std::isfinite(*rate)))
+      verification.fail(Check::times, {record.trial, sensor_group(sensor.name)}, fmt::format("rate_hz is {}", *rate));
     check_rising(sensor.time, rate, {record.trial, sensor_group(sensor.name) + "/t"}, verification);
     for (const SensorColumn& channel : sensor.channels) {
       if (channel.time)
@@ -335,6 +380,7 @@ void check_values(const TrialRecord& record, Verification& verification) {
   }
   for (const BodyRecord& body : record.bodies) {
     check_finite(body.pose, record.body_time.size(), {record.trial, body_group(body.name) + "/pose"}, verification, never);
+    check_rotations(body, {record.trial, body_group(body.name) + "/pose"}, verification);
     check_finite(body.velocity, record.body_time.size(), {record.trial, body_group(body.name) + "/velocity"}, verification,
                  never);
   }
@@ -342,98 +388,35 @@ void check_values(const TrialRecord& record, Verification& verification) {
     const std::size_t rows = record.control->time.size();
     check_finite(record.control->grip.grip_force, rows, {record.trial, "control/grip_force"}, verification, never);
     check_finite(record.control->grip.arm, rows, {record.trial, "control/arm_speed"}, verification, never);
+    check_codes(record.control->detector_class, {record.trial, "control/detector_class"}, verification);
   }
 }
 
-void check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
-  EventCheck(sensor, trial, verification).run();
+bool check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
+  return EventCheck(sensor, trial, verification).run();
 }
 
-ConeLaw cone_law(const Scene& scene, std::size_t index) {
-  ConeLaw law;
-  const auto leave_out = [&law](const std::vector<bool ConeLaw::*>& parts, const std::string& why) {
-    for (const auto part : parts) law.*part = false;
-    law.left_out.push_back(why);
+void check_outcome(const TrialRecord& record, Verification& verification) {
+  double touch = std::numeric_limits<double>::quiet_NaN(), micro = touch, distance = 0.0;
+  for (const SensorRecord& sensor : record.sensors) {
+    if (!sensor.follows.empty()) continue;
+    const LabelRecord& labels = sensor.labels;
+    for (const double time : first_times(labels, [](EventKind kind) { return kind == EventKind::touch; }))
+      touch = std::fmin(touch, time);
+    for (const double time : labels.micro_onset_time) micro = std::fmin(micro, time);
+    for (const float slipped : labels.slip_distance) distance = std::max(distance, static_cast<double>(slipped));
+  }
+  const auto fail = [&](const char* key, double written, double found) {
+    verification.fail(Check::events, {record.trial, fmt::format("outcome/{}", key)},
+                      fmt::format("is {}, but {} by the labels", written, found));
   };
-  if (scene.fidelity != "field") {
-    leave_out({&ConeLaw::margin, &ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-              fmt::format("all: fidelity {} satisfies the cone only to the solver's tolerance", scene.fidelity));
-    return law;
-  }
-  for (const Named& effect : scene.effects) {
-    const std::string& name = effect.name;
-    if (name == "ageing" || name == "anisotropic_friction" || name == "load_dependent_friction" || name == "patchy_friction") {
-      leave_out(
-          {&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-          fmt::format("all except margin >= 0: {} changes the friction, but mu_static and mu_kinetic are those of the scene",
-                      name));
-    } else if (name == "viscous_friction") {
-      leave_out({&ConeLaw::partial_margin, &ConeLaw::partial_stick, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                "slip and partial: viscous_friction adds to mu_kinetic, so slipping units may carry more than mu_static f_n");
-    } else if (name == "stribeck") {
-      leave_out({&ConeLaw::slip_least}, "lower bound of slip: stribeck lowers mu_kinetic");
-    } else if (name == "inertia") {
-      leave_out(
-          {&ConeLaw::margin_value, &ConeLaw::partial_stick, &ConeLaw::slip_most, &ConeLaw::slip_least},
-          "slip, partial except margin >= 0, and the value of margin: with inertia the force of a slipping tip includes that of its mass");
-    } else if (name == "asperities") {
-      leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                "all except margin >= 0: with asperities the force includes that of ringing elements");
-    }
-  }
-  const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.at(index), scene.seed, 0);
-  if (has_sums(sensor->layout())) {
-    if (scene.surface.name != "plane" || (is_curved(sensor->layout()) && scene.dynamic())) {
-      leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                "all except margin >= 0: elements of one unit touch faces with different directions");
-    } else {
-      leave_out({&ConeLaw::slip_least}, "lower bound of slip: a unit is the sum of elements with different directions");
-    }
-  }
-  return law;
-}
-
-void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t trial, Verification& verification) {
-  const LabelRecord& labels = sensor.labels;
-  const std::size_t units = labels.units();
-  for (const std::string& why : law.left_out) verification.leave_out(Check::cone, why);
-  for (std::size_t i = 0; i < labels.unit_state.size(); ++i) {
-    const std::size_t unit = i % units;
-    const auto state = static_cast<UnitState>(labels.unit_state[i]);
-    const float* force = labels.force.data() + 3 * i;
-    const double tangential = math::hypot(static_cast<double>(force[0]), static_cast<double>(force[1]));
-    const double normal = force[2];
-    const double margin = labels.margin[i];
-    const auto fail = [&](const char* array, const std::string& what) {
-      verification.fail(Check::cone, {trial, fmt::format("labels/{}/{}", sensor.name, array), i / units},
-                        fmt::format("unit {}: {}", unit, what));
-    };
-    if (state == UnitState::detached) {
-      if (tangential != 0.0 || normal != 0.0)
-        fail("force", fmt::format("is detached, but carries {} N", math::hypot(tangential, normal)));
-      continue;
-    }
-    verification.count(Check::cone, 1);
-    const double slack = least_force + relative * std::abs(normal);
-    const double most_stuck = labels.mu_static[unit] * normal, slipping = labels.mu_kinetic[unit] * normal;
-    if (normal < -slack) fail("force", fmt::format("touches, but is pulled with {} N", -normal));
-    if (state == UnitState::slip) {
-      if (law.slip_most && tangential > slipping + slack)
-        fail("force", fmt::format("slips at f_t = {} N, more than mu_kinetic f_n = {} N", tangential, slipping));
-      if (law.slip_least && tangential < slipping - slack)
-        fail("force", fmt::format("slips at f_t = {} N, less than mu_kinetic f_n = {} N", tangential, slipping));
-    } else {
-      const bool whole = state == UnitState::stick;
-      if (law.margin && (whole || law.partial_margin) && margin < -of_margin)
-        fail("margin", fmt::format("sticks with the margin {}, below 0", margin));
-      if (law.stick && (whole || law.partial_stick) && tangential > most_stuck + slack)
-        fail("force", fmt::format("sticks at f_t = {} N, more than mu_static f_n = {} N", tangential, most_stuck));
-    }
-    if (law.margin_value && most_stuck > 0.0 &&
-        std::abs(margin - (1.0 - tangential / most_stuck)) > of_margin * std::max(1.0, std::abs(margin))) {
-      fail("margin", fmt::format("is {}, but 1 - f_t/(mu_static f_n) is {}", margin, 1.0 - tangential / most_stuck));
-    }
-  }
+  const auto differ = [](double a, double b) { return a != b && !(std::isnan(a) && std::isnan(b)); };
+  const TrialOutcome& outcome = record.outcome;
+  if (differ(outcome.touch_time, touch)) fail("touch_time_s", outcome.touch_time, touch);
+  if (differ(outcome.first_micro_slip_time, micro)) fail("first_micro_slip_time_s", outcome.first_micro_slip_time, micro);
+  // Labels are float32.
+  if (distance > outcome.max_slip_distance * (1.0 + 0x1p-23) + 0x1p-149)
+    fail("max_slip_distance_m", outcome.max_slip_distance, distance);
 }
 
 }  // namespace slipbench::verify

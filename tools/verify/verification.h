@@ -7,13 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/scene.h"
 #include "tools/dataset/record/json.h"
 #include "tools/dataset/record/trial_record.h"
 
 namespace slipbench::verify {
 
-enum class Check : std::size_t { digests, order, times, values, events, cone, contact };
+enum class Check : std::size_t { digests, order, times, values, events, cone, slip, contact };
+
+// s; an event at the instant of a sample may count before or after the sample.
+inline constexpr double same_instant = 1e-9;
 
 // Location of a failure.
 struct Where {
@@ -50,36 +52,26 @@ class Verification {
   };
   Entry& entry_of(Check check) { return entries_[static_cast<std::size_t>(check)]; }
 
-  std::array<Entry, 7> entries_;
+  std::array<Entry, 8> entries_;
 };
 
-// Times must rise strictly, those of a sensor at its rate to 1e-6 of a sample.
+// Times must rise strictly, those of a sensor at its rate to 1e-6 of a sample. Rates must be
+// positive and finite.
 void check_times(const TrialRecord& record, Verification& verification);
 
 // Values must be finite, except where README.md of tools/dataset allows NaN: without contact,
 // or where the slip has no direction.
 void check_values(const TrialRecord& record, Verification& verification);
 
-// Events must be in order, onset times the first events, unit_state the state after the events, and
-// the pad's states those of its units.
-void check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification);
+// Events must be in order, each must be possible in the state that the unit's earlier events leave,
+// onset times must be the first events, unit_state the state after the events, and the pad's states
+// those of its units. Returns false if the events name units or kinds that do not exist, or are out
+// of order: no other check can use them.
+bool check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification);
 
-// Coulomb's law in the labels, as far as README.md states that it holds for a unit.
-// Parts of the law that the labels of one sensor obey.
-struct ConeLaw {
-  bool partial_margin = true;              // margin holds for partially slipping units
-  bool partial_stick = true;               // stick holds for them
-  bool margin = true;                      // stick and partial: margin >= 0
-  bool stick = true;                       // stick and partial: f_t <= mu_static f_n
-  bool margin_value = true;                // touching: margin = 1 - f_t/(mu_static f_n)
-  bool slip_most = true;                   // slip: f_t <= mu_kinetic f_n
-  bool slip_least = true;                  // slip: f_t >= mu_kinetic f_n
-  std::vector<std::string> left_out = {};  // parts that do not hold, and why
-};
-
-// The law for sensor `index` of a trial's scene.
-ConeLaw cone_law(const Scene& scene, std::size_t index);
-
-void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t trial, Verification& verification);
+// The outcome's first touch and first micro-slip must be the earliest of the labels, and no slipped
+// distance of the labels may exceed the outcome's greatest one. Sensors that follow another pad do
+// not count.
+void check_outcome(const TrialRecord& record, Verification& verification);
 
 }  // namespace slipbench::verify

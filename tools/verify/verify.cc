@@ -21,7 +21,9 @@
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/recorded_scene.h"
+#include "tools/verify/cone.h"
 #include "tools/verify/contact.h"
+#include "tools/verify/slip.h"
 #include "tools/verify/verification.h"
 #include "tools/workers/ordered_children.h"
 
@@ -200,7 +202,7 @@ class DatasetCheck {
                            fmt::format("has the seed {}, but its file has {}", record.seed, reader_.header().seed));
       }
       if (record.sensors.empty()) {
-        for (const Check check : {Check::times, Check::values, Check::events, Check::cone, Check::contact}) {
+        for (const Check check : {Check::times, Check::values, Check::events, Check::cone, Check::slip, Check::contact}) {
           verification_.leave_out(check, "trials without arrays (--record outcome)");
         }
         return;
@@ -209,13 +211,15 @@ class DatasetCheck {
       verify::check_values(record, verification_);
       check_samples(trial, record);
       if (const std::string& truth = reader_.header().truth; !truth.empty()) {
-        for (const Check check : {Check::events, Check::cone, Check::contact})
+        for (const Check check : {Check::events, Check::cone, Check::slip, Check::contact})
           verification_.leave_out(check, fmt::format("all: the dataset has no truth ({})", truth));
         verification_.leave_out(Check::times, "times against rate_hz: an imported recording keeps the recorded times");
         return;
       }
-      for (const SensorRecord& sensor : record.sensors) verify::check_events(sensor, trial, verification_);
-      check_laws(record);
+      bool sound = true;
+      for (const SensorRecord& sensor : record.sensors) sound = verify::check_events(sensor, trial, verification_) && sound;
+      if (sound) verify::check_outcome(record, verification_);
+      check_laws(record, sound);
     });
   }
 
@@ -233,14 +237,14 @@ class DatasetCheck {
     }
   }
 
-  // Checks Coulomb's law, and contact with one surface.
-  void check_laws(const TrialRecord& record) {
+  // Checks Coulomb's law, slip if the events are `sound`, and contact with one surface.
+  void check_laws(const TrialRecord& record, bool sound) {
     std::optional<Scene> scene;
     try {
       if (!scene_) scene_ = recorded_file(reader_);
       scene = recorded_scene(*scene_, record, catalogues_);
     } catch (const std::exception& error) {
-      for (const Check check : {Check::cone, Check::contact})
+      for (const Check check : {Check::cone, Check::slip, Check::contact})
         verification_.leave_out(check, fmt::format("all: this program cannot read the scene ({})", error.what()));
       return;
     }
@@ -252,6 +256,7 @@ class DatasetCheck {
       }
       const auto index = static_cast<std::size_t>(found - scene->sensors.begin());
       verify::check_cone(verify::cone_law(*scene, index), sensor, record.trial, verification_);
+      if (sound) verify::check_slip(scene->fidelity, sensor, record.trial, verification_);
       verify::check_contact(*scene, index, record, sensor, verification_);
     }
   }

@@ -9,6 +9,7 @@
 #include "tools/dataset/batches.h"
 #include "tools/dataset/writer.h"
 #include "tools/trial/run_trial.h"
+#include "tools/verify/cone.h"
 #include "tools/verify/contact.h"
 #include "tools/verify/verification.h"
 
@@ -182,7 +183,74 @@ TEST_F(VerifyTest, ConeIsHeldForEveryUnit) {
   EXPECT_THAT(with_pull(sliding, 0.39).at(0), HasSubstr("less than mu_kinetic f_n"));
 }
 
+// Labels are float32, so f_t and mu f_n are known to 2^-24 = 6e-8 each, for any mu: a sliding pad holds
+// where mu f_n is 30 times f_n and where it is no float32 at all, and a force of mu f_n (1 + 1e-6)
+// does not hold.
+TEST_F(VerifyTest, FrictionOfAnySizeIsHeldToTheRoundingOfItsForce) {
+  for (const char* mu : {"30", "1e-60", "0"}) {
+    const std::string text =
+        std::string("slipbench: 1\nduration: 0.9 s\ntime_step: 1 ms\nfriction: {static: ") + mu + ", kinetic: " + mu +
+        "}\nmotion: {compression: 1 mm, start: 0.5 s, speed: 1 m/s, acceleration: 10 m/s2}\nsensors: {pad: {type: papillarray}}\n";
+    const Verified verified = verified_run(path(std::string(mu) + ".h5"), text);
+    EXPECT_TRUE(verified.holds) << mu << verified.datasets.dump(1);
+  }
+  const auto with_friction = [&](double factor) {
+    return failures([=](TrialRecord& record) {
+      float* force = labels_of(record).force.data() + 3 * (9 * sliding + 4);
+      force[0] = static_cast<float>(0.4 * factor * static_cast<double>(force[2]));
+      force[1] = 0.0F;
+    });
+  };
+  EXPECT_THAT(with_friction(1.0), IsEmpty());
+  EXPECT_THAT(with_friction(1.0 + 1e-6).at(0), HasSubstr("cone: labels/pad/force 88: unit 4: slips at f_t = "));
+}
+
+// A tip with mass rings on after its contact ends: k u + c u' stays in the record, without f_n.
+TEST_F(VerifyTest, FreeTipsWithMassRing) {
+  const Scene scene = parsed(
+      "slipbench: 1\nduration: 0.5 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\neffects: [inertia]\n"
+      "motion: {compression: 1 mm, gap: 0 mm, approach_speed: 100 mm/s, acceleration: 10 m/s2, start: 0.2 s, speed: 20 mm/s, retract: 0.4 s}\n"
+      "sensors: {pad: {type: papillarray}}\n");
+  TrialRecord record = run_trial(scene, 0, Recording::full).record;
+  LabelRecord& labels = record.sensors[0].labels;
+  const auto cone_failures = [&] {
+    verify::Verification verification;
+    verify::check_cone(verify::cone_law(scene, 0), record.sensors[0], 0, verification);
+    const Json json = verification.json();
+    std::vector<std::string> found;
+    for (const Json& failure : json.at("failures")) found.push_back(failure.at("what"));
+    return found;
+  };
+  EXPECT_THAT(cone_failures(), IsEmpty());
+  const std::size_t last = labels.unit_state.size() - 5;  // the centre pillar at the end, 1 mm above the surface
+  ASSERT_EQ(labels.unit_state[last], 0);
+  EXPECT_NE(labels.force[3 * last], 0.0F);
+  labels.force[3 * last + 2] = 0.5F;
+  EXPECT_THAT(cone_failures(), ElementsAre(HasSubstr("unit 4: is detached, but f_n is 0.5 N")));
+}
+
+TEST_F(VerifyTest, SlipIsHeldAgainstStates) {
+  const auto with = [&](const auto& change) { return failures([&](TrialRecord& record) { change(labels_of(record)); }); };
+  constexpr std::size_t stuck = 9 * pressed + 3, slips = 9 * sliding + 3;
+  EXPECT_THAT(with([](LabelRecord& labels) { labels.slip_velocity[2 * stuck + 1] = 1e-9F; }),
+              ElementsAre(HasSubstr("slip: labels/pad/slip_velocity 48: unit 3: is (0, 1e-09) m/s, but the unit sticks")));
+  EXPECT_THAT(with([](LabelRecord& labels) { labels.slip_distance[slips] = 0.0F; }).at(0),
+              HasSubstr("slip: labels/pad/slip_distance 88: unit 3: falls from "));
+  EXPECT_THAT(with([](LabelRecord& labels) { labels.slip_distance[stuck] = 1e-9F; }).at(0),
+              HasSubstr("slip: labels/pad/slip_distance 48: unit 3: grows from 0 m to 1e-09 m while no part slips"));
+  EXPECT_THAT(with([](LabelRecord& labels) { labels.slip_angle[pressed] = 1e-3F; }).at(0),
+              HasSubstr("slip: labels/pad/slip_angle 48: changes from 0 rad to 0.001 rad while no unit slips"));
+  EXPECT_THAT(with([](LabelRecord& labels) { labels.slip_centre[2 * pressed] = 0.0F; }),
+              ElementsAre(HasSubstr("slip: labels/pad/slip_centre 48: is not NaN")));
+  EXPECT_THAT(with([](LabelRecord& labels) { labels.stuck_fraction[pressed] = 0.5F; }),
+              ElementsAre(HasSubstr("slip: labels/pad/stuck_fraction 48: is 0.5; expected 1")));
+  EXPECT_THAT(with([](LabelRecord& labels) { labels.stuck_fraction[sliding] = 0.5F; }),
+              ElementsAre(HasSubstr("slip: labels/pad/stuck_fraction 88: is 0.5; expected 0")));
+}
+
 TEST_F(VerifyTest, EventsAreHeldAgainstOnsetsAndStates) {
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).event_kind[0] = 3; }).at(0),
+              HasSubstr("3 is not possible in the state 0"));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).onset_time.assign(9, 1.2345); }).at(0),
               HasSubstr("events: labels/pad/events/t: unit 0: onset_time_s is 1.2345 s, but its first such event is at "));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).unit_state[9 * sliding + 3] = 3; }),
@@ -197,12 +265,28 @@ TEST_F(VerifyTest, EventsAreHeldAgainstOnsetsAndStates) {
               HasSubstr("events: labels/pad/events/unit 2: 9 is not a unit"));
 }
 
+TEST_F(VerifyTest, OutcomeIsThatOfTheLabels) {
+  EXPECT_THAT(failures([](TrialRecord& record) { record.outcome.touch_time += 1e-3; }),
+              ElementsAre(HasSubstr("events: outcome/touch_time_s: is ")));
+  EXPECT_THAT(failures([](TrialRecord& record) { record.outcome.first_micro_slip_time = 0.1; }),
+              ElementsAre(HasSubstr("events: outcome/first_micro_slip_time_s: is 0.1, but ")));
+  EXPECT_THAT(failures([](TrialRecord& record) { record.outcome.max_slip_distance *= 0.5; }),
+              ElementsAre(HasSubstr("events: outcome/max_slip_distance_m: is ")));
+}
+
 TEST_F(VerifyTest, ValuesAreFinite) {
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(failures([](TrialRecord& record) { record.sensors[0].channels[0].values[27 * 5 + 2] = nan; }).at(0),
               HasSubstr("values: sensors/pad/force 5: value 2 of the row is nan"));
   EXPECT_THAT(failures([](TrialRecord& record) { record.bodies[0].pose[7 * 4] = std::numeric_limits<float>::infinity(); }).at(0),
               HasSubstr("values: truth/" + sound().bodies[0].name + "/pose 4: value 0 of the row is inf"));
+  EXPECT_THAT(
+      failures([](TrialRecord& record) { record.bodies[0].pose[7 * 4 + 3] += 0.1F; }).at(0),
+      AllOf(HasSubstr("values: truth/" + sound().bodies[0].name + "/pose 4: "), HasSubstr("the quaternion has the length")));
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).state_paper[4] = 4; }),
+              ElementsAre(HasSubstr("values: labels/pad/state_paper 4: 4 is not a state of a pad")));
+  EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).mu_kinetic[4] = 0.6; }).at(0),
+              HasSubstr("values: labels/pad/mu_static: unit 4: is 0.5"));
   EXPECT_THAT(failures([](TrialRecord& record) { labels_of(record).margin[9 * sliding] = nan; }).at(0),
               HasSubstr("values: labels/pad/margin 88: value 0 of the row is nan"));
 }
@@ -210,6 +294,8 @@ TEST_F(VerifyTest, ValuesAreFinite) {
 TEST_F(VerifyTest, TimesRiseAtTheRate) {
   EXPECT_THAT(failures([](TrialRecord& record) { record.sensors[0].time[7] += 1e-4; }),
               Contains(HasSubstr("times: sensors/pad/t 7: ")));
+  EXPECT_THAT(failures([](TrialRecord& record) { record.sensors[0].rate = std::numeric_limits<double>::quiet_NaN(); }).at(0),
+              HasSubstr("times: sensors/pad: rate_hz is nan"));
   EXPECT_THAT(failures([](TrialRecord& record) { record.body_time[7] = record.body_time[6]; }).at(0), HasSubstr("times: truth/"));
 }
 
