@@ -18,12 +18,18 @@
 namespace slipbench {
 namespace {
 
-// Returns `text` with each @NAME@ replaced.
-std::string filled(std::string text, const std::vector<std::pair<std::string_view, std::string>>& values) {
-  for (const auto& [name, value] : values) {
-    const std::string mark = fmt::format("@{}@", name);
-    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + value.size()))
-      text.replace(at, mark.size(), value);
+// Returns `form` with each @NAME@ replaced. The values, which users choose, are not searched for
+// names.
+std::string filled(std::string_view form, const std::vector<std::pair<std::string_view, std::string>>& values) {
+  std::string text;
+  while (!form.empty()) {
+    const auto value = std::ranges::find_if(values, [&](const auto& named) {
+      const std::string_view name = named.first;
+      return form.size() > name.size() + 1 && form.front() == '@' && form.substr(1, name.size()) == name &&
+             form[name.size() + 1] == '@';
+    });
+    text += value == values.end() ? std::string(1, form.front()) : value->second;
+    form.remove_prefix(value == values.end() ? 1 : value->first.size() + 2);
   }
   return text;
 }
@@ -38,7 +44,8 @@ folder=@FOLDER@
 from=@FROM@   # folder of the sweep's relative paths
 sweep=(@SWEEP@)
 n=@N@
-read -ra slipbench <<< "${SLIPBENCH:-@PROGRAM@}"   # SLIPBENCH="apptainer run slipbench.sif": from a container
+program=@PROGRAM@
+read -ra slipbench <<< "${SLIPBENCH:-$program}"   # SLIPBENCH="apptainer run slipbench.sif": from a container
 
 k=$1
 whole=$folder/shards/$k
@@ -95,7 +102,8 @@ constexpr const char* merge_script = R"(#!/usr/bin/env bash
 # Verifies all shards and merges them
 set -euo pipefail
 folder=@FOLDER@
-read -ra slipbench <<< "${SLIPBENCH:-@PROGRAM@}"
+program=@PROGRAM@
+read -ra slipbench <<< "${SLIPBENCH:-$program}"
 shards=()
 for ((k = 1; k <= @N@; ++k)); do shards+=("$folder/shards/$k/shard.h5"); done
 "${slipbench[@]}" verify "${shards[@]}"
@@ -187,9 +195,16 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
     static_cast<void>(check_trial(planned.plan.trial(0).scene, 0));
   } catch (const SceneValueError& error) {
     throw InputError(planned.plan.where(0, error.path()) + ": " + error.what());
+  } catch (const FailedRun& error) {
+    throw InputError(planned.plan.where(0, "time_step") + ": " + error.what());
   }
   static_cast<void>(trials_of_shard(planned.plan, planned.asked, seed, 1, options.shards));
-  std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
+  std::error_code error;
+  const std::filesystem::path here = std::filesystem::current_path(error);
+  if (error)
+    reject("cluster: the current folder, from which the scripts start, cannot be found: {}; change to another folder",
+           error.message());
+  std::filesystem::path folder = (here / options.folder).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   check_folder(folder);
 
@@ -215,7 +230,7 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
       {"FOLDER", shell_word(folder.string())},
       {"RAW_FOLDER", folder.string()},
       {"PYTHON_FOLDER", python_text(folder.string())},
-      {"FROM", shell_word(std::filesystem::current_path().string())},
+      {"FROM", shell_word(here.string())},
       {"SWEEP", command.substr(std::string_view("slipbench ").size())},
       {"N", std::to_string(options.shards)},
       {"TASKS", std::to_string(tasks)},
@@ -224,15 +239,14 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
       {"NAME", shell_word(name)},
       {"PYTHON_NAME", python_text(name)},
       {"RAW_NAME", name},
-      {"PROGRAM", program},
+      {"PROGRAM", shell_word(program)},
       {"WHAT", fmt::format("`{}`: {}. Written by `slipbench cluster`.", command, counted(planned.asked, "trial"))}};
-  std::error_code error;
   std::filesystem::create_directories(folder / "logs", error);
   if (error) reject("cannot create the folder {}: {}", (folder / "logs").string(), error.message());
   std::vector<std::string> written;
   for (const auto& [name, text] : files) {
     written.push_back((folder / name).string());
-    write_text_file(written.back(), filled(std::string(text), values));
+    write_text_file(written.back(), filled(text, values));
   }
   return written;
 }

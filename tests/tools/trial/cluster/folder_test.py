@@ -134,6 +134,30 @@ class FolderTest(unittest.TestCase):
         self.assertNotEqual((folder / "README.md").read_text(), "half")
         self.assertIn("it is not empty", self.run_program(*out, status=2).stderr)  # the whole output
 
+    def test_names_that_look_like_places_of_the_forms(self):
+        # The scripts are forms with places such as @N@. A scene m@N@.yaml and folders named after places keep their names.
+        folder = self.folder / "x@SWEEP@y"
+        folder.mkdir()
+        (self.folder / "a scene.yaml").rename(folder / "m@N@.yaml")
+        words = ("cluster", "m@N@.yaml", *SETTINGS, "--trials", 2, "-o", "@RAW_FOLDER@$(touch run)", "--shards", 2)
+        subprocess.run([PROGRAM, *map(str, words)], check=True, capture_output=True, cwd=folder)
+        cluster = folder / "@RAW_FOLDER@$(touch run)"
+        for k in (1, 2):
+            self.script(cluster / "shard.sh", k, "by-hand")
+        self.script(cluster / "merge.sh")
+        self.assertTrue((cluster / "m@N@.h5").exists())
+        self.assertEqual(list(self.folder.rglob("run")), [])
+        self.assertIn(f'--output="{cluster}/logs/%a.log"\n', (cluster / "array.sbatch").read_text(encoding="utf-8"))
+
+    def test_a_folder_that_no_longer_exists(self):
+        gone = self.folder / "gone"
+        gone.mkdir()
+        words = f'rmdir "{gone}" && "{PROGRAM}" cluster "{self.folder}/a scene.yaml" -o "{self.folder}/out" --shards 2 --trials 2'
+        result = subprocess.run(["bash", "-c", words], cwd=gone, capture_output=True, text=True, check=False)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("current folder", result.stderr)
+        self.assertNotIn("internal error", result.stderr)
+
     def test_scripts_pass_shellcheck(self):
         cluster = self.cluster("cluster", 2)
         for name in ("shard.sh", "merge.sh", "array.sbatch"):
