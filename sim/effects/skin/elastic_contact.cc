@@ -23,8 +23,8 @@ double near_enough(double allowed, double off) {
 }
 
 [[noreturn]] void fail(const std::string& what) {
-  throw InputError("elastic_skin: " + what + " did not converge within " + std::to_string(most_iterations) +
-                   " iterations; raise effects.elastic_skin.tolerance");
+  throw SceneValueError("effects", "elastic_skin: " + what + " did not converge within " + std::to_string(most_iterations) +
+                                       " iterations; raise its tolerance");
 }
 
 }  // namespace

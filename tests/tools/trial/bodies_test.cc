@@ -226,5 +226,26 @@ TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
   }
 }
 
+// An error that names no value of the scene names the line of its sensors: a pad that is pressed 10 mm
+// into a ball of 4 mm passes through it.
+TEST_F(BodiesRun, ErrorOfATrialWithoutAValueNamesTheLineOfTheSensors) {
+  std::ofstream(path("scene.yaml"))
+      << "slipbench: 1\nduration: 0.5 s\nsurface: {shape: sphere, radius: 2 mm}\n"
+         "motion: {compression: 10 mm, approach_speed: 100 mm/s, acceleration: 10 m/s2, start: 0.4 s}\n"
+         "sensors: {pad: {type: taxels, rows: 1, columns: 1}}\n";
+  const SweepSummary summary = run(path("scene.yaml"), "x.h5");
+  ASSERT_EQ(summary.failed.size(), 1U);
+  EXPECT_THAT(summary.failed[0].message, refused_at("trial 0: " + path("scene.yaml") + ":5", {"passed through"}));
+}
+
+// Tips of 1e-60 N/m on pillars that begin inside the box cannot come to rest: the run is refused
+// before its first trial, at the line of its time step.
+TEST_F(BodiesRun, ErrorBeforeTheFirstTrialNamesALine) {
+  EXPECT_THAT(refusal_of([&] {
+                run(scenes + "held_box.yaml", "x.h5", 1, {{"fidelity", "articulated"}, {"sensors.right.k_normal", "1e-60"}});
+              }),
+              refused_at(scenes + "held_box.yaml:7", {"rest"}));
+}
+
 }  // namespace
 }  // namespace slipbench

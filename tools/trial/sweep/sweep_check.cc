@@ -61,6 +61,8 @@ CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t ask
     return {check_trial(scene, index), {files.begin(), files.end()}};
   } catch (const SceneValueError& error) {
     throw InputError(plan.where(index, error.path()) + ": " + error.what());
+  } catch (const FailedRun& error) {
+    throw InputError(plan.where(index, "time_step") + ": " + error.what());
   }
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <new>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,8 +37,15 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   return finished;
 }
 
-// As run_one(), with the trial's number in errors, and the scene's line if a scene value is the
-// cause.
+// Message of an error in trial `index`, with a line of the scene unless it names one already: that
+// of the sensors, since no value of the scene is known to be the cause.
+std::string located(const WorkPlan& plan, std::size_t index, const std::string& message) {
+  const std::string where = plan.trials.where(index, "sensors");
+  const bool names_line = message.starts_with(where.substr(0, where.rfind(':') + 1));
+  return names_line ? message : where + ": " + message;
+}
+
+// As run_one(), with the trial's number and a line of the scene in errors.
 FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   try {
     return run_one(plan, index, encoder);
@@ -48,7 +56,7 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   } catch (const FailedRun& error) {
     reject("trial {}: {}: {}", index, plan.trials.where(index, "time_step"), error.what());
   } catch (const InputError& error) {
-    reject("trial {}: {}", index, error.what());
+    reject("trial {}: {}", index, located(plan, index, error.what()));
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
