@@ -175,6 +175,11 @@ const ContactFrame& ArticulatedStage::step(const Pose& pad_in_surface, double ti
   }
   w.frame = w.contact->frame();
   w.frame.slip_velocity = slip;
+  for (std::size_t u = 0; u < w.frame.unit_state.size(); ++u) {
+    const UnitState state = w.frame.unit_state[u];
+    // slip that has ended within the step
+    if (state == UnitState::detached || state == UnitState::stick) w.frame.slip_velocity.col(static_cast<Eigen::Index>(u)) = 0.0;
+  }
   w.frame.events = std::move(events);
   return w.frame;
 }

@@ -97,6 +97,13 @@ PillarSettings user_pillars(const Parameters& contact, double dt) {
   pillars.refsafe = contact.flag("refsafe");
   pillars.tip_mass = contact.number("tip_mass");
   pillars.tip_radius = tip_radius;
+  // MuJoCo accepts no moving body below this mass or inertia; the tip is a ball.
+  const double least_mass = mjMINVAL / (0.4 * tip_radius * tip_radius);
+  if (!(pillars.tip_mass > least_mass)) {
+    throw SceneValueError("contact.tip_mass", format_quantity(pillars.tip_mass, Quantity::mass) +
+                                                  " is too little for MuJoCo; allowed: more than " +
+                                                  format_quantity(least_mass, Quantity::mass));
+  }
   pillars.damping_ratio = contact.number("tip_damping");
   std::ranges::copy(contact.vector("solref"), pillars.solref.begin());
   std::ranges::copy(contact.vector("solreffriction"), pillars.solreffriction.begin());

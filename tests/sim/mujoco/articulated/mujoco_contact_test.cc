@@ -222,6 +222,17 @@ TEST(MujocoContact, SettlesForTenTimeConstants) {
   EXPECT_EQ(steps_to_settle(direct, true), 100) << "2/(200 /s) = 10 ms";
 }
 
+// MuJoCo needs an inertia of more than 1e-15 kg m2: a tip is a ball of radius 0.1 mm, with 2/5 m r^2
+// for m above 2.5e-7 kg.
+TEST(MujocoContact, TipsTooLightForMuJoCoAreRefused) {
+  EXPECT_THAT(refusal_of<SceneValueError>([] {
+                user_pillars(contact({{"tip_mass", 2.4e-7}}), 1e-3);
+              }),
+              refused_at("contact.tip_mass", {"2.4e-07 kg", "2.5e-07 kg"}));
+  EXPECT_NO_THROW(
+      ArticulatedStage(oracle::nine_pillars(1, k_n, k_t), Plane{}, {mu, mu}, user_pillars(contact({{"tip_mass", 2.6e-7}}), dt)));
+}
+
 // Tips of 0.1 g on 7.1 kN/m vibrate at 8,400 rad/s; explicit springs are stable up to 2/8,400 s =
 // 0.24 ms.
 TEST_F(ContactScene, ARunThatDivergesEndsWithMuJoCosWarning) {
