@@ -254,6 +254,7 @@ void ImplicitFields::predict(std::span<const ImplicitContact> contacts) {
   linear_.resize(active_.size());
   VectorXd w(free_.size());
   for (std::size_t a = 0; a < active_.size(); ++a) w.segment<6>(block(a)) = start_.segment<6>(block(active_[a]));
+  w_ = w;  // the result if no residual is a number, as with springs that have overflowed
   VectorXd r = residual(contacts, w);
   MatrixXd slope(w.size(), w.size());
   double least = std::numeric_limits<double>::infinity();

@@ -214,6 +214,15 @@ Eigen::Vector3d drag(double stiffness, double dt, const std::string& solver) {
   return mean;
 }
 
+// In the first step of its data there is no earlier result, and no residual of the step is a number.
+TEST(PluginImplicit, VelocityThatIsNotANumberGivesForcesThatAreNone) {
+  const Model model = load(pinch_xml({.mass = 0.1, .stiffness = 1.0, .force = 2.0}));
+  const Data data = data_of(model);
+  data->qvel[0] = std::nan("");
+  const std::string error = mju_error_of([&] { mj_forward(model.get(), data.get()); });
+  EXPECT_TRUE(!error.empty() || std::isnan(data->qfrc_passive[0])) << error;
+}
+
 // The metric couples the field to MuJoCo's contacts within the step, so that a pad 100 times as
 // stiff gives at 1 ms the force of an ordinary explicit one at 0.1 ms (h omega = 0.23): none of
 // these forces depends on the pad's stiffness.
