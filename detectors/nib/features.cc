@@ -37,13 +37,16 @@ std::size_t place_of(const FrameSource& source, const std::string& name, const s
                                                        detector, name, source.type, quote(source.sensor)));
 }
 
-// Converts the parameter `name` [s] to frames.
+// Converts the parameter `name` [s] to frames: at least `least`, and at most a million, far more than
+// a spectrum needs.
 std::size_t frames_of(const Parameters& parameters, const char* name, std::size_t least, const FrameSource& source) {
+  constexpr double most = 1e6;
   const double length = parameters.number(name), frames = std::round(length * source.rate);
-  if (std::abs(frames - length * source.rate) > source.rate_rounding * frames || frames < static_cast<double>(least)) {
+  const bool whole = std::abs(frames - length * source.rate) <= source.rate_rounding * frames;
+  if (!whole || frames < static_cast<double>(least) || frames > most) {
     throw SceneValueError(
         fmt::format("detector.{}", name),
-        fmt::format("{} must be a whole multiple of the sensor's sampling time, {}, and at least {} times as long",
+        fmt::format("{} must be a whole multiple of the sensor's sampling time, {}, and {} to 1,000,000 times as long",
                     format_quantity(length, Quantity::time), readable_quantity(1.0 / source.rate, Quantity::time), least));
   }
   return static_cast<std::size_t>(frames);

@@ -1,5 +1,9 @@
 #include "tools/registry/sensor_catalogue.h"
 
+#include <cmath>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
 #include "sim/stage/stage_setup.h"
 #include "tools/registry/registry.h"
 
@@ -54,12 +58,37 @@ Catalogues pad_catalogues() {
   return catalogues;
 }
 
-std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
+namespace {
+
+std::unique_ptr<Sensor> created(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
   if (const std::optional<SensorMaker> make = registered_sensors().find(scene.type)) return (*make)(scene, seed, trial);
   for (const SensorKind& kind : sensor_catalogue()) {
     if (kind.about.name == scene.type) return kind.create(scene.parameters, scene.electronics, seed, trial, scene.name);
   }
   throw InputError("sensor " + scene.name + ": unknown type " + quote(scene.type));
+}
+
+// Refuses elements without a spring or a place, which sums of a sensor's extreme values may give.
+void check_elements(const SensorScene& scene, const PadLayout& layout) {
+  const auto refuse = [&](const std::string& what) { throw SceneValueError("sensors." + scene.name, what); };
+  const auto check_stiffness = [&](const char* direction, double stiffness) {
+    if (stiffness > 0.0 && std::isfinite(stiffness)) return;
+    refuse(std::string("an element has a ") + direction + " stiffness of " + format_number(stiffness) +
+           " N/m; allowed: positive and finite");
+  };
+  for (const Element& element : layout.elements) {
+    check_stiffness("normal", element.k_normal);
+    check_stiffness("tangential", element.k_tangential);
+    if (!element.tip.allFinite()) refuse("the position of an element is not finite; use a smaller pad");
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
+  std::unique_ptr<Sensor> sensor = created(scene, seed, trial);
+  check_elements(scene, sensor->layout());
+  return sensor;
 }
 
 SensorView sensor_view(const std::string& type) {

@@ -26,7 +26,9 @@ std::vector<Entry> registered_sensor_entries();
 Catalogues pad_catalogues();
 
 // Creates the sensor that `scene` describes. (`seed`, `trial`) key the random streams of its
-// electronics. Throws InputError for an unknown type, and as the sensor's constructor does.
+// electronics. Throws InputError for an unknown type and as the sensor's constructor does, and
+// SceneValueError for `sensors.NAME` if the stiffness of an element is not positive or its position
+// is not finite.
 std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial);
 
 // Presentation of a sensor of this type; SensorView's default for an unknown type, which a dataset

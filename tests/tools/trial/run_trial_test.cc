@@ -173,6 +173,18 @@ TEST(RunTrial, QuaternionsAreContinuous) {
   EXPECT_GT(least, 0.9999F);
 }
 
+// The least loaded of six bristles carries w = 1e-60 of the mean load, which 2 - (2 - w) rounds to 0.
+TEST(RunTrial, ElementWithoutASpringIsRefused) {
+  const Scene scene = parsed("slipbench: 1\nsensors: {pad: {type: papillarray, bristles: 6, bristle_spread: 1e-60}}\n");
+  EXPECT_THAT(scene_refusal_of([&] { static_cast<void>(check_trial(scene, 0)); }),
+              refused_at("sensors.pad", {"stiffness", "0 N/m"}));
+}
+
+TEST(RunTrial, HopOfMoreThanAMillionSamplesIsRefused) {
+  const Scene scene = parsed("slipbench: 1\nsensors: {pad: {type: nib_pad}}\ndetector: {type: nib_slip_kind, hop: 1e30}\n");
+  EXPECT_THAT(scene_refusal_of([&] { static_cast<void>(check_trial(scene, 0)); }), refused_at("detector.hop", {"1,000,000"}));
+}
+
 TEST(RunTrial, RecordThatWouldFillTheMemoryIsRefused) {
   // A day at 1 kHz is 8.64e7 rows; with a frame of 9 x 2 x 3 floats alone that is 18.7 GB.
   Scene scene = stage_scene({});
