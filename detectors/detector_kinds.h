@@ -40,6 +40,14 @@ DetectorKind marker_entropy_detector();    // entropy of the distances moved
 // the window's spectrum.
 DetectorKind band_energy_detector();
 
+// Yardsticks (detectors/yardstick): one estimate per frame from the sensor's first channel over the
+// latest 0.5 s, no_contact before; feature "slip_probability". Each throws SceneValueError at
+// detector.sensor for a sensor without values or with more than 2 MHz.
+DetectorKind deviation_detector();           // mean standard deviation of all values
+DetectorKind relative_deviation_detector();  // standard deviation of the shear over the normal level
+DetectorKind shear_ratio_detector();         // shear of the whole pad over its normal level; refuses values without axes
+DetectorKind sum_change_detector();          // change of the sum of all values
+
 // One estimate per frame of a nib pad (detectors/nib/features.h), without latency, with the
 // features of nib::handed_on().
 DetectorKind nib_linear_slip_detector();  // no_contact, non_slip, and gross from detection until contact ends

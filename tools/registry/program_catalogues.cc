@@ -51,9 +51,10 @@ Entry oracle_entry() {
 
 const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
-      force_ratio_detector(),     stuck_fraction_detector(), shear_rate_detector(), marker_deviation_detector(),
-      marker_entropy_detector(),  band_energy_detector(),    gst_hd_detector(),     gst_hd_rtl_detector(),
-      nib_linear_slip_detector(), nib_slip_kind_detector(),  network_detector(),    plugin_detector(),
+      force_ratio_detector(),     stuck_fraction_detector(),     shear_rate_detector(),  marker_deviation_detector(),
+      marker_entropy_detector(),  band_energy_detector(),        gst_hd_detector(),      gst_hd_rtl_detector(),
+      nib_linear_slip_detector(), nib_slip_kind_detector(),      network_detector(),     plugin_detector(),
+      deviation_detector(),       relative_deviation_detector(), shear_ratio_detector(), sum_change_detector(),
       {oracle_entry(), nullptr},
   };
   return kinds;
