@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sim/core/error.h"
+#include "sim/core/math/decade.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench::hd {
@@ -72,7 +73,8 @@ FixedFrame to_fixed(std::span<const float> displacement) {
     const double units = std::round(metres * units_per_metre);
     using Limits = std::numeric_limits<std::int16_t>;
     if (units < Limits::min() || units > Limits::max()) {
-      refuse(i, format_number(metres) + " m; allowed: -4.096 to 4.095875 m, the range of Q13.3 mm");
+      refuse(i, format_number(rounded_to_digits(metres, std::numeric_limits<float>::max_digits10)) +
+                    " m; allowed: -4.096 to 4.095875 m, the range of Q13.3 mm");
     }
     fixed[i / 3][i % 3] = static_cast<std::int16_t>(units);
   }

@@ -1,6 +1,7 @@
 // The only file that includes OpenVINO's headers.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -12,7 +13,6 @@
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <openvino/op/constant.hpp>
 #include <openvino/op/gru_sequence.hpp>
@@ -36,6 +36,12 @@ namespace slipbench::network {
 namespace {
 
 using Digest = std::array<unsigned char, 32>;
+
+// The shortest text of a number. This library must not need libfmt, which its host may hide.
+std::string text_of(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
 
 std::string bytes_of(const std::string& path) {
   check_regular_file(path, most_network_bytes);
@@ -313,7 +319,7 @@ class OpenVinoEngine final : public Engine {
   void check_finite(std::span<const float> values, const char* verb) const {
     const auto found = std::ranges::find_if_not(values, [](float value) { return std::isfinite(value); });
     if (found == values.end()) return;
-    throw InputError(path_ + ": the network " + verb + " " + fmt::format("{}", *found) + "; allowed: finite numbers");
+    throw InputError(path_ + ": the network " + verb + " " + text_of(*found) + "; allowed: finite numbers");
   }
 
   void check(std::span<const float> said) const {
@@ -323,12 +329,12 @@ class OpenVinoEngine final : public Engine {
     bool probabilities = true;
     for (const float value : said) {
       if (!std::isfinite(value))
-        throw InputError(path_ + ": the network returns " + fmt::format("{}", value) + "; allowed: finite numbers");
+        throw InputError(path_ + ": the network returns " + text_of(value) + "; allowed: finite numbers");
       sum += double{value};
       probabilities = probabilities && double{value} >= -rounding;
     }
     if (about_.output == Output::probabilities && (!probabilities || std::abs(sum - 1.0) > rounding)) {
-      throw InputError(path_ + ": the network returns values that are not probabilities, with the sum " + fmt::format("{}", sum) +
+      throw InputError(path_ + ": the network returns values that are not probabilities, with the sum " + text_of(sum) +
                        "; expected values of 0 or more with the sum 1, or \"output\": \"logits\" in its description");
     }
   }

@@ -21,7 +21,7 @@ constexpr const char* decision =
     "gross: s >= threshold; else non-slip, also without contact\n"
     "slip_probability = s/(s + threshold), a score from 0 to 1 that is 0.5 at the threshold";
 
-// What a yardstick reads: the first channel of its sensor.
+// Shape of the signal of a yardstick: the first channel of its sensor.
 struct Signal {
   std::size_t units = 0, components = 1;
 

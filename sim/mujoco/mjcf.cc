@@ -132,8 +132,9 @@ bool has_nan(std::string_view key, std::string_view value) {
 
 void check_size(const std::string& file, const Tag& tag, const char* what, double found, double most) {
   if (found <= most) return;
-  throw InputError(file + ":" + std::to_string(tag.line) + ": <" + printable(tag.name) + "> " + what + " " +
-                   format_number(found) + "; allowed: at most " + format_number(most));
+  constexpr double longest_text = 1e15;  // beyond it a count is shorter with an exponent
+  throw InputError(fmt::format("{}:{}: <{}> {} {}; allowed: at most {:.0f}", file, tag.line, printable(tag.name), what,
+                               found < longest_text ? fmt::format("{:.0f}", found) : format_number(found), most));
 }
 
 // Files already checked.

@@ -116,8 +116,9 @@ Json interval_json(const FitKey& key, double place, const Known& known) {
 
 void write_truth(Json& json, const FitKey& key, double drawn) {
   json["truth"] = key.value(drawn);
-  const double turn = key.circular() ? key.max - key.min : std::numeric_limits<double>::infinity();
-  json["error"] = std::remainder(json.at("value").get<double>() - key.value(drawn), turn);
+  double error = json.at("value").get<double>() - key.value(drawn);
+  if (const double turn = key.max - key.min; key.circular()) error -= turn * std::round(error / turn);
+  json["error"] = error;
 }
 
 // Returns the centre and scatter of a key with one value per recording; the variance of the values

@@ -65,6 +65,7 @@ ENTRIES = {
     "detectors": ("detectors/detector_kinds.h",),
     "detectors/network": ("detectors/detector_kinds.h",),
     "detectors/spectral": ("detectors/detector_kinds.h",),
+    "detectors/yardstick": ("detectors/detector_kinds.h",),
     "python": ("python/module.h",),
     "rtl/verilated": ("detectors/detector_kinds.h",),
     "sensors/electronics": ("sensors/electronics/part_kind.h",),

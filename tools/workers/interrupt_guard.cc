@@ -49,16 +49,12 @@ InterruptGuard::InterruptGuard(std::string_view notice) {
   catch_unless_ignored(SIGINT, action, previous_int_);
   catch_unless_ignored(SIGTERM, action, previous_term_);
   catch_unless_ignored(SIGHUP, action, previous_hang_up_);
-  action.sa_handler = SIG_IGN;
-  action.sa_flags = 0;
-  sigaction(SIGXFSZ, &action, &previous_file_size_);
 }
 
 InterruptGuard::~InterruptGuard() {
   sigaction(SIGINT, &previous_int_, nullptr);
   sigaction(SIGTERM, &previous_term_, nullptr);
   sigaction(SIGHUP, &previous_hang_up_, nullptr);
-  sigaction(SIGXFSZ, &previous_file_size_, nullptr);
 }
 
 const std::atomic<bool>& InterruptGuard::flag() { return interrupted; }

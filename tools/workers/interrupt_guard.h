@@ -11,8 +11,7 @@ namespace slipbench {
 
 // While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and prints `notice` on stderr, and
 // the second ends the process as usual. A signal that was ignored before (a background job of a
-// script) stays ignored. A write beyond the process's file size limit fails instead of ending the
-// process. Only one guard may exist at a time.
+// script) stays ignored. Only one guard may exist at a time.
 class InterruptGuard {
  public:
   explicit InterruptGuard(std::string_view notice = "stopping");
@@ -26,7 +25,6 @@ class InterruptGuard {
   struct sigaction previous_int_ {};
   struct sigaction previous_term_ {};
   struct sigaction previous_hang_up_ {};
-  struct sigaction previous_file_size_ {};
 };
 
 }  // namespace slipbench

@@ -13,6 +13,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/formats/export/export.h"
+#include "tools/registry/program_catalogues.h"
 #include "tools/report/report.h"
 #include "tools/trial/run_trial.h"
 #include "tools/trial/sweep/run_sweep.h"
@@ -226,16 +227,20 @@ TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
   }
 }
 
-// An error that names no value of the scene names the line of its sensors: a pad that is pressed 10 mm
-// into a ball of 4 mm passes through it.
+// Ends a trial with an error that names no value of the scene.
+class RefusingDetector final : public Detector {
+ public:
+  const SlipEstimate& update(const SensorFrame& /*frame*/) override { throw InputError("the detector refuses"); }
+};
+
 TEST_F(BodiesRun, ErrorOfATrialWithoutAValueNamesTheLineOfTheSensors) {
-  std::ofstream(path("scene.yaml"))
-      << "slipbench: 1\nduration: 0.5 s\nsurface: {shape: sphere, radius: 2 mm}\n"
-         "motion: {compression: 10 mm, approach_speed: 100 mm/s, acceleration: 10 m/s2, start: 0.4 s}\n"
-         "sensors: {pad: {type: taxels, rows: 1, columns: 1}}\n";
+  register_detector({.name = "refusing", .summary = "s", .law = "l", .source = "s", .parameters = {}},
+                    [](const Parameters&, const FrameSource&) { return std::make_unique<RefusingDetector>(); });
+  std::ofstream(path("scene.yaml")) << "slipbench: 1\nduration: 0.5 s\n"
+                                       "sensors: {pad: {type: taxels, rows: 1, columns: 1}}\ndetector: {type: refusing}\n";
   const SweepSummary summary = run(path("scene.yaml"), "x.h5");
   ASSERT_EQ(summary.failed.size(), 1U);
-  EXPECT_THAT(summary.failed[0].message, refused_at("trial 0: " + path("scene.yaml") + ":5", {"passed through"}));
+  EXPECT_THAT(summary.failed[0].message, refused_at("trial 0: " + path("scene.yaml") + ":3", {"the detector refuses"}));
 }
 
 // Tips of 1e-60 N/m on pillars that begin inside the box cannot come to rest: the run is refused

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <thread>
 
@@ -41,6 +43,12 @@ bool in_mask(pid_t child, const std::string& name, int signal) {
   const std::string status = bytes_of("/proc/" + std::to_string(child) + "/status");
   const std::size_t at = status.find(name);
   return at != std::string::npos && (std::stoull(status.substr(at + name.size()), nullptr, 16) >> (signal - 1) & 1U) != 0;
+}
+
+// Number of threads of a process; 0 once it has ended.
+std::ptrdiff_t threads_of(pid_t child) {
+  std::error_code error;
+  return std::distance(std::filesystem::directory_iterator("/proc/" + std::to_string(child) + "/task", error), {});
 }
 
 pid_t start_into_files(const std::vector<std::string>& words, const std::string& out, const std::string& err) {
@@ -101,7 +109,7 @@ ChildResult run_program_interrupted(const std::vector<std::string>& arguments, c
   const pid_t child = start_into_files(program_with(arguments), folder / "out", folder / "err");
   const auto is_ready = [&] {
     if (ready == "started") return in_mask(child, "SigCgt:", signal);
-    if (ready == "guarded") return in_mask(child, "SigIgn:", SIGXFSZ);
+    if (ready == "threads") return threads_of(child) > 1;
     return std::filesystem::exists(ready);
   };
   for (int waited_ms = 0; waited_ms < 20000 && !is_ready(); waited_ms += 5) {

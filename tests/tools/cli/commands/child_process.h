@@ -26,7 +26,7 @@ ChildResult run_shell(const std::string& script, const std::string& folder);
 ChildResult run_program_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
 
 // Starts the program with its streams in files, sends `signal` once `ready` exists ("started": once
-// the program catches that signal; "guarded": once an InterruptGuard exists), and waits for the
+// the program catches that signal; "threads": once it has several threads), and waits for the
 // end.
 ChildResult run_program_interrupted(const std::vector<std::string>& arguments, const std::string& ready, int signal);
 

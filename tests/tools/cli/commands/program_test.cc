@@ -480,13 +480,13 @@ TEST(Program, EndsWithOneStatusByEverySignal) {
     EXPECT_EQ(run_program_interrupted({"cost", "--stability"}, "started", signal).status, 130);
 }
 
-// A search with 64 starts takes minutes; the signal is sent once the program catches it.
+// A search with 64 starts takes minutes; the signal is sent once its threads search.
 TEST(Program, ControlCOfCalibrateWritesNothing) {
   const TemporaryFolder folder;
   const ChildResult result = run_program_interrupted(
       {"calibrate", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/recordings.yaml", "--synthetic-truth", "--starts", "64", "--jobs",
        "2", "--fit", "motion.tilt.0: {min: -2 deg, max: 2 deg}", "-o", folder / "fitted.yaml"},
-      "guarded", SIGINT);
+      "threads", SIGINT);
   EXPECT_EQ(result.status, 130);
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(result.err,

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -325,7 +324,6 @@ Examples:
 }
 
 int MergeCommand::run() {
-  std::signal(SIGXFSZ, SIG_IGN);  // exceeding a file size limit is then an error like a full disk
   const Merged merged = merge_shards(shards, output);
   if (json)
     return print_json(Json{{"files", merged.files},
