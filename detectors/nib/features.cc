@@ -28,6 +28,11 @@ std::size_t place_of(const FrameSource& source, const std::string& name, const s
   std::size_t first = 0;
   for (const Channel& channel : source.channels) {
     if (channel.name == name && channel.shape == shape) {
+      if (channel.unit != "counts") {
+        throw SceneValueError("detector.sensor",
+                              fmt::format("{} reads the channel '{}' in counts, but the {} {} has it in {}", detector, name,
+                                          source.type, quote(source.sensor), quote(channel.unit)));
+      }
       every = channel.every;
       return first;
     }

@@ -609,7 +609,7 @@ class Layouts(ImportTest):
     def test_channels_are_stored_in_si_units(self):
         # Factors to SI; gravity has its standard value, 9.80665 m/s2. g is a mass, a force or an
         # acceleration, and remains, as do unknown units.
-        for unit, si, factor in (("N", "N", 1.0), ("mN", "N", 1e-3), ("kN", "N", 1e3), ("uN", "N", 1e-6), ("gf", "N", 9.80665e-3), ("kgf", "N", 9.80665),
+        for unit, si, factor in (("N", "N", 1.0), ("mN", "N", 1e-3), ("kN", "N", 1e3), ("uN", "N", 1e-6), ("\u00b5N", "N", 1e-6), ("\u03bcN", "N", 1e-6), ("mV", "V", 1e-3), ("gf", "N", 9.80665e-3), ("kgf", "N", 9.80665),
                                  ("mm", "m", 1e-3), ("um", "m", 1e-6), ("\u00b5m", "m", 1e-6), ("mm/s", "m/s", 1e-3), ("kPa", "Pa", 1e3),
                                  ("deg", "rad", np.pi / 180), ("g", "g", 1.0), ("counts", "counts", 1.0), ("1", "1", 1.0), ("%", "%", 1.0)):
             with self.subTest(unit=unit):

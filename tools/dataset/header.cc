@@ -28,7 +28,38 @@ std::size_t part_of(std::size_t count, double share) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::floor(share * static_cast<double>(count) + 0.5 + rounding)));
 }
 
-constexpr char experiment_mark = '\x1f';  // unit separator, between name and experiment
+constexpr char experiment_mark = '\x1f';  // unit separator, before each key of the experiment
+
+// Trials (number, split_group_text()) by experiment: those that share a key, directly or by other
+// trials. In the order of their first trials.
+std::vector<std::vector<std::size_t>> experiments_in(const std::vector<std::pair<std::size_t, std::string>>& trials) {
+  std::vector<std::size_t> first(trials.size());  // index of an earlier trial of the same experiment, or its own
+  const auto root = [&first](std::size_t i) {
+    while (first[i] != i) i = first[i] = first[first[i]];
+    return i;
+  };
+  std::map<std::string_view, std::size_t> trial_with;  // by key: the first trial that has it
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    first[i] = i;
+    std::string_view rest = trials[i].second;
+    rest.remove_prefix(std::min(rest.find(experiment_mark), rest.size()));
+    while (!rest.empty()) {
+      rest.remove_prefix(1);
+      const std::string_view key = rest.substr(0, rest.find(experiment_mark));
+      rest.remove_prefix(key.size());
+      const std::size_t one = root(trial_with.emplace(key, i).first->second), other = root(i);
+      first[std::max(one, other)] = std::min(one, other);
+    }
+  }
+  std::vector<std::vector<std::size_t>> experiments;
+  std::map<std::size_t, std::size_t> experiment_with_root;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const auto [known, is_new] = experiment_with_root.emplace(root(i), experiments.size());
+    if (is_new) experiments.emplace_back();
+    experiments[known->second].push_back(trials[i].first);
+  }
+  return experiments;
+}
 
 std::string rule_text(const std::optional<SplitRule>& rule, bool one_material, bool repeats) {
   const std::string together = repeats ? "; repeats of one experiment are in one part" : "";
@@ -165,26 +196,19 @@ std::string header_difference(const DatasetHeader& left, const DatasetHeader& no
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-std::string split_group_text(const std::string& name, const std::string& experiment) {
-  return experiment.empty() ? name : name + experiment_mark + experiment;
+std::string split_group_text(const std::string& name, const std::vector<std::string>& keys) {
+  std::string text = name;
+  for (const std::string& key : keys) {
+    if (!key.empty()) text += experiment_mark + key;
+  }
+  return text;
 }
 
 Masks split_trials(const std::vector<std::pair<std::size_t, std::string>>& trials, std::uint64_t seed,
                    const std::optional<SplitRule>& rule) {
   std::map<std::string, std::vector<std::size_t>> by_name;
-  std::vector<std::vector<std::size_t>> experiments;  // in the order of their first trials
-  std::map<std::string, std::size_t> experiment_at;
-  for (const auto& [trial, group] : trials) {
-    const std::size_t mark = group.find(experiment_mark);
-    by_name[group.substr(0, mark)].push_back(trial);
-    const auto [known, is_new] =
-        mark == std::string::npos ? std::pair{experiment_at.end(), true} : experiment_at.emplace(group, experiments.size());
-    if (is_new) {
-      experiments.push_back({trial});
-    } else {
-      experiments[known->second].push_back(trial);
-    }
-  }
+  for (const auto& [trial, group] : trials) by_name[group.substr(0, group.find(experiment_mark))].push_back(trial);
+  std::vector<std::vector<std::size_t>> experiments = experiments_in(trials);
   const bool one_material = by_name.size() <= 1;
 
   Masks masks;

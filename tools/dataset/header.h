@@ -95,9 +95,9 @@ struct Masks {
   std::size_t groups = 0;  // that were divided
 };
 
-// Group of a trial in split_trials(): `name`, such as its material, and its experiment, which it
-// shares with its repeats; empty: the trial has no repeats.
-std::string split_group_text(const std::string& name, const std::string& experiment);
+// Group of a trial in split_trials(): `name`, such as its material, and keys of its experiment. Trials
+// that share a key are repeats of one experiment; empty keys are left out.
+std::string split_group_text(const std::string& name, const std::vector<std::string>& keys);
 
 // Splits trials (number, split_group_text()) so that no group is in two parts. Without a rule the
 // groups are materials, or experiments if all share one material, and 70 % of them are for

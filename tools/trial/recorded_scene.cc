@@ -64,7 +64,7 @@ std::string speed_of(const Scene& scene) {
 constexpr std::array<std::string_view, 2> drawn_motions{"rub", "wander"};
 
 bool only_changes_reading(const Scene& scene, const std::string& path) {
-  if (path == "seed" || path == "time_step" || path == "fidelity") return true;
+  if (path == "seed" || path == "time_step" || path == "fidelity" || path == "duration") return true;
   if (path == "detector" || path.starts_with("detector.")) return !scene.controller;
   if (!path.starts_with("sensors.")) return false;
   const std::size_t key = path.find('.', std::string_view("sensors.").size());
@@ -127,6 +127,15 @@ std::string experiment_of(const Scene& scene, const std::vector<std::pair<std::s
     if (!only_changes_reading(scene, path)) text += ";" + json_text(path) + "=" + json_text(value);
   }
   return text;
+}
+
+std::vector<std::string> experiments_of(const Scene& scene, const std::vector<std::pair<std::string, std::string>>& swept,
+                                        const std::string& truth) {
+  std::vector<std::string> keys;
+  if (!truth.empty()) keys.push_back("truth " + truth);
+  const bool read_otherwise = std::ranges::any_of(swept, [&](const auto& one) { return only_changes_reading(scene, one.first); });
+  if (const std::string values = read_otherwise ? experiment_of(scene, swept) : ""; !values.empty()) keys.push_back(values);
+  return keys;
 }
 
 }  // namespace slipbench

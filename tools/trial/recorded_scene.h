@@ -36,11 +36,17 @@ std::optional<SplitRule> split_rule(const Scene& scene);
 // SceneValueError if the scene splits by speed and its motion has none.
 std::string split_group(const Scene& scene);
 
-// The experiment of a trial: its swept values (path, YAML text) except those that change only how a
-// sensor reads the contact or how it is computed: rate and electronics of a sensor, detector
-// without controller, seed, time step and fidelity. Trials with an equal experiment are repeats,
-// which differ in their noise. Empty if the motion or the scatter of the grasp is drawn for each
-// trial, so that no two trials are repeats.
+// The swept values (path, YAML text) of a trial except those that change only how, or how long, the
+// contact is read or computed: rate and electronics of a sensor, detector without controller, seed,
+// time step, fidelity and duration. Empty if the motion or the scatter of the grasp is drawn for
+// each trial.
 std::string experiment_of(const Scene& scene, const std::vector<std::pair<std::string, std::string>>& swept);
+
+// Keys of a trial's experiment. Trials that share a key are repeats, whose recordings differ in noise
+// or in how the contact was read. `truth`: digest of the true forces and states, empty without any.
+// If a key is swept that changes the samples of one contact, its digest differs, so experiment_of()
+// is a key, too.
+std::vector<std::string> experiments_of(const Scene& scene, const std::vector<std::pair<std::string, std::string>>& swept,
+                                        const std::string& truth);
 
 }  // namespace slipbench

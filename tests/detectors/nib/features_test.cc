@@ -111,6 +111,12 @@ TEST(Features, HandOnForcesAndTheMoment) {
   EXPECT_NEAR(outputs[7], 7.6e-3 * (4.0 + 4.0 * std::sqrt(2.0)), 1e-5);
 }
 
+TEST(Features, RefuseAnotherUnit) {
+  FrameSource volts = nib_source();
+  volts.channels[1].unit = "V";
+  EXPECT_THAT(refusal(volts), mentions({"'fl'", "counts", "'V'"}));
+}
+
 TEST(Features, RefuseWhatTheyCannotBeMadeOf) {
   FrameSource other = nib_source();
   other.channels[1].name = "force";

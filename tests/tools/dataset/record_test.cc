@@ -267,7 +267,7 @@ TEST(Masks, WithoutARuleAreAsEver) {
 // 12 experiments of 3 repeats, interleaved: 15 % of 12 rounds to 2 experiments, which are 6 trials.
 TEST(Masks, KeepRepeatsOfOneExperimentTogether) {
   std::vector<std::pair<std::size_t, std::string>> trials;
-  for (std::size_t i = 0; i < 36; ++i) trials.emplace_back(i, split_group_text("acrylic", "speed " + std::to_string(i % 12)));
+  for (std::size_t i = 0; i < 36; ++i) trials.emplace_back(i, split_group_text("acrylic", {"speed " + std::to_string(i % 12)}));
   for (const auto& rule : {std::optional<SplitRule>{}, std::optional{SplitRule{"trial", {0.7, 0.15, 0.15}}}}) {
     const Masks masks = split_trials(trials, 7, rule);
     EXPECT_EQ(masks.split_by, "trial");
@@ -283,11 +283,25 @@ TEST(Masks, KeepRepeatsOfOneExperimentTogether) {
   }
 }
 
+// Trials 0 and 1 share a digest, 1 and 2 their swept values: one experiment, that of trial 0.
+TEST(Masks, ExperimentsShareKeysByOtherTrials) {
+  std::vector<std::pair<std::size_t, std::string>> trials = trials_of(20, {"acrylic"});
+  trials[0].second = split_group_text("acrylic", {"truth a"});
+  trials[1].second = split_group_text("acrylic", {"truth a", "speed 1"});
+  trials[2].second = split_group_text("acrylic", {"truth b", "speed 1"});
+  const Masks masks = split_trials(trials, 7);
+  EXPECT_EQ(masks.groups, 18U);
+  for (const auto* part : {&masks.train, &masks.valid, &masks.test}) {
+    const auto held = std::ranges::count_if(*part, [](std::size_t trial) { return trial < 3; });
+    EXPECT_TRUE(held == 0 || held == 3) << held;
+  }
+}
+
 // Trials without repeats are divided as if they had no experiment: datasets of drawn trials keep
 // their split.
 TEST(Masks, ExperimentsOfOneTrialAreDividedAsTrials) {
   std::vector<std::pair<std::size_t, std::string>> trials;
-  for (std::size_t i = 0; i < 40; ++i) trials.emplace_back(i, split_group_text("acrylic", std::to_string((7 * i) % 40)));
+  for (std::size_t i = 0; i < 40; ++i) trials.emplace_back(i, split_group_text("acrylic", {std::to_string((7 * i) % 40)}));
   const Masks masks = split_trials(trials, 7), plain = split_trials(trials_of(40, {"acrylic"}), 7);
   EXPECT_EQ(masks.test, plain.test);
   EXPECT_EQ(masks.valid, plain.valid);
@@ -298,7 +312,7 @@ TEST(Masks, ExperimentsOfOneTrialAreDividedAsTrials) {
 TEST(Masks, AMaterialHoldsItsExperiments) {
   std::vector<std::pair<std::size_t, std::string>> trials;
   for (std::size_t i = 0; i < 60; ++i)
-    trials.emplace_back(i, split_group_text(std::string(1, static_cast<char>('a' + i % 6)), std::to_string(i)));
+    trials.emplace_back(i, split_group_text(std::string(1, static_cast<char>('a' + i % 6)), {std::to_string(i)}));
   const Masks masks = split_trials(trials, 7);
   EXPECT_EQ(masks.split_by, "material");
   EXPECT_EQ(masks.test.size(), 10U);  // one of six materials

@@ -221,6 +221,12 @@ std::string truth_sha256(const LabelRecord& labels) {
   return hexadecimal(sha.finish());
 }
 
+std::string truth_sha256(std::span<const SensorRecord> sensors) {
+  std::string all;
+  for (const SensorRecord& sensor : sensors) all += truth_sha256(sensor.labels);
+  return all.empty() ? all : hexadecimal(text_digest(all));
+}
+
 Digest trial_digest(const TrialRecord& record) {
   return digest_of(arrays_of(record), attributes_of(record), [](const ArrayView&, const Digest&) {});
 }

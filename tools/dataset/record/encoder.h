@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -201,6 +202,8 @@ Digest trial_digest(const TrialRecord& record);
 // equal values are one experiment made twice; their sensors differ at most in noise. Empty if the
 // recording has no truth or nothing pressed on the pad.
 std::string truth_sha256(const LabelRecord& labels);
+// Likewise at all pads of a trial.
+std::string truth_sha256(std::span<const SensorRecord> sensors);
 
 // SHA-256 over the trials' digests in order, as 64 hexadecimal digits: the content_sha256 of schema
 // 1.

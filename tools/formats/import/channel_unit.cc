@@ -9,9 +9,17 @@ namespace slipbench {
 
 SiUnit si_unit_of(const std::string& unit) {
   constexpr double standard_gravity = 9.80665;  // m/s2, by definition
-  static const std::map<std::string, double> further_forces{
-      {"uN", 1e-6}, {"gf", 1e-3 * standard_gravity}, {"kgf", standard_gravity}};
-  if (const auto force = further_forces.find(unit); force != further_forces.end()) return {"N", force->second};
+  // Units that scenes do not have. U+00B5 and U+03BC are both written for micro.
+  static const std::map<std::string, SiUnit> further{{"uN", {"N", 1e-6}},
+                                                     {"\u00b5N", {"N", 1e-6}},
+                                                     {"\u03bcN", {"N", 1e-6}},
+                                                     {"gf", {"N", 1e-3 * standard_gravity}},
+                                                     {"kgf", {"N", standard_gravity}},
+                                                     {"mV", {"V", 1e-3}},
+                                                     {"uV", {"V", 1e-6}},
+                                                     {"\u00b5V", {"V", 1e-6}},
+                                                     {"\u03bcV", {"V", 1e-6}}};
+  if (const auto known = further.find(unit); known != further.end()) return known->second;
   try {
     const std::string one = "1 " + unit;
     const Quantity quantity = quantity_of(one);

@@ -30,7 +30,8 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes, plan.interrupt);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
   result.record.params = params_json(trial.drawn);
-  result.record.material = split_group_text(result.record.material, experiment_of(trial.scene, trial.drawn));
+  result.record.material =
+      split_group_text(result.record.material, experiments_of(trial.scene, trial.drawn, truth_sha256(result.record.sensors)));
   FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), result.time_step, std::nullopt};
   if (plan.recording == Recording::outcome) keep_outcome(result.record);
   if (encoder != nullptr) finished.encoded = encoder->encode(result.record);

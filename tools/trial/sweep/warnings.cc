@@ -274,7 +274,10 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
       const bool one_material =
           std::ranges::none_of(planned.drawn, [](const auto& swept) { return swept.first == "surface.material"; });
       if (!rule && one_material) return {};
-      trials.emplace_back(trial, split_group_text(split_group(planned.scene), experiment_of(planned.scene, planned.drawn)));
+      // Before the trials have run, repeats are certain only without effects, which may draw numbers.
+      std::vector<std::string> experiment;
+      if (planned.scene.effects.empty()) experiment.push_back(experiment_of(planned.scene, planned.drawn));
+      trials.emplace_back(trial, split_group_text(split_group(planned.scene), experiment));
     } catch (const InputError&) {
       continue;
     }
