@@ -438,8 +438,9 @@ class Dataset(Mapping[int, StoredTrial]):
             The windows.
 
         Raises:
-            InputError: an argument is invalid, a trial lacks such labels or channels, every trial is
-            shorter than a window, trials differ in the sensor's rate by more than 1 % or in the
+            InputError: an argument is invalid, no trial is chosen, for example because the mask of
+            `part` is empty, a trial lacks such labels or channels, every trial is shorter than a
+            window, trials differ in the sensor's rate by more than 1 % or in the
             unit or shape of a channel, or a recording's samples are not evenly spaced, which
             windows require.
         """
@@ -493,6 +494,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             if unknown := sorted(set(trials) - set(self._trials)):
                 raise _core.InputError(f"trials: {', '.join(map(str, unknown))}; allowed: the numbers of the {part or 'dataset'}'s trials")
             self._trials = sorted(set(trials))
+        if not self._trials:
+            raise _core.InputError(self._empty_text(part, trials))
         self._kept: dict[int, tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]] = {}
         samples = [self._samples(trial) for trial in self._trials]
         self._check_alike()
@@ -504,6 +507,15 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         if short:
             warnings.warn(f"{len(short)} of {counted(len(samples), 'trial')} {'has' if len(short) == 1 else 'have'} fewer than {length} samples and no window: "
                           f"{', '.join(map(str, short[:10]))}{' ...' if len(short) > 10 else ''}", stacklevel=3)
+
+    def _empty_text(self, part: str, trials: Sequence[int] | None) -> str:
+        """The error of windows without any trial: what was chosen, and how many trials each mask
+        has."""
+        dataset = self._dataset
+        masks = ", ".join(f"{name!r} {len(dataset.mask(name))}" for name in ("train", "valid", "test"))
+        if trials is not None and len(trials) == 0:
+            return f"trials: found an empty list; expected numbers of trials, or None for all of them; trials in the masks: {masks}"
+        return f"{f'part {part!r}' if part else 'the dataset'} has no trials; trials in the masks: {masks}, of {len(dataset)} in the dataset"
 
     def _name(self, trial: StoredTrial) -> str:
         names = list(trial.sensors)

@@ -315,6 +315,26 @@ class Datasets(unittest.TestCase):
                 with self.assertRaisesRegex(slipbench.InputError, "trial 0: channel 'nope' is not there; allowed: .*'force'"):
                     data.windows(length=4, channels=["nope"])
 
+    def test_windows_without_trials_are_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "one.h5")
+            slipbench.Scene.from_text("slipbench: 1\nduration: 0.1 s\nsensors: {pad: {type: papillarray}}\n").write(path)
+            with slipbench.open(path) as data:
+                # The only trial is in one of the three masks.
+                sizes = {part: len(data.mask(part)) for part in ("train", "valid", "test")}
+                self.assertEqual(sorted(sizes.values()), [0, 0, 1])
+                masks = ", ".join(f"'{part}' {size}" for part, size in sizes.items())
+                for part, size in sizes.items():
+                    if size:
+                        self.assertGreater(len(data.windows(length=10, part=part)), 0)
+                        continue
+                    with self.assertRaises(slipbench.InputError) as caught:
+                        data.windows(length=10, part=part)
+                    self.assertEqual(str(caught.exception), f"part '{part}' has no trials; trials in the masks: {masks}, of 1 in the dataset")
+                with self.assertRaises(slipbench.InputError) as caught:
+                    data.windows(length=10, trials=[])
+                self.assertEqual(str(caught.exception), f"trials: found an empty list; expected numbers of trials, or None for all of them; trials in the masks: {masks}")
+
     def test_what_cannot_be_asked_for_is_said(self):
         with slipbench.open(self.path) as data:
             for wrong, told in (({"length": 0}, "length 0"), ({"length": 4, "labels": "strickt"}, "labels 'strickt'.*'strict'"),
