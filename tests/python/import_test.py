@@ -400,8 +400,8 @@ class Tables(ImportTest):
             return self.force((MAP % "").replace("{column: t}", time), path)[1]
 
         # Two midnights: 86,400 s and 172,800 s after the first.
-        found = stamps("{column: t, wrap: 1 day}", "20:00:00", "04:00:00", "20:00:00", "04:00:00")
-        self.assertEqual(found.tolist(), [72000, 86400 + 14400, 86400 + 72000, 172800 + 14400])
+        found = stamps("{column: t, wrap: 1 day}", "20:00:00", "04:00:00", "16:00:00", "03:00:00")
+        self.assertEqual(found.tolist(), [72000, 86400 + 14400, 86400 + 57600, 172800 + 10800])
         # A counter of 2^16 in ms, 65.536 s: 65,535 is followed by 0.
         found = stamps("{column: t, unit: ms, wrap: 65.536 s}", "65534", "65535", "0", "1")
         np.testing.assert_allclose(found, [65.534, 65.535, 65.536, 65.537], rtol=0, atol=1e-12)
@@ -409,11 +409,24 @@ class Tables(ImportTest):
         path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in ("0", "5", "11")]))
         for time, message in (
             ("{column: t, wrap: 10 s}", "map.yaml:1: time.wrap: .*a.csv:1: the times span 11 s; expected times within 10 s"),
-            ("{column: t, wrap: 1 year}", "map.yaml:1: time.wrap: "),
+            ("{column: t, wrap: 1 year}", "map.yaml:1: time.wrap: .*'year'.*; or in day or h$"),
             ("{column: t, wrap: 0 s}", "map.yaml:1: time.wrap: expected a time such as '1 day', found '0 s'"),
             ("{rate: 1 Hz, wrap: 1 day}", "map.yaml:1: time: wrap is for a column of times, not for a rate"),
         ):
             self.assertRegex(self.refused((MAP % "").replace("{column: t}", time), path), message)
+
+    def test_a_step_forward_by_more_than_half_of_the_period_is_refused(self):
+        """Swapped samples at midnight would begin two days: 86399.9, 86400, 172799.95, 172800.1."""
+        map = (MAP % ", missing: gap").replace("{column: t}", "{column: t, wrap: 10 s}")
+        # The third row has no time: line 5 follows line 3, by 9.97 s - 0.01 s.
+        path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in ("9.95", "0.01", "", "9.97", "0.02")]))
+        self.assertEqual(
+            self.refused(map, path),
+            f"{path}:5: column 1, time: 9.97 s is 9.96 s after the time of line 3; expected at most half of time.wrap, 5 s: sort samples that "
+            "are in another order, and split the file at a long pause",
+        )
+        path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in ("9", "2", "7", "1")]))  # half of the period, forward
+        np.testing.assert_allclose(self.force(map, path)[1], [9, 12, 17, 21], rtol=0, atol=1e-12)
 
     def test_long_cells_and_titles_end_at_once_and_are_cut_in_messages(self):
         """A cell of n digits has n ways to be a number with an optional point; trying all for each digit took 30 s for 20,000."""

@@ -17,7 +17,7 @@ from slipbench._import.block import Block
 from slipbench._import.keys import TIME_UNITS
 from slipbench._import.labels import File, Lookup, States, object_of
 from slipbench._import.source import MISSING, Source, stamps_of
-from slipbench._import.times import duration_text, format_error, is_moment, jump_text, stamp_text, unwrapped
+from slipbench._import.times import AmbiguousStepError, duration_text, format_error, is_moment, jump_text, stamp_text, unwrapped
 from slipbench._program import counted
 from slipbench.bin import _core
 
@@ -292,10 +292,18 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
     else:
         times, resolution = stamps_of(source, title, sensor.scale, sensor.time.get("format", ""))
     if "wrap" in sensor.time:
+        period = sensor.time.need("wrap")
         try:
-            times = unwrapped(times, sensor.time.need("wrap"))
+            times = unwrapped(times, period)
+        except AmbiguousStepError as step:
+            title = sensor.time.need("column")
+            raise InputError(
+                f"{source.place(step.row)}: column {source.titles.index(title) + 1}, time: {stamp_text(times[step.row])} is "
+                f"{duration_text(float(times[step.row] - times[step.before]))} after the time of {source.row_text(step.before)}; expected at most half of "
+                f"time.wrap, {duration_text(period / 2)}: sort samples that are in another order, and split the file at a long pause"
+            ) from None
         except ValueError as error:
-            sensor.time.fail(f"time.wrap: {source.title_place()}: {error}; expected times within {duration_text(sensor.time.need('wrap'))}", "wrap")
+            sensor.time.fail(f"time.wrap: {source.title_place()}: {error}; expected times within {duration_text(period)}", "wrap")
     return times, resolution, None
 
 

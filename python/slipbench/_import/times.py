@@ -102,6 +102,18 @@ def stamp_text(seconds: float) -> str:
     return f"{np.format_float_positional(seconds, trim='-')} s"
 
 
+class AmbiguousStepError(ValueError):
+    """A time that is more than half of the period of `wrap` after the one above it.
+
+    Attributes:
+        before, row: rows of the two times
+    """
+
+    def __init__(self, before: int, row: int) -> None:
+        super().__init__(f"rows {before + 1} and {row + 1}")
+        self.before, self.row = before, row
+
+
 def unwrapped(times: np.ndarray, period: float) -> np.ndarray:
     """Times that start again after a period, as ascending times: each step back by more than half
     of the period begins the next one.
@@ -112,13 +124,19 @@ def unwrapped(times: np.ndarray, period: float) -> np.ndarray:
 
     Raises:
         ValueError: the times do not lie within one period
+        AmbiguousStepError: a time is more than half of the period after the one above it
     """
     known = ~np.isnan(times)
     span = float(np.ptp(times[known])) if known.any() else 0.0
     if span > period:
         raise ValueError(f"the times span {duration_text(span)}")
+    steps, rows = np.diff(times[known]), np.flatnonzero(known)
+    # Swapped samples at the end of a period give such a step, which would begin a period too many.
+    ambiguous = np.flatnonzero(steps > period / 2)
+    if ambiguous.size:
+        raise AmbiguousStepError(int(rows[ambiguous[0]]), int(rows[ambiguous[0] + 1]))
     whole = times.copy()
-    whole[known] += period * np.concatenate([[0], np.cumsum(np.diff(times[known]) < -period / 2)])[: known.sum()]
+    whole[known] += period * np.concatenate([[0], np.cumsum(steps < -period / 2)])[: known.sum()]
     return whole
 
 
