@@ -983,16 +983,57 @@ class Arrays(ImportTest):
         self.assertEqual(self.force(map, path)[1].tolist(), [0, 1, 2])
         write(4, s=["text"] * 4)
         self.write("a.parquet", path.read_bytes().replace(b"text", b"te\xffx"))
-        self.assertIn("a.parquet: cannot be read as Parquet: ", self.refused(map, path))
+        self.assertEqual(self.force(map, path)[1].tolist(), [0, 1, 2])  # the map does not name the damaged column
+        labelled = map[:-1] + ", state: {column: s, rule: r, values: {text: 1}}}"
+        self.assertIn("a.parquet: cannot be read as Parquet: ", self.refused(labelled, path))
         write(4, s=[[1.0], [1.0, 2.0], [], []])
-        self.assertIn("a.parquet: column 's': its lists differ in length", self.refused(map, path))
+        self.assertIn("a.parquet: column 's': its lists differ in length", self.refused(map.replace("[f]", "[s]"), path))
+        write(4, s=[["a"]] * 4)
+        self.assertIn("a.parquet: column 's' contains lists of texts; expected numbers", self.refused(map.replace("[f]", "[s]"), path))
         write(2000)
         with mock.patch.object(arrays, "LARGEST", 16_000):  # 2,000 values of 8 bytes; the file has 4,000
-            self.assertIn("has 4000 values in 2000 rows; expected at most 2000 values", self.refused(map, path))
+            self.assertIn("columns f, t have 4000 values in 2000 rows; expected at most 2000 values", self.refused(map, path))
         write(4)
         table = pa.parquet.read_table(path)
         with mock.patch.object(pa.parquet.ParquetFile, "read", return_value=table.slice(0, 0)):  # its list of row groups is lost
             self.assertIn("a.parquet: is damaged: has 0 rows; expected 4, as its footer states", self.refused(map, path))
+
+    def test_parquet_reads_only_the_named_columns_and_each_text_once(self):
+        """Ten row groups of 8 rows with one text of 5 MB: 400 MB as texts of the rows, 50 MB as dictionaries."""
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}%s}"
+        path, long = self.folder / "a.parquet", "x" * 5_000_000
+        rows = [k / 100 for k in range(80)]
+        table = pa.table({"t": rows, "f": rows, "s": [long] * 80, "name": ["a", None] * 40, "fixed": pa.array([b"x" * 1000] * 80, pa.binary(1000))})
+        pa.parquet.write_table(table, path, row_group_size=8, compression="zstd")
+        self.assertLess(path.stat().st_size, 200_000)
+        np.testing.assert_array_equal(self.force(map % "", path)[0].ravel(), np.array(rows, np.float32))
+        source = arrays.read_parquet(str(path))
+        self.assertEqual((len(source), source.titles), (80, ["t", "f", "s", "name", "fixed"]))
+        before = limits.data_bytes()
+        with limits.memory_limit(str(path), 250_000_000):
+            source.load(["t", "s", "name"], ["s", "name"])
+            self.assertEqual(set(source.texts("s")), {long})
+        self.assertLess(limits.data_bytes() - before, 250_000_000)
+        self.assertEqual(source.texts("name")[:3], ["a", "None", "a"])
+        # By the footer, the texts take 50 MB, and 80 values of 1,000 bytes take 80 kB.
+        with mock.patch.object(arrays, "LARGEST", 40_000_000):
+            self.assertIn("a.parquet: columns s take 0.05 GB when they are unpacked; expected at most 0.04 GB", self.refuse_load(source, "s"))
+        with mock.patch.object(arrays, "LARGEST", 70_000):
+            self.assertIn("a.parquet: columns fixed take 8e-05 GB", self.refuse_load(source, "fixed"))
+            source.load(["t", "f"], [])
+
+    def refuse_load(self, source, *titles):
+        """Returns the message with which the columns are refused."""
+        with self.assertRaises(slipbench.InputError) as caught:
+            source.load(titles, [])
+        return str(caught.exception)
+
+    def test_a_source_takes_at_most_half_of_the_memory(self):
+        for machine, most in ((16_000_000_000, 8_000_000_000), (64_000_000_000, 32_000_000_000), (256_000_000_000, 32_000_000_000)):
+            with mock.patch.object(limits, "machine_bytes", return_value=machine):
+                self.assertEqual(limits.source_limit(), most)
+        installed = next(line for line in Path("/proc/meminfo").read_text().splitlines() if line.startswith("MemTotal"))
+        self.assertAlmostEqual(limits.machine_bytes(), 1024 * int(installed.split()[1]), delta=1024)
 
 
 PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"

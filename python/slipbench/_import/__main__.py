@@ -10,7 +10,7 @@ from pathlib import Path
 
 from slipbench import InputError
 from slipbench._import.block import nearest, read_map
-from slipbench._import.limits import MOST_MEMORY, memory_limit
+from slipbench._import.limits import memory_limit, source_limit
 from slipbench._program import Interrupt, run_command, write_result
 from slipbench.bin import _core
 
@@ -68,7 +68,7 @@ def run(request: Request) -> int:
     importer = Importer(map, writer)
     for file in files:
         interrupt.check()
-        with memory_limit(file.path, MOST_MEMORY):
+        with memory_limit(file.path, source_limit()):
             importer.add(file)
     interrupt.check()
     writer.finish(len(files))

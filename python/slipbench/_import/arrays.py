@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -100,42 +101,107 @@ def read_npz(path: str) -> Columns:
     return Columns(path, kept, left_out)
 
 
-def read_parquet(path: str) -> Columns:
-    """Reads the columns of a Parquet file; lists of equal length are arrays."""
-    import pyarrow.parquet
+class ParquetTable(Columns):
+    """The columns of a Parquet file, of which load() reads the ones that the map names. Lists of
+    equal length are arrays. Texts are read as dictionaries: a text that many rows have is in memory
+    once. Raises InputError if the file is not a Parquet table."""
 
-    try:
-        # By a file object: pyarrow takes some names, such as a:b.parquet, for addresses.
-        with open(path, "rb") as stream, pyarrow.parquet.ParquetFile(stream) as file:
-            columns = _parquet_columns(path, file)
-    except (InputError, MemoryError):
-        raise
-    except Exception as error:  # noqa: BLE001  pages are decoded column by column, and texts when they are converted
-        raise InputError(f"{path}: cannot be read as Parquet: {error}") from error
-    return Columns(path, columns)
+    def __init__(self, path: str) -> None:
+        super().__init__(path, {})
+        self._read(self._read_head)
+
+    def __len__(self) -> int:
+        return self._rows
+
+    def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
+        titles = list(dict.fromkeys(titles))
+        self._read(lambda file: self._read_columns(file, titles))
+
+    def _read(self, work: Callable[[Any], None]) -> None:
+        """Calls `work` with the open file. Raises InputError if the file is damaged."""
+        import pyarrow.parquet
+
+        texts = getattr(self, "_texts", None)
+        try:
+            # By a file object: pyarrow takes some names, such as a:b.parquet, for addresses.
+            with open(self.path, "rb") as stream, pyarrow.parquet.ParquetFile(stream, read_dictionary=texts) as file:
+                work(file)
+        except (InputError, MemoryError):
+            raise
+        except Exception as error:  # noqa: BLE001  pages are decoded column by column, and texts when they are converted
+            raise InputError(f"{self.path}: cannot be read as Parquet: {error}") from error
+
+    def _read_head(self, file: Any) -> None:
+        self.titles, self._rows = list(file.schema_arrow.names), file.metadata.num_rows
+        self._texts = [field.name for field in file.schema_arrow if _has_texts(field.type)]
+        for title, count in Counter(self.titles).items():
+            if count > 1:
+                raise InputError(f"{self.path}: has {count} columns {title!r}; titles must differ; rename one of them")
+        if self._rows == 0:
+            raise InputError(f"{self.path}: the table has no rows")
+
+    def _read_columns(self, file: Any, titles: list[str]) -> None:
+        self._check_size(file, titles)
+        for title in titles:
+            kind = file.schema_arrow.field(title).type
+            if _has_texts(_items(kind)) and not _has_texts(kind):
+                raise InputError(f"{self.path}: column {title!r} contains lists of texts; expected numbers, lists of numbers, or texts")
+        table = file.read(columns=titles)  # and other columns whose titles begin with one of these and a point
+        if table.num_rows != self._rows:
+            raise InputError(f"{self.path}: is damaged: has {counted(table.num_rows, 'row')}; expected {self._rows}, as its footer states")
+        self._columns = {title: _parquet_column(f"{self.path}: column {title!r}", table.column(title)) for title in titles}
+
+    def _check_size(self, file: Any, titles: list[str]) -> None:
+        """Raises InputError if the columns are too large according to the footer: a small file may
+        have many rows of one value, or a long list in each row."""
+        head = file.metadata
+        leaves = [k for k in range(head.num_columns)
+                  if any(file.schema.column(k).path == title or file.schema.column(k).path.startswith(f"{title}.") for title in titles)]
+        values, size = 0, 0
+        for k in leaves:
+            parts = [head.row_group(group).column(k) for group in range(head.num_row_groups)]
+            count = max(sum(part.num_values for part in parts), self._rows)
+            values += count
+            # Values of fixed length are decoded one by one; a text is decoded once for each row group.
+            size += max(count * file.schema.column(k).length, sum(part.total_uncompressed_size for part in parts))
+        if values * 8 > LARGEST:
+            raise InputError(
+                f"{self.path}: columns {', '.join(titles[:10])} have {values} values in {counted(self._rows, 'row')}; "
+                f"expected at most {LARGEST // 8} values; split the file"
+            )
+        if size > LARGEST:
+            raise InputError(
+                f"{self.path}: columns {', '.join(titles[:10])} take {size / 1e9:.3g} GB when they are unpacked; "
+                f"expected at most {LARGEST / 1e9:.3g} GB; split the file"
+            )
 
 
-def _parquet_columns(path: str, file: Any) -> dict[str, Any]:
-    head = file.metadata
-    for title, count in Counter(file.schema_arrow.names).items():
-        if count > 1:
-            raise InputError(f"{path}: has {count} columns {title!r}; titles must differ; rename one of them")
-    if head.num_rows == 0:
-        raise InputError(f"{path}: the table has no rows")
-    # A small file may have many rows of one value, or a long list in each row.
-    values = sum(head.row_group(group).column(k).num_values for group in range(head.num_row_groups) for k in range(head.num_columns))
-    values = max(values, head.num_rows * head.num_columns)
-    if values * 8 > LARGEST:
-        raise InputError(
-            f"{path}: the table has {values} values in {counted(head.num_rows, 'row')}; expected at most {LARGEST // 8} values; split the file"
-        )
-    table = file.read()
-    if table.num_rows != head.num_rows:
-        raise InputError(f"{path}: is damaged: has {counted(table.num_rows, 'row')}; expected {head.num_rows}, as its footer states")
-    return {
-        name: _parquet_column(f"{path}: column {name!r}", column)
-        for name, column in zip(table.column_names, table.columns, strict=True)
-    }
+def read_parquet(path: str) -> ParquetTable:
+    """Reads the titles of a Parquet file; load() reads its columns."""
+    return ParquetTable(path)
+
+
+def _has_texts(kind: Any) -> bool:
+    """True for a column of texts or bytes of any length."""
+    import pyarrow as pa
+
+    if pa.types.is_dictionary(kind):
+        return _has_texts(kind.value_type)
+    tests = (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view, pa.types.is_binary, pa.types.is_large_binary, pa.types.is_binary_view)
+    return any(test(kind) for test in tests)
+
+
+def _is_list(kind: Any) -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind))
+
+
+def _items(kind: Any) -> Any:
+    """Type of the items of a list of lists; `kind` itself for another type."""
+    while _is_list(kind):
+        kind = kind.value_type
+    return kind
 
 
 def _parquet_column(where: str, column: Any) -> Any:
@@ -144,9 +210,21 @@ def _parquet_column(where: str, column: Any) -> Any:
 
     if pa.types.is_timestamp(column.type):
         return np.array(["" if value is None else value.isoformat() for value in column.to_pylist()])
-    if pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type) or pa.types.is_large_list(column.type):
+    if pa.types.is_dictionary(column.type) and _has_texts(column.type):
+        return np.concatenate([_shared_texts(chunk) for chunk in column.chunks])
+    if _is_list(column.type):
         try:
             return np.array(column.to_pylist(), dtype=float)
         except ValueError:
             raise InputError(f"{where}: its lists differ in length") from None
     return column.to_numpy()
+
+
+def _shared_texts(chunk: Any) -> np.ndarray:
+    """The texts of an array with a dictionary, each of which is one object; None if missing."""
+    import pyarrow as pa
+
+    words = [*chunk.dictionary.to_pylist(), None]
+    indices = chunk.indices.cast(pa.int64()).fill_null(len(words) - 1).to_numpy(zero_copy_only=False)
+    found: np.ndarray = np.array(words, dtype=object)[indices]
+    return found

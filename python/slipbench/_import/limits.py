@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import os
 import resource
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ from pathlib import Path
 from slipbench import InputError
 
 MOST_MEMORY = 32_000_000_000  # bytes for one source: the largest text table needs some ten times its size
+SHARE_OF_MEMORY = 0.5  # of the machine's memory, for one source
 MEMORY_OF_BAG = 4_000_000_000  # bytes beyond those in use, while a bag is read
 UNPACKED, UNPACKED_TIMES = 1_000_000_000, 100  # bytes of a file of a bag, or its size as a multiple of the packed size
 
@@ -24,6 +26,17 @@ def check_inside(path: Path, folders: Iterable[Path]) -> None:
             f"{path}: is outside of the folders of the map, of the recordings and of the command; to read it, name its folder as a SOURCE, or start "
             "the command in a folder that contains it"
         )
+
+
+def machine_bytes() -> int:
+    """Bytes of memory of the machine."""
+    return resource.getpagesize() * os.sysconf("SC_PHYS_PAGES")
+
+
+def source_limit() -> int:
+    """Bytes that one source may take in memory: MOST_MEMORY, or half of the machine's memory if
+    that is less."""
+    return min(MOST_MEMORY, int(SHARE_OF_MEMORY * machine_bytes()))
 
 
 def data_bytes() -> int:
