@@ -23,13 +23,21 @@ BEGINNING = "---\n# Written by slipbench export.\n"
 CARDS = (BEGINNING.encode(), croissant.BEGINNING.encode())  # first bytes of README.md and croissant.json
 # Fields in the names of files, for Croissant.
 NAMED = {"trial": ("sc:Integer", "number of the trial"), "class": ("sc:Text", "class of the motion")}
+# Addresses that GitHub's Markdown makes links of without any mark.
+ADDRESS = re.compile(r"://|www\.|@|(mailto|xmpp):", re.IGNORECASE)
 PLACES = {"sensors": "sensor", "labels": "labels of", "truth": "body", "control": "control loop"}
 
 
 def _text(value: object) -> str:
-    """A text of the dataset for Markdown: without HTML, links, code and control characters."""
-    plain = html.escape(printable(re.sub(r"\s+", " ", str(value))), quote=False)
-    return re.sub(r"([\[\]`])", r"\\\1", plain)
+    """A text of the dataset for Markdown: without HTML, links and control characters. Words that a
+    renderer makes links of, escaped or not, are code."""
+    plain = printable(re.sub(r"\s+", " ", str(value)))
+    return " ".join(_code(word) if ADDRESS.search(word) else _escaped(word) for word in plain.split(" "))
+
+
+def _escaped(word: str) -> str:
+    """A word whose characters have no meaning in Markdown and HTML."""
+    return html.escape(re.sub(r"([\\\[\]`$])", r"\\\1", word), quote=False)
 
 
 def _code(value: object) -> str:

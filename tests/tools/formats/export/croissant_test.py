@@ -134,6 +134,18 @@ class Croissant(ExportTest):
         self.assertIn("\n# Recordings of myrmex\n", (folder / "README.md").read_text())
         self.assertNotIn("labels", about["description"])
 
+    def test_texts_of_a_dataset_are_not_links_in_its_card(self):
+        """CommonMark: a backslash escapes the next punctuation. GitHub's Markdown makes links of bare addresses, but not in code."""
+        frame = r"x \[click\](http://evil.example/) www.evil.example, a@evil.example [a](javascript:b) <b>"
+        shown = r"x `\[click\](http://evil.example/)` `www.evil.example,` `a@evil.example` \[a\](javascript:b) &lt;b&gt;"
+        rule, escaped = r"\[y\](javascript:alert`1`) | $z$", r"\\\[y\\\](javascript:alert\`1\`) \| \$z\$"
+        about = {"sensor": "pad", "type": "own", "time": {"column": "t"}, "channels": {"force": {"unit": "N", "columns": ["f"]}}, "frame": frame,
+                 "state": {"value": "1", "rule": rule}}
+        export(import_table(self.folder, "t,f\n0,1\n0.01,2\n0.02,3\n", json.dumps(about)), self.folder / "out", "--format", "csv")
+        card = (self.folder / "out/README.md").read_text()
+        self.assertIn(f"| `pad` | own | 100 Hz | {shown} |\n", card)
+        self.assertIn(f"; rule: {escaped} |\n", card)
+
     def test_rates_and_shapes_are_those_of_the_files(self):
         """The scene has sensors of 1000, 1000 and 500 Hz and arrays of 16 x 16 and 4 x 3 taxels."""
         def rows(format):
