@@ -167,9 +167,12 @@ class Progress:
 
 @contextlib.contextmanager
 def locked_folder(folder: Path) -> Iterator[None]:
-    """Locks a folder against other exports, by the file export.partial in it. Raises InputError if
-    another export is writing into the folder."""
+    """Locks a folder against other exports, by the empty file export.partial in it. Raises
+    InputError if another export is writing into the folder, or if a file of this name has content,
+    so that it is not such a lock."""
     path = folder / "export.partial"
+    if path.is_file() and not path.is_symlink() and path.stat().st_size:
+        raise InputError(f"{path}: would be replaced by the lock of this export, but has content; rename it, or choose another folder")
     try:
         file = create_locked(path)
     except InputError as error:

@@ -155,6 +155,17 @@ class Formats(ExportTest):
                 export(dataset, out, "--format", format)  # the file was left by a killed export
                 self.assertEqual(contents(out), contents(whole))
 
+    def test_a_file_with_content_at_the_name_of_the_lock_is_kept(self):
+        dataset = make("papillarray/stage.yaml")
+        for format in ("parquet", "lerobot"):
+            with self.subTest(format=format):
+                out = self.folder / format
+                out.mkdir()
+                (out / "export.partial").write_text("precious")
+                _, told = export(dataset, out, "--format", format, status=2)
+                self.assertIn(f"{out / 'export.partial'}: would be replaced by the lock of this export, but has content; rename it", told)
+                self.assertEqual(contents(out), {"export.partial": b"precious"})
+
     def test_what_a_layout_cannot_carry_is_refused_by_name(self):
         dataset = make("papillarray/stage.yaml")
         for format in ("csv", "npz", "parquet", "mcap", "vendor-csv"):
