@@ -771,6 +771,33 @@ class Layouts(ImportTest):
         self.assertEqual(states.labels["pad"]["state_paper"][:].tolist(), [3, 3, 3])
         with self.assertRaisesRegex(slipbench.InputError, "map.yaml:1: definitions: .* is outside of the folders"):
             bags.read_definitions(read_map(str(self.write("map.yaml", MAP % f", definitions: [{secret}]"))), [])
+        link = self.folder / "defs/x/msg/State.msg"
+        link.parent.mkdir(parents=True)
+        link.symlink_to(secret)
+        with self.assertRaises(slipbench.InputError) as caught:
+            bags.read_definitions(read_map(str(self.write("map.yaml", MAP % ", definitions: [defs]"))), [])
+        self.assertIn(f"map.yaml:1: definitions: {link}: is outside of the folders of the map", str(caught.exception))
+
+    def test_links_in_a_folder_to_other_folders_are_refused(self):
+        outside = tempfile.TemporaryDirectory()
+        self.addCleanup(outside.cleanup)
+        secret = Path(outside.name, "secret")
+        secret.write_text("root:x:0:0:SECRET\n")
+        self.write("rec/a.csv", table())
+        link = self.folder / "rec/b.csv"
+        link.symlink_to(secret)
+        message = self.refused(MAP % "", self.folder / "rec")
+        self.assertEqual(
+            message,
+            f"{link}: is a link to a file outside of the folders of the command; to read it, name the file or folder itself on the command line",
+        )
+        secret.write_text(table())
+        self.assertEqual(len(self.read(MAP % "", self.folder / "rec/a.csv", link)[0]), 2)  # as the remedy says
+        link.unlink()
+        self.write("raw/b.csv", table())
+        link.symlink_to("../raw/b.csv")
+        with contextlib.chdir(self.folder):  # its target is in the current folder
+            self.assertEqual(len(self.read(MAP % "", self.folder / "rec")[0]), 2)
 
     def test_a_pattern_for_names_of_files_ends(self):
         path = self.write("a" * 40 + ".csv", table())

@@ -100,12 +100,15 @@ def read_definitions(map: Block, folders: list[Path]) -> dict[str, Any]:
 
     types: dict[str, Any] = {}
     for given in map.get("definitions", []):
-        path = Path(map.node.path).absolute().parent / given
+        beside = Path(map.node.path).absolute().parent
+        path = beside / given
         try:
-            check_inside(path, [Path(map.node.path).absolute().parent, *folders])
+            check_inside(path, [beside, *folders])
+            files = sorted(path.rglob("*.msg")) if path.is_dir() else [path]
+            for file in files:
+                check_inside(file, [beside, *folders])
         except InputError as error:
             map.fail(f"definitions: {error}", "definitions")
-        files = sorted(path.rglob("*.msg")) if path.is_dir() else [path]
         if not path.exists() or not files:
             map.fail(
                 f"definitions: expected a .msg file or a folder with such files next to the map, found {given!r}, which "

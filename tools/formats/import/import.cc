@@ -73,6 +73,51 @@ class FolderScan {
   std::vector<std::string> found_;
 };
 
+// True if `path` is `folder` or lies in it; both are canonical.
+bool is_in(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+// Refuses links in the folders of the command that lead to files of other folders: a folder from
+// others must not make the program read other files of the user.
+class LinkCheck {
+ public:
+  explicit LinkCheck(const std::vector<std::string>& sources) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    allowed_.push_back(fs::current_path(error));
+    for (const std::string& source : sources) {
+      const bool is_folder = fs::is_directory(source, error);
+      allowed_.push_back(fs::canonical(is_folder ? fs::path(source) : fs::absolute(source).parent_path(), error));
+    }
+    // An empty path would contain every file.
+    std::erase_if(allowed_, [](const fs::path& folder) { return folder.empty(); });
+  }
+
+  // Checks a file, or a bag with all files in it.
+  void check(const std::string& path) const {
+    namespace fs = std::filesystem;
+    check_file(path);
+    std::error_code error;
+    if (!fs::is_directory(path, error)) return;
+    for (auto entry = fs::recursive_directory_iterator(path, error); !error && entry != fs::recursive_directory_iterator();
+         entry.increment(error))
+      check_file(entry->path());
+  }
+
+ private:
+  void check_file(const std::filesystem::path& path) const {
+    std::error_code error;
+    const std::filesystem::path target = std::filesystem::canonical(path, error);
+    if (error) return;  // leads nowhere: reading the file fails
+    if (std::ranges::any_of(allowed_, [&](const std::filesystem::path& folder) { return is_in(target, folder); })) return;
+    reject("{}: is a link to a file outside of the folders of the command; to read it, name the file or folder itself on the command line",
+           path.string());
+  }
+
+  std::vector<std::filesystem::path> allowed_;
+};
+
 // The common parent folder of these paths.
 std::filesystem::path common_folder(const std::vector<std::filesystem::path>& folders) {
   std::filesystem::path common = folders.front();
@@ -203,6 +248,7 @@ std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, co
   namespace fs = std::filesystem;
   std::vector<std::string> paths;
   std::vector<fs::path> folders;
+  const LinkCheck links(sources);
   for (const std::string& source : sources) {
     std::error_code error;
     if (!fs::exists(source, error)) reject("{}: no such file or folder", source);
@@ -210,9 +256,11 @@ std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, co
     if (fs::is_directory(source, error) && !(bags && is_bag(source))) {
       folders.push_back(full.has_filename() ? full : full.parent_path());
       const std::vector<std::string> found = FolderScan(source, endings, bags).paths();
+      for (const std::string& path : found) links.check(path);
       paths.insert(paths.end(), found.begin(), found.end());
     } else {
       folders.push_back(full.parent_path());
+      if (fs::is_directory(source, error)) links.check(source);
       paths.push_back(source);
     }
   }

@@ -43,7 +43,8 @@ void read_training_csv(const SourceFile& file, const AddRecording& add);
 // Lists the files of `sources`, which are files and folders, sorted by name within each folder.
 // `endings`: file endings that are read in a folder, ".csv". `bags`: a folder with a file
 // metadata.yaml is one source, a ROS 2 bag. Throws InputError for a source that does not exist or
-// is named twice, and for a folder without such files.
+// is named twice, for a folder without such files, and for a link in a folder or bag to a file
+// outside of the folders of `sources` and of the current folder.
 std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, const std::vector<std::string>& endings, bool bags);
 
 // A recording without sensors and without any truth. `object`: group for the split; empty: none.

@@ -104,6 +104,38 @@ TEST_F(Import, FilesOfSeveralFoldersKeepTheFoldersNames) {
   EXPECT_EQ(files[0].name, "bag");
 }
 
+TEST_F(Import, LinksOutOfTheFoldersOfTheCommandAreRefused) {
+  namespace fs = std::filesystem;
+  const std::string other = source("other/secret.csv", "root:x:0:0\n");
+  source("set/n/case1.csv", slide_header() + slide_row(0));
+  fs::create_symlink("case1.csv", path("set/n/case2.csv"));
+  EXPECT_THAT(refusal_of([&] { list_sources({path("set")}, {".csv"}, true); }), mentions({"case2.csv: is given twice"}));
+  fs::remove(path("set/n/case2.csv"));
+  for (const std::string& target : {other, std::string("../../other/secret.csv")}) {
+    fs::create_symlink(target, path("set/n/b.csv"));
+    EXPECT_THAT(refusal_of([&] { list_sources({path("set")}, {".csv"}, true); }),
+                mentions({path("set/n/b.csv") + ": is a link to a file outside of the folders of the command; to read it, name the file"}));
+    // As the remedy says.
+    EXPECT_THAT(list_sources({path("set/n/case1.csv"), path("set/n/b.csv")}, {".csv"}, true), SizeIs(2));
+    EXPECT_THAT(refusal_of([&] { list_sources({path("set"), path("other")}, {".csv"}, true); }), mentions({"is given twice"}));
+    fs::remove(path("set/n/b.csv"));
+  }
+  // A bag with a link, in a folder and named; a link to a bag.
+  source("set/bag/metadata.yaml", "");
+  fs::create_symlink(other, path("set/bag/a.db3"));
+  for (const char* named : {"set", "set/bag"})
+    EXPECT_THAT(refusal_of([&] { list_sources({path(named)}, {".csv"}, true); }), mentions({"bag/a.db3: is a link"}));
+  fs::remove_all(path("set/bag"));
+  source("other/bag/metadata.yaml", "");
+  fs::create_directory_symlink(path("other/bag"), path("set/bag"));
+  EXPECT_THAT(refusal_of([&] { list_sources({path("set")}, {".csv"}, true); }), mentions({"set/bag: is a link"}));
+  EXPECT_THAT(list_sources({path("set/bag")}, {".csv"}, true), SizeIs(1));
+  // A folder that is reached by a link itself, with an inner link.
+  fs::remove(path("set/bag"));
+  fs::create_directory_symlink(path("set"), path("alias"));
+  EXPECT_THAT(list_sources({path("alias")}, {".csv"}, true), SizeIs(1));
+}
+
 TEST_F(Import, FilesOfAFolderComeInTheOrderOfTheirNames) {
   for (const char* name : {"set/s/b1.csv", "set/e/z1.csv", "set/e/a1.csv"}) source(name, slide_header() + slide_row(0));
   run({path("set")}, "biotacsp-dos");
