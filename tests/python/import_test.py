@@ -405,6 +405,7 @@ class Tables(ImportTest):
         # A counter of 2^16 in ms, 65.536 s: 65,535 is followed by 0.
         found = stamps("{column: t, unit: ms, wrap: 65.536 s}", "65534", "65535", "0", "1")
         np.testing.assert_allclose(found, [65.534, 65.535, 65.536, 65.537], rtol=0, atol=1e-12)
+        self.assertEqual(stamps("{column: t, wrap: 2 days}", "25:00:00", "00:00:01").tolist(), [90000, 172801])
         self.assertEqual(stamps("{column: t, wrap: 12 h}", "11:59:59", "00:00:00").tolist(), [43199, 43200])
         path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in ("0", "5", "11")]))
         for time, message in (
@@ -438,6 +439,16 @@ class Tables(ImportTest):
         self.assertRegex(message, r"a.csv:1: has no column '1{60}…'; found: 2{60}…, f1, f2")
         self.assertLess(time.monotonic() - began, 20)
 
+    def test_keys_of_another_kind_say_what_is_expected(self):
+        path = self.write("a.csv", table())
+        for keys, message in (
+            ("files: [a]", "files: expected a text (pattern for the names of the files that are read in folders, such as '*_bio.csv'; files given by name are always read), found a list"),
+            ("header: [a]", "header: expected true or false, found a list"),
+        ):
+            self.assertEqual(self.refused(MAP % f", {keys}", path), f"{self.folder}/map.yaml:1: {message}")
+        for time, message in (("wrap: [1]", "time.wrap: expected a time such as '1 day', found a list"), ("rate: {a: b}", "time.rate: expected a rate such as '100 Hz', found a map")):
+            self.assertIn(message, self.refused((MAP % "").replace("{column: t}", f"{{column: t, {time}}}"), path))
+
     def test_formats_of_times_are_checked_with_the_map(self):
         path = self.write("a.csv", table())
         for pattern, reason in (("%Y" * 2000, "has 4000 characters; expected at most 100"), ("%Y %Y", "names a part twice"), ("%q", "'q' is a bad directive")):
@@ -453,6 +464,10 @@ class Tables(ImportTest):
             (b"PK\x03\x04", "is a zip archive, such as Excel's .xlsx"),
             (b"\x80\x04\x95", "is a pickle file of Python"),
             (b"PAR1", "is a Parquet file; .*; rename it to .parquet"),
+            (b"%PDF-1.7\n", "is a PDF document; .*; save the table as .csv"),
+            (b'{"t": [0, 1]}', "is a JSON file; .*; read it by pandas.read_json"),
+            (b' [\n {"t": 0}]', "is a JSON file"),
+            (b"[[0, 1], [2, 3]]", "is a JSON file"),
         ):
             self.assertRegex(self.refused(MAP % "", self.write("a.csv", beginning + bytes(8))), f"a.csv: {message}")
         head = "LabVIEW Measurement\t\n***End_of_Header***\t\nX0\t0\t0\t\n***End_of_Header***\t\t\t\n" + table("\t")
@@ -735,6 +750,13 @@ class Layouts(ImportTest):
             "map.yaml:1: channels.force.scale: expected one factor, or one for each of the 1 component, found 3",
             self.refused(star % "scale: [1, 2, 3],", path),
         )
+        self.assertTrue(self.refused(star % "scale: [1, 2, 3],", path).endswith("found 3"))  # two columns are no triples
+        # Two factors for two columns, as the message proposes.
+        self.assertTrue(
+            self.refused(star % "scale: [2, -4],", path).endswith(
+                "one for each of the 1 component, found 2; for values of 2 components each, set components: 2"
+            )
+        )
         self.assertIn("channels.force.scale: expected a number other than 0, found '0'", self.refused(star % "scale: [1, 0],", path))
         force = np.ones((2, 3, 3))
         np.savez(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=force)
@@ -748,6 +770,9 @@ class Layouts(ImportTest):
             text = f"t,f1,f2,slip\n0,1,2,{off}\n1,1,2,{on}\n"
             self.assertEqual(states(text, "false: non_slip, true: gross"), [1, 3])
             self.assertEqual(states(text, "'False': non_slip, 'True': gross"), [1, 3])
+        # Booleans are not 0 and 1.
+        message = self.refused(map % "0: non_slip, 1: gross", self.write("a.csv", "t,f1,f2,slip\n0,1,2,False\n1,1,2,True\n"))
+        self.assertRegex(message, "a.csv:2: column slip: the label 'False' is not in state.values; .*; write false: and true: for labels that are booleans$")
         self.assertIn(
             "a.csv:2: column slip: the label 'no' is not in state.values; found there: false, true",
             self.refused(map % "false: non_slip, true: gross", self.write("a.csv", "t,f1,f2,slip\n0,1,2,no\n1,1,2,no\n")),

@@ -108,8 +108,8 @@ def _duration(node: Node, where: str) -> float:
     """Seconds of a text such as "1 day", "12 h" or "500 ms"."""
     text = _scalar(node, where, "a time such as '1 day'")
     try:
-        if long := re.fullmatch(r"([0-9]++(?:\.[0-9]++)?|\.[0-9]++) *(day|h)", text):
-            seconds = float(long[1]) * (24 * TIME_UNITS["h"] if long[2] == "day" else TIME_UNITS["h"])
+        if long := re.fullmatch(r"([0-9]++(?:\.[0-9]++)?|\.[0-9]++) *(days?|h)", text):
+            seconds = float(long[1]) * (TIME_UNITS["h"] if long[2] == "h" else 24 * TIME_UNITS["h"])
         else:
             seconds = parse_quantity(text, "s")
     except InputError as error:
@@ -117,6 +117,9 @@ def _duration(node: Node, where: str) -> float:
     if not 1e-9 <= seconds <= 1e10:
         node.fail(f"{where}: expected a time such as '1 day', found {text!r}")
     return seconds
+
+
+_EXPECTED = {"boolean": "true or false", "duration": "a time such as '1 day'", "rate": "a rate such as '100 Hz'"}  # kinds that are not any text
 
 
 def _value(node: Node, key: Key, where: str) -> Any:
@@ -145,7 +148,7 @@ def _value(node: Node, key: Key, where: str) -> Any:
         return [_number(child, where) for child in node.children] if node.kind == "sequence" and node.children else [_number(node, where)]
     if key.kind == "integer":
         return _integer(node, where)
-    text = _scalar(node, where, key.description)
+    text = _scalar(node, where, _EXPECTED.get(key.kind, f"a text ({key.description})"))
     if key.kind == "boolean":
         if text not in ("true", "false"):
             node.fail(f"{where}: expected true or false, found {text!r}")

@@ -178,10 +178,12 @@ class States(Lookup):
             if text not in self._values and text.lower() in ("true", "false"):  # as Python, R or YAML writes it
                 text = next((one for one in self._values if one.lower() == text.lower()), text)
             if text not in self._values:
+                remedy = "; write false: and true: for labels that are booleans" if text.lower() in ("true", "false") else ""
                 raise InputError(
                     f"{place}: the label {quoted(text)} is not in {self.block.path('values')}{nearest(text, list(self._values))}".replace(
                         " found: ", " found there: "
                     )
+                    + remedy
                 )
             text = self._values[text]
         if text == UNKNOWN:

@@ -268,8 +268,10 @@ def _factors(key: str, channel: Block, components: int, width: int) -> np.ndarra
     for each component."""
     scale = channel.get("scale", [1.0])
     if len(scale) not in (1, components):
+        fits = "components" not in channel and width % len(scale) == 0
+        remedy = f"; for values of {len(scale)} components each, set components: {len(scale)}" if fits else ""
         channel.fail(
-            f"channels.{key}.scale: expected one factor, or one for each of the {counted(components, 'component')}, found {len(scale)}", "scale"
+            f"channels.{key}.scale: expected one factor, or one for each of the {counted(components, 'component')}, found {len(scale)}{remedy}", "scale"
         )
     return np.resize(np.array(scale), width)
 

@@ -34,7 +34,7 @@ _KINDS: dict[str, dict[str, Any]] = {
     "duration": {
         "anyOf": [
             {"type": "number", "exclusiveMinimum": 0},
-            {"type": "string", "pattern": rf"^\+?{_DECIMAL}[ \t]*(s|ms|us|min|h|day)?$"},
+            {"type": "string", "pattern": rf"^\+?{_DECIMAL}[ \t]*(s|ms|us|min|h|days?)?$"},
         ]
     },
     "words": {"type": "object", "minProperties": 1, "additionalProperties": _TEXT},

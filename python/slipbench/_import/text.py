@@ -48,11 +48,13 @@ OTHER_FILES = (
     (b"#ROSBAG", "a bag of ROS 1", "rename it to .bag"),
     (b"SQLite format 3", "an SQLite database", "give the folder with the bag's metadata.yaml"),
     (b"TDSm", "a TDMS file of LabVIEW", f"read it by the package npTDMS, and {_CONVERT}"),
+    (b"%PDF-", "a PDF document", "save the table as .csv in the program that made it"),
     (b"\x80\x02", "a pickle file of Python", f"load it, and {_CONVERT}"),
     (b"\x80\x03", "a pickle file of Python", f"load it, and {_CONVERT}"),
     (b"\x80\x04", "a pickle file of Python", f"load it, and {_CONVERT}"),
     (b"\x80\x05", "a pickle file of Python", f"load it, and {_CONVERT}"),
 )
+JSON = re.compile(rb'(\xef\xbb\xbf)?\s*(\{\s*"|\[\s*[\[{])')  # the beginning of a file in JSON
 TEXT_KINDS = "expected a table of text (.csv, .tsv, .txt, .dat, .lvm), Parquet, .npz, .npy or a bag"
 
 
@@ -67,6 +69,8 @@ def decoded(path: str) -> str:
     for beginning, what, remedy in OTHER_FILES:
         if data.startswith(beginning):
             raise InputError(f"{path}: is {what}; {TEXT_KINDS}; {remedy}")
+    if JSON.match(data):
+        raise InputError(f"{path}: is a JSON file; {TEXT_KINDS}; read it by pandas.read_json, and save it by to_csv")
     encodings = ["utf-8-sig", "latin-1"]
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         encodings = ["utf-16"]
