@@ -237,10 +237,10 @@ std::string link_path(const std::filesystem::path& path) {
   return link;
 }
 
-std::string worst_html(const Json& result, const std::string& html_path) {
+std::string worst_html(const Json& result, const std::string& dataset_path, const std::string& html_path) {
   namespace fs = std::filesystem;
   const std::string dataset = result.at("dataset").get<std::string>();
-  const fs::path report = fs::path(dataset).replace_extension(".html");
+  const fs::path report = fs::path(dataset_path).replace_extension(".html");
   const std::string link = link_path(fs::absolute(report).lexically_relative(fs::absolute(html_path).parent_path()));
   std::string html = "<ul class=\"plain\">\n";
   for (const Json& worst : result.at("worst")) {
@@ -263,8 +263,8 @@ page::TimelineMarks marks_of(const RecordedTrial& trial, TruthRule rule) {
 
 // The worst trials over time. Their samples are read from the dataset, since the result does not
 // contain them.
-std::string worst_timelines(const Json& result, const DetectorScene& detector) {
-  const DatasetReader reader(result.at("dataset").get<std::string>());
+std::string worst_timelines(const Json& result, const std::string& dataset_path, const DetectorScene& detector) {
+  const DatasetReader reader(dataset_path);
   const TruthRule rule = parse_label_rule(result.at("labels").get<std::string>());
   const std::string sensor = result.at("sensor").at("name").get<std::string>();
   const Catalogues catalogues = program_catalogues();
@@ -287,7 +287,8 @@ Tables tables_of(const Json& result) {
   return tables;
 }
 
-std::string eval_page(const Json& result, const std::string& html_path, const DetectorScene& detector) {
+std::string eval_page(const Json& result, const std::string& dataset_path, const std::string& html_path,
+                      const DetectorScene& detector) {
   const Json& all = result.at("all");
   const Tables tables = tables_of(result);
   const std::string name = detector_name(result.at("detector")), dataset = result.at("dataset").get<std::string>();
@@ -321,8 +322,8 @@ std::string eval_page(const Json& result, const std::string& html_path, const De
     body += page::section_html(
                 "Worst trials",
                 "A link opens the report that the command next to it writes. The trials are drawn below, with shaded alarms.",
-                worst_html(result, html_path)) +
-            worst_timelines(result, detector);
+                worst_html(result, dataset_path, html_path)) +
+            worst_timelines(result, dataset_path, detector);
   }
   return page::compose_page(
       {page_kind.generator, name + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);

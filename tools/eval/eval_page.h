@@ -18,10 +18,11 @@ struct Tables {
 Tables tables_of(const Json& result);
 
 // One self-contained HTML page without scripts of a result (evaluate.h) with its `command`.
-// `html_path`: path of the page; trials link from there to the page of `slipbench report` next to
+// `dataset_path`: path of the dataset, which `result` has as UTF-8 text only. `html_path`: path of the page; trials link from there to the page of `slipbench report` next to
 // the dataset. Text in `result` is shown as text, never as markup. `detector`: the one of the
 // result. It runs again on the worst trials, whose signals, states, probability and alarms are
 // drawn from the dataset. Throws InputError if the dataset has changed since it was judged.
-std::string eval_page(const Json& result, const std::string& html_path, const DetectorScene& detector);
+std::string eval_page(const Json& result, const std::string& dataset_path, const std::string& html_path,
+                      const DetectorScene& detector);
 
 }  // namespace slipbench::eval

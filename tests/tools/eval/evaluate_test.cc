@@ -56,7 +56,7 @@ struct Evaluated : SmallDatasetTest {
   }
   // Returns the page of a result with options().
   [[nodiscard]] std::string page_of(const Json& result) const {
-    return eval_page(result, path("page.html"), options("").detector);
+    return eval_page(result, result.at("dataset").get<std::string>(), path("page.html"), options("").detector);
   }
   // Returns the description of a detector trained on these trials.
   static std::string seen(const std::string& dataset, const std::vector<std::size_t>& trials) {
@@ -245,6 +245,16 @@ TEST_F(Evaluated, PageShowsTextAsText) {
   EXPECT_EQ(write(), files) << "its own kind is replaced";
   std::ofstream(path("other.html")) << "years of work";
   EXPECT_THROW(page::check_page_files(path("other.html"), page_kind), InputError);
+}
+
+// The result has the path as UTF-8 text, with a replacement character, but the page reads the file.
+TEST_F(Evaluated, PageOfADatasetWhoseNameIsNotUtf8) {
+  const std::string file = path("b\xe9.h5");
+  std::filesystem::rename(dataset(), file);
+  Json result = evaluate(options(file));
+  result["command"] = "slipbench eval";
+  ASSERT_FALSE(result.at("worst").empty());
+  EXPECT_THAT(eval_page(result, file, path("page.html"), options("").detector), HasSubstr("href=\"b%E9.html#trial-"));
 }
 
 }  // namespace

@@ -48,16 +48,18 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-void check_utf8(const Json& value) {
-  for (const auto& [key, inner] : value.items()) {
-    if (inner.is_structured()) check_utf8(inner);
+// `owner`: key of an array `value`, whose items have no names.
+void check_utf8(const Json& value, const std::string& owner = "") {
+  for (const auto& [name, inner] : value.items()) {
+    const std::string& key = value.is_array() ? owner : name;
+    if (inner.is_structured()) check_utf8(inner, key);
     if (!inner.is_string()) continue;
     const auto& text = inner.get_ref<const std::string&>();
     try {
       static_cast<void>(inner.dump());
     } catch (const Json::type_error&) {
-      reject("{}: the {} is not UTF-8, which Python's part of the command needs; rename the file or folder", printable(text),
-             key);
+      reject("{}: the name is not UTF-8 ({}), which Python's part of the command needs; rename the file or folder",
+             printable(text), key);
     }
   }
 }

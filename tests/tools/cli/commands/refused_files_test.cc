@@ -159,6 +159,7 @@ TEST_F(RefusedFiles, UnusualPathsAreNoInternalErrors) {
   const std::string name(300, 'x');
   expect_refusal({"run", stage, "-o", folder_ / name + ".h5"}, {"File name too long"});
   expect_refusal({"export", data, "--format", "parquet", "-o", folder_ / "b\xe9ton/out"}, {"b\\xe9ton", "UTF-8"});
+  expect_refusal({"import", folder_ / "b\xe9ton", "--map", "xela_ros"}, {"b\\xe9ton: the name is not UTF-8 (sources)"});
   for (const std::vector<std::string>& words :
        std::vector<std::vector<std::string>>{{"verify", data},
                                              {"report", data},

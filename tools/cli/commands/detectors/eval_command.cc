@@ -148,7 +148,8 @@ int EvalCommand::run() {
   std::vector<std::string> files;
   if (!output.empty()) {
     const std::string place = streams() ? "eval.html" : output;  // location of the page, which its links are relative to
-    files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, place, options.detector), result);
+    files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, options.dataset, place, options.detector),
+                                   result);
   }
   if (json) return print_json(result);
   print_text("{}{}", eval_text(result, style_for(stdout)), step);
