@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <limits>
 
@@ -94,6 +95,30 @@ double Profile::step_per_reversal() const {
     move(std::next(piece)->velocity, piece->position - 0.5 * piece->velocity * piece->velocity / piece->acceleration);
   }
   return longest;
+}
+
+double Profile::path(double from, double to) const {
+  double length = 0.0;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const Piece& piece = pieces_[i];
+    const double begin = std::max(from, piece.start), end = i + 1 < pieces_.size() ? std::min(to, pieces_[i + 1].start) : to;
+    if (!(begin < end)) continue;
+    const double turn =
+        piece.acceleration == 0.0 ? end : std::clamp(piece.start - piece.velocity / piece.acceleration, begin, end);
+    length += std::abs(at(turn).position - at(begin).position) + std::abs(at(end).position - at(turn).position);
+  }
+  return length;
+}
+
+// A time of t covers at most v t, and from or to rest at most a t^2/2 at the acceleration a.
+double Profile::time_of_path(double length, bool from_rest) const {
+  const double at_speed = length / top_speed();
+  double acceleration = 0.0;
+  for (auto piece = pieces_.begin() + 1; piece != pieces_.end(); ++piece) {
+    const bool jumps = std::prev(piece)->acceleration == 0.0 && piece->acceleration == 0.0;
+    acceleration = jumps ? std::numeric_limits<double>::infinity() : std::max(acceleration, std::abs(piece->acceleration));
+  }
+  return from_rest ? std::max(at_speed, std::sqrt(2.0 * length / acceleration)) : at_speed;
 }
 
 ProfilePoint Profile::at(double t) const {

@@ -36,6 +36,11 @@ class Profile {
   // Returns the longest step [s] of which one that contains a reversal loses at most largest_loss
   // (straight_path.h) of the path since the reversal before; infinite without a reversal.
   [[nodiscard]] double step_per_reversal() const;
+  // Returns the length of the path between two times [s], there and back counted both.
+  [[nodiscard]] double path(double from, double to) const;
+  // Returns the longest time [s] within which at most `length` of the path is covered, from any
+  // instant on; with `from_rest`, from or to an instant of rest.
+  [[nodiscard]] double time_of_path(double length, bool from_rest) const;
   [[nodiscard]] bool at_rest_always() const { return pieces_.size() == 1; }
 
   [[nodiscard]] ProfilePoint at(double t) const;

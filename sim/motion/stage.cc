@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -137,6 +138,10 @@ class Stage final : public Motion {
     const double stroke = p.number("gap") + p.number("compression");
 
     height_.move(0.0, -stroke, p.number("approach_speed"), acceleration);
+    pressed_ = height_.end();
+    start_ = start;
+    retract_ = retract;
+    touches_ = p.number("clearance") < p.number("compression");
     refuse_early("motion.start", start, height_.end());
     check_sideways(p);
     const bool has_travel = std::isfinite(p.number("travel"));
@@ -198,14 +203,51 @@ class Stage final : public Motion {
   }
 
   [[nodiscard]] double longest_step() const override {
-    return std::min({step_per_turn(turn_.top_speed()), way_.step_per_reversal(), turn_.step_per_reversal()});
+    return std::min({step_per_turn(turn_.top_speed()), way_.step_per_reversal(), turn_.step_per_reversal(), step_per_touch(),
+                     step_between_heights(way_), step_between_heights(turn_)});
   }
 
   [[nodiscard]] bool turns() const override { return !turn_.at_rest_always(); }
   [[nodiscard]] std::optional<MotorSettings> motors() const override { return motors_; }
 
  private:
+  // Returns the longest step that does not contain both the touch of the tallest element and its
+  // lift-off.
+  [[nodiscard]] double step_per_touch() const {
+    if (!touches_ || !std::isfinite(retract_)) return std::numeric_limits<double>::infinity();
+    // The way up mirrors the way down: the tip at z = 0 is as long before `pressed_` as after
+    // `retract_`.
+    double high = 0.0, low = pressed_;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (high + low);
+      (height_.at(middle).position > 0.0 ? high : low) = middle;
+    }
+    return retract_ - pressed_ + 2.0 * (pressed_ - high);
+  }
+
+  // Returns the longest step that loses at most largest_loss of the path that the pad slides or
+  // turns in contact. An element that touches within a step is anchored at the end of that step, and
+  // one that lifts off within a step slips no more in it. A step that contains the end of the press
+  // and the start of the slide loses the part of the slide that is within it, as does one that
+  // contains the end of the slide and the lift.
+  [[nodiscard]] double step_between_heights(const Profile& slide) const {
+    // A motion without an end counts for this time: a motion does not know the scene's duration.
+    constexpr double counted = 1.0;  // s
+    if (!touches_ || slide.at_rest_always()) return std::numeric_limits<double>::infinity();
+    const bool lifts = std::isfinite(retract_);
+    const double lost = largest_loss * slide.path(start_, lifts ? height_.end() : std::max(slide.end(), start_ + counted));
+    if (!(lost > 0.0)) return std::numeric_limits<double>::infinity();
+    double longest = start_ - pressed_ + slide.time_of_path(lost, true);
+    if (lifts) {
+      const bool rests = slide.end() <= retract_ && slide.at(retract_).velocity == 0.0;
+      longest = std::min(longest, (rests ? retract_ - slide.end() : 0.0) + slide.time_of_path(lost, rests));
+    }
+    return longest;
+  }
+
   Profile height_, way_, turn_;
+  double pressed_ = 0.0, start_ = 0.0, retract_ = 0.0;  // s: end of the press, start of slide and turn, start of the lift
+  bool touches_ = true;
   Eigen::Vector3d pivot_, direction_;
   Eigen::Matrix3d tilt_;
   std::optional<MotorSettings> motors_;

@@ -235,12 +235,44 @@ TEST(Stage, TopSpeedBoundsEveryPointOfThePad) {
 }
 
 TEST(Stage, LongestStepTurnsByThreeDegrees) {
-  EXPECT_EQ(stage()->longest_step(), inf);
   EXPECT_NEAR(stage({{"rotation", -pi}})->longest_step(), 1.0 / 60.0, 1e-15);  // 3 of 180 deg/s
-  EXPECT_EQ(stage({{"stop", 0.4}})->longest_step(), inf) << "a stop loses no path";
+  EXPECT_EQ(stage({{"speed", 0.0}})->longest_step(), inf) << "a press that lasts";
   // Ten strokes of 1 mm at 100 mm/s without ramps: 1 % of a stroke takes 0.1 ms.
   EXPECT_NEAR(stage({{"travel", 1e-3}, {"strokes", std::int64_t{10}}, {"speed", 0.1}, {"acceleration", inf}})->longest_step(),
               1e-4, 1e-15);
+}
+
+TEST(Stage, LongestStepLosesOnePercentOfASlideBesideThePress) {
+  // Without ramps: pressed at 15 ms, then a pause of 5 ms. The slide of 20 mm at 100 mm/s ends at
+  // 220 ms, the lift begins at 300 ms. 1 % of the slide takes 2 ms.
+  const Changes fast{{"acceleration", inf}, {"approach_speed", 0.1}, {"speed", 0.1}, {"start", 0.02}};
+  const auto step = [&](Changes more) {
+    more.insert(more.begin(), fast.begin(), fast.end());
+    return stage(more)->longest_step();
+  };
+  EXPECT_NEAR(step({{"travel", 20e-3}, {"retract", 0.3}}), 5e-3 + 2e-3, 1e-12);
+  EXPECT_NEAR(step({{"stop", 0.2}, {"retract", 0.3}}), 5e-3 + 2e-3, 1e-12);
+  // A pause of 1 ms before the lift; and a lift during the slide, of which 201 ms until the pad is
+  // up count, and 1 % of that without a pause.
+  EXPECT_NEAR(step({{"stop", 0.2}, {"retract", 0.221}}), 1e-3 + 2e-3, 1e-12);
+  EXPECT_NEAR(step({{"retract", 0.206}}), 0.01 * (0.206 + 0.015 - 0.02), 1e-12);
+  // A slide without an end counts for 1 s.
+  EXPECT_NEAR(step({}), 5e-3 + 0.01, 1e-12);
+  // Turned at 10 deg/s for 0.3 s, 1 % of which takes 3 ms.
+  EXPECT_NEAR(step({{"speed", 0.0}, {"rotation", pi / 18.0}, {"angular_acceleration", inf}, {"stop", 0.3}}), 5e-3 + 3e-3, 1e-12);
+  // A pad that never touches loses nothing.
+  EXPECT_EQ(step({{"clearance", 2e-3}, {"retract", 0.206}}), inf);
+
+  // With a ramp of 50 mm/s^2 to 4 mm/s the slide of 0.4 s is 1.6 mm long, and its first 16 um take
+  // sqrt(2 16e-6/0.05) = 25.3 ms. Pressed at 455 ms.
+  EXPECT_NEAR(stage({{"stop", 0.4}})->longest_step(), 2.0 - 0.455 + std::sqrt(2.0 * 16e-6 / 0.05), 1e-12);
+}
+
+TEST(Stage, LongestStepIsShorterThanATouch) {
+  // Pressed at 15 ms and lifted at 20 ms; the tip is 1 mm deep, which takes 10 ms either way.
+  EXPECT_NEAR(
+      stage({{"acceleration", inf}, {"approach_speed", 0.1}, {"speed", 0.0}, {"start", 0.02}, {"retract", 0.02}})->longest_step(),
+      5e-3 + 2.0 * 10e-3, 1e-12);
 }
 
 TEST(Stage, TakesAStartThatOnlyRoundingMakesEarly) {

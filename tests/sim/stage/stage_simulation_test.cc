@@ -1,6 +1,7 @@
 // The bench: time steps, refusals, and the combination of pads, motion and surface.
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "sim/motion/motion_catalogue.h"
@@ -141,6 +142,31 @@ TEST(StageSimulation, AutomaticStepResolvesTheRotation) {
     EXPECT_NEAR(stage.contact(0).slip_distance[0] - slipped, exact, 2e-3 * exact) << rate;
     EXPECT_LT(stage.contact(0).slip_distance[0] - slipped, exact * (1.0 - 1e-4)) << "the bound is in use";
   }
+}
+
+// A slide of w after a press slips w less the stretch mu k_n d/k_t. Automatic steps lose at most
+// 1 % of w where the press ends, whatever the sensor's rate.
+TEST(StageSimulation, AutomaticStepSeparatesPressSlideAndLift) {
+  constexpr double stretch = 0.05e-3, inf = std::numeric_limits<double>::infinity();
+  PadLayout taxel;
+  taxel.units.push_back({0, 1});
+  taxel.elements.push_back({.tip = {0.0, 0.0, 0.0}, .k_normal = 1000.0, .k_tangential = 10'000.0});
+  const auto slipped = [&](const Changes& times) {
+    Changes motion{{"acceleration", inf}, {"gap", 1e-3}, {"compression", 1e-3}, {"approach_speed", 0.1}, {"speed", 0.1}};
+    motion.insert(motion.end(), times.begin(), times.end());
+    Scene asked = scene(1, motion);
+    asked.time_step.reset();
+    StageSimulation stage = simulation(asked, {&taxel}, {1.0});
+    double before_lift = 0.0;
+    for (std::size_t tick = 0; tick < stage.ticks(0); ++tick) {
+      stage.step();
+      if (stage.contact(0).unit_state[0] != UnitState::detached) before_lift = stage.contact(0).slip_distance[0];
+    }
+    return before_lift;
+  };
+  // Pressed at 20 ms, when the slide of 2 mm starts at once, or of 20 mm after 10 ms, before a lift.
+  EXPECT_NEAR(slipped({{"start", 0.02}, {"stop", 0.02}}), 2e-3 - stretch, 0.01 * 2e-3);
+  EXPECT_NEAR(slipped({{"start", 0.03}, {"travel", 20e-3}, {"retract", 0.3}}), 20e-3 - stretch, 0.01 * 20e-3 + stretch);
 }
 
 TEST(StageSimulation, StepMustResolveTheMotion) {
