@@ -280,6 +280,16 @@ double ArticulatedContact::normal_force() const {
   return force;
 }
 
+std::optional<std::size_t> ArticulatedContact::overcompressed(const mjModel* model, const mjData* data) const {
+  if (!std::isfinite(layout_.unit_height)) return std::nullopt;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    // The slide has a share of the depth, since the contact has the rest; see begin_on().
+    const double share = layout_.elements[i].k_normal / model->jnt_stiffness[model->body_jntadr[bodies_[i]] + 2];
+    if (data->qpos[qpos_[i] + 2] > share * layout_.unit_height) return i;
+  }
+  return std::nullopt;
+}
+
 void ArticulatedContact::begin_run(double time) {
   std::ranges::fill(path_, 0.0);
   std::ranges::fill(mean_, Eigen::Vector3d::Zero());

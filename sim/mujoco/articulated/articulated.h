@@ -2,7 +2,9 @@
 // contact pairs, and the conversion of their contact to a ContactFrame.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -119,6 +121,9 @@ class ArticulatedContact {
   // Returns the sum of the tips' normal forces, each from the contact with its greatest normal
   // force [N].
   [[nodiscard]] double normal_force() const;
+  // Returns the first element whose spring is compressed by more than the height of a unit, if one
+  // is: a real unit has no such compression.
+  [[nodiscard]] std::optional<std::size_t> overcompressed(const mjModel* model, const mjData* data) const;
   // The tips' bodies, by element.
   [[nodiscard]] const std::vector<int>& bodies() const { return bodies_; }
 

@@ -46,10 +46,11 @@ GeomShape geom_shape(const DistanceGrid&) {
   throw std::invalid_argument("the articulated stage has no geom for a distance grid");
 }
 
-// Returns the number of MuJoCo's steps into which one of `dt` [s] is divided.
-int parts_of(double dt, const ArticulatedSettings& recipe) {
+// Returns the number of MuJoCo's steps into which one of `dt` [s] at `speed` [m/s] is divided.
+int parts_of(double dt, double speed, const ArticulatedSettings& recipe) {
   if (!(dt > 0.0)) throw std::invalid_argument("the articulated stage needs a step longer than 0 s");
-  return static_cast<int>(std::ceil(dt / recipe.longest_step * (1.0 - 1e-9)));
+  const double parts = std::max(dt / recipe.longest_step, dt * speed / recipe.longest_path);
+  return static_cast<int>(std::ceil(parts * (1.0 - 1e-9)));
 }
 
 }  // namespace
@@ -71,12 +72,13 @@ struct ArticulatedStage::World {
   void step_part(const Pose& from, const Pose& to, double time);
 };
 
-ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt)
-    : ArticulatedStage(layout, surface, friction, dt, ArticulatedSettings{}) {}
+ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt, double speed)
+    : ArticulatedStage(layout, surface, friction, dt, speed, ArticulatedSettings{}) {}
 
-ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt,
+ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt, double speed,
                                    const ArticulatedSettings& recipe)
-    : ArticulatedStage(layout, surface, friction, articulated_pillars(recipe, dt / parts_of(dt, recipe)), parts_of(dt, recipe)) {}
+    : ArticulatedStage(layout, surface, friction, articulated_pillars(recipe, dt / parts_of(dt, speed, recipe)),
+                       parts_of(dt, speed, recipe)) {}
 
 ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction,
                                    const PillarSettings& pillars)
@@ -198,6 +200,18 @@ std::string remedy_for(const Parameters& contact, double stiffest, double dt) {
       bound_in_unit_of("1 ms", stable, Quantity::time, Bound::upper));
 }
 
+// MuJoCo's steps are at most 2 ms and 0.1 mm long, however long those of the sensors are.
+void refuse_too_many_parts(const Scene& scene, double speed) {
+  const ArticulatedSettings recipe;
+  const double per_second = std::max(1.0 / recipe.longest_step, speed / recipe.longest_path);
+  if (scene.contact || scene.duration * per_second <= max_steps) return;
+  throw SceneValueError(
+      "duration",
+      fmt::format("{} needs more than 100,000,000 of MuJoCo's steps, in which a tip moves by at most {}; allowed: up to {}",
+                  readable_quantity(scene.duration, Quantity::time), readable_quantity(recipe.longest_path, Quantity::length),
+                  bound_in_unit_of("1 s", max_steps / per_second, Quantity::time, Bound::upper)));
+}
+
 class ArticulatedSimulation final : public Simulation {
  public:
   ArticulatedSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
@@ -208,13 +222,15 @@ class ArticulatedSimulation final : public Simulation {
     refuse_motors(*motion_);
     world_in_surface_ = stage.surface.pose.inverse();
     for (std::size_t i = 0; i < pads.size(); ++i) {
+      const double speed = motion_->top_speed(reach_of(*pads[i]));
       clocks_.add(plan_steps(scene, output_rates.subspan(i, 1), step_limit(*motion_, {}, reach_of(*pads[i])), i));
+      refuse_too_many_parts(scene, speed);
       refuse_inside(*pads[i], stage.surface, {}, motion_->pad_at(0.0).pose);
       const Friction friction{scene.friction.static_coefficient, scene.friction.kinetic_coefficient};
       const double dt = clocks_.time_step(i);
       pads_.push_back(scene.contact ? std::make_unique<ArticulatedStage>(*pads[i], stage.surface.shape, friction,
                                                                          user_pillars(*scene.contact, dt))
-                                    : std::make_unique<ArticulatedStage>(*pads[i], stage.surface.shape, friction, dt));
+                                    : std::make_unique<ArticulatedStage>(*pads[i], stage.surface.shape, friction, dt, speed));
     }
     if (scene.contact) {
       double stiffest = 0.0, longest = 0.0;

@@ -1,5 +1,7 @@
 // DynamicSimulation with articulated pads.
 #include <algorithm>
+#include <cstddef>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,7 +28,7 @@ void DynamicSimulation::State::find_pillars(const Scene& scene) {
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const int site = mj_name2id(m(), mjOBJ_SITE, site_of(scene.sensors[i]).c_str());
     auto pillars = std::make_unique<ArticulatedContact>(m(), pillars_of(scene.sensors[i]), *layouts[i], settings);
-    pads.push_back({nullptr, std::move(pillars), site, m()->site_bodyid[site]});
+    pads.push_back({nullptr, std::move(pillars), site, m()->site_bodyid[site], 1, scene.sensors[i].name});
   }
 }
 
@@ -123,6 +125,18 @@ void DynamicSimulation::State::refuse_other_contacts(double time) const {
   }
 }
 
+// As PadInstance::refuse_overcompressed().
+void DynamicSimulation::State::refuse_overcompressed(double time) const {
+  for (std::size_t i = 0; i < pads.size(); ++i) {
+    const std::optional<std::size_t> element = pads[i].pillars->overcompressed(m(), d());
+    if (!element) continue;
+    throw SceneValueError(
+        "sensors." + pads[i].sensor,
+        fmt::format("at {:.6g} s element {} is compressed by more than the height of a unit of the pad, {:.3g} mm; press less",
+                    time, *element, 1e3 * layouts[i]->unit_height));
+  }
+}
+
 // The model with articulated pads. Their joints and contacts are implicit: only the recipe limits
 // the step. With a contact set by the user, who chooses its step, only the springs of a hand limit
 // it, since the scene does not set these.
@@ -138,7 +152,15 @@ StepPlan DynamicSimulation::State::plan_pillars(const Scene& scene, std::span<co
       bearable = longest_explicit_step(finger_vibration(hand->grip));
       limited_by = "the springs of the fingers, which are explicit";
     }
-    const StepLimit by_motion = limit_of_motion(options);
+    StepLimit by_motion = limit_of_motion(options);
+    for (const PadLayout* pad : layouts) {
+      if (!motion || scene.contact) break;
+      const double speed = motion->top_speed(reach_of(*pad)), longest = ArticulatedSettings{}.longest_path / speed;
+      if (speed > 0.0 && longest < by_motion.longest) {
+        by_motion = {rounded_down(longest),
+                     "articulated pads at the speed of the motion, at which a tip must move by at most 0.1 mm within a step"};
+      }
+    }
     plan = plan_steps(scene, rates, by_motion.longest < bearable ? by_motion : StepLimit{rounded_down(bearable), limited_by});
     return plan.dt;
   };

@@ -350,6 +350,7 @@ void DynamicSimulation::State::advance(std::size_t from) {
   if (articulated) {
     if (!own_contact) refuse_other_contacts(time);
     read_pillars(time_of(from + 1));
+    if (!own_contact) refuse_overcompressed(time_of(from + 1));
   }
   prescribe(time_of(from + 1));
 }

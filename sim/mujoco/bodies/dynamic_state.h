@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <mujoco/mujoco.h>
@@ -54,6 +55,7 @@ struct DynamicSimulation::State {  // all members are public, for the sources th
     int site;
     int body;
     std::size_t stride = 1;
+    std::string sensor = {};  // its name, of articulated pads
   };
 
   struct Control {
@@ -154,6 +156,7 @@ struct DynamicSimulation::State {  // all members are public, for the sources th
   bool indent_tips(const mjModel* held, mjData* settled) const;
   void settle_tips();
   void refuse_other_contacts(double time) const;
+  void refuse_overcompressed(double time) const;
   [[nodiscard]] bool is_tip(int body) const {
     return articulated && std::ranges::any_of(pads, [body](const Pad& pad) {
              return std::ranges::find(pad.pillars->bodies(), body) != pad.pillars->bodies().end();

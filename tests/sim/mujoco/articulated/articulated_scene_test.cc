@@ -264,6 +264,27 @@ TEST(ArticulatedScene, WhatOnlyAFieldCanDoIsRefused) {
       refused_at("sensors.left.touches", {"rock", "mesh"}));
 }
 
+std::string stage_over_floor(const std::string& motion) {
+  return "fidelity: articulated\nduration: 1.5 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\nmotion: {kind: stage, start: 1.2 s, " +
+         motion + "}\nbodies: {floor: {shape: plane}}\nsensors: {pad: {type: papillarray, touches: [floor]}}\n";
+}
+
+// A pillar is 4.2 mm high. The pad, pressed at 10 mm/s without ramps from 0.5 mm above, is that deep
+// at 470 ms.
+TEST(ArticulatedScene, CompressionBeyondTheHeightOfAUnitIsRefused) {
+  const std::string press = "gap: 0.5 mm, approach_speed: 10 mm/s, acceleration: inf, compression: ";
+  EXPECT_EQ(answer(stage_over_floor(press + "4.1 mm"), "", 1.0), "accepted");
+  EXPECT_THAT(answer(stage_over_floor(press + "4.4 mm"), "", 1.0),
+              refused_at("sensors.pad", {"at 0.47", "element 4", "height of a unit", "4.2 mm"}));
+}
+
+// 60 mm/s of the slide and 60 mm/s of the press add up to at most 0.12 mm in 1 ms.
+TEST(ArticulatedScene, StepIsLimitedByTheSpeedOfTheStage) {
+  EXPECT_THAT(answer(stage_over_floor("speed: 60 mm/s, approach_speed: 60 mm/s, acceleration: inf")),
+              refused_at("time_step", {"1 ms", "articulated", "0.1 mm", "0.833"}));
+  EXPECT_EQ(answer(stage_over_floor("speed: 40 mm/s, approach_speed: 40 mm/s, acceleration: inf")), "accepted");
+}
+
 TEST(ArticulatedScene, ModelsThatWouldHaveOtherPillarsAreRefused) {
   const auto with_flag = [](const std::string& flag) {
     return answer(held, two_fingers("> <flag " + flag + "/></option><option "));
