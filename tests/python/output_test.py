@@ -167,7 +167,7 @@ class TextTest(unittest.TestCase):
 
     def test_cards_hold_no_html_links_or_code_of_a_dataset(self):
         # By CommonMark, "<" begins HTML, "[" a link or an image, "`" ends a code span that it began.
-        self.assertEqual(card._text("<script>&[a](b)`c`\n\x1b"), "&lt;script&gt;&amp;\\[a\\](b)\\`c\\` \\x1b")
+        self.assertEqual(card._text("<script>&[a](b)`c`\n\x1b"), "&lt;script&gt;&amp;\\[a\\](b)\\`c\\` \\\\x1b")
         self.assertEqual(card._code("force"), "`force`")
         self.assertEqual(card._code("a`<b>"), "``a`<b>``")
         self.assertEqual(card._code("`a``"), "``` `a`` ```")

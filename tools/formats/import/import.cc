@@ -111,8 +111,9 @@ class LinkCheck {
     const std::filesystem::path target = std::filesystem::canonical(path, error);
     if (error) return;  // leads nowhere: reading the file fails
     if (std::ranges::any_of(allowed_, [&](const std::filesystem::path& folder) { return is_in(target, folder); })) return;
-    reject("{}: is a link to a file outside of the folders of the command; to read it, name the file or folder itself on the command line",
-           path.string());
+    reject(
+        "{}: is a link to a file outside of the folders of the command; to read it, name the file or folder itself on the command line",
+        path.string());
   }
 
   std::vector<std::filesystem::path> allowed_;

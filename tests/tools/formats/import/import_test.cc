@@ -114,7 +114,8 @@ TEST_F(Import, LinksOutOfTheFoldersOfTheCommandAreRefused) {
   for (const std::string& target : {other, std::string("../../other/secret.csv")}) {
     fs::create_symlink(target, path("set/n/b.csv"));
     EXPECT_THAT(refusal_of([&] { list_sources({path("set")}, {".csv"}, true); }),
-                mentions({path("set/n/b.csv") + ": is a link to a file outside of the folders of the command; to read it, name the file"}));
+                mentions({path("set/n/b.csv") +
+                          ": is a link to a file outside of the folders of the command; to read it, name the file"}));
     // As the remedy says.
     EXPECT_THAT(list_sources({path("set/n/case1.csv"), path("set/n/b.csv")}, {".csv"}, true), SizeIs(2));
     EXPECT_THAT(refusal_of([&] { list_sources({path("set"), path("other")}, {".csv"}, true); }), mentions({"is given twice"}));
