@@ -1,7 +1,9 @@
 """The laws of contact, checked in the arrays of a recorded trial, without the program's own checks.
 
-`faults(trial, scene)` returns sentences. Signs: `force` acts on the unit, `slip_velocity` is that of the unit's tip over the surface.
+`faults(trial, scene, applied)` returns sentences, and counts in `applied` how many samples each law was applied to. Signs: `force` acts on the unit, `slip_velocity` is that of the unit's tip over the surface.
 """
+
+from collections import Counter
 
 import numpy as np
 
@@ -27,6 +29,7 @@ class Pad:
     def __init__(self, trial, name, scene):
         group = trial[f"labels/{name}"]
         self.name, self.trial = name, trial
+        self.applied = Counter()
         self.t, self.state = group["t"][:], group["unit_state"][:]
         self.velocity = group["slip_velocity"][:].astype(float)
         self.distance = group["slip_distance"][:].astype(float)
@@ -52,6 +55,9 @@ class Pad:
         self.step = scene.get("time_step")
         self.slips = (self.state == SLIP) | (self.state == PARTIAL)
 
+    def count(self, law, samples):
+        self.applied[law] += int(np.count_nonzero(samples))
+
     def where(self, mask):
         row, unit = np.argwhere(mask)[0][:2]
         return f"{self.name}: {np.count_nonzero(mask)} samples, the first at {self.t[row]:.6g} s, unit {unit}"
@@ -64,10 +70,31 @@ class Pad:
         return rounded + 1e-14 * (self.f_t + np.abs(self.f_n)) + SHORTEST_SLIP * self.attributes["k_tangential"]
 
 
-def faults(trial, scene):
+# Parts of the laws, each counted in samples of units, except events and, for the stuck fraction, samples of the pad.
+LAWS = (
+    "finite",
+    "events",
+    "rest: velocity",
+    "rest: path",
+    "rest: stuck fraction",
+    "cone: detached",
+    "cone: pulled",
+    "cone: stick",
+    "cone: slip",
+    "cone: margin",
+    "dissipation",
+    "springs: normal",
+    "springs: tangential",
+)
+
+
+def faults(trial, scene, applied=None):
+    """Returns the faults of a trial. Adds the numbers of samples that each of LAWS was applied to to the Counter `applied`."""
     found = []
     for name in scene["sensors"]:
         pad = Pad(trial, name, scene)
+        if applied is not None:
+            pad.applied = applied
         for law in (finite, events, rest, cone, dissipation, springs):
             found += [f"{law.__name__}: {fault}" for fault in law(pad)]
     for name, group in trial["truth"].items():
@@ -77,6 +104,7 @@ def faults(trial, scene):
 
 
 def finite(pad):
+    pad.count("finite", np.ones_like(pad.state))
     for name in ("velocity", "distance", "force"):
         if not np.isfinite(getattr(pad, name)).all():
             yield f"{pad.name}: {name}"
@@ -91,6 +119,7 @@ def finite(pad):
 def events(pad):
     """In order, each possible after the one before, and the states are those after the events."""
     time, unit, kind = pad.events
+    pad.count("events", np.ones_like(time))
     if (np.diff(time) < 0.0).any():
         e = int(np.argmax(np.diff(time) < 0.0))
         yield f"{pad.name}: {time[e + 1]!r} s after {time[e]!r} s"
@@ -116,6 +145,7 @@ def events(pad):
 
 def rest(pad):
     """A unit of which nothing slips has no slip velocity, and its slipped path is constant."""
+    pad.count("rest: velocity", ~pad.slips)
     moves = ~pad.slips & (pad.velocity != 0.0).any(-1)
     if moves.any():
         yield f"slip velocity without slip: {pad.where(moves)}"
@@ -128,11 +158,14 @@ def rest(pad):
         rows = slice(*np.searchsorted(pad.t, (time - 1e-9, time + 1e-9)))
         quiet[rows, unit] = False
         quiet[min(rows.stop, len(pad.t) - 1), unit] = False
+    if not pad.creeps:
+        pad.count("rest: path", quiet)
     grows = quiet & (np.diff(pad.distance, axis=0, prepend=0.0) > 0.0)
     if grows.any() and not pad.creeps:
         yield f"slipped path grows at rest: {pad.where(grows)}"
     touching, slipping = (pad.state != DETACHED).sum(1), pad.slips.sum(1)
     share = pad.stuck_fraction
+    pad.count("rest: stuck fraction", touching > 0)
     wrong = np.isnan(share) != (touching == 0)
     wrong |= (touching > 0) & (slipping == 0) & (share != 1.0)
     if pad.single:  # of single friction points the share is that of the units
@@ -146,6 +179,7 @@ def cone(pad):
     off = pad.state == DETACHED
     rotated = 1e-14 * np.hypot(pad.f_t, pad.f_n)  # N, error of the rotation into the contact plane
     lifted = off & ((np.abs(pad.f_n) > (0.0 if pad.massless else rotated)) | (pad.massless & (pad.f_t != 0.0)))
+    pad.count("cone: detached", off)
     if lifted.any():
         yield f"force without contact: {pad.where(lifted)}"
     if not pad.exact:
@@ -154,16 +188,19 @@ def cone(pad):
     one_plane = pad.single or pad.flat
     with np.errstate(invalid="ignore", over="ignore"):
         if one_plane:
+            pad.count("cone: pulled", ~off)
             pulled = pad.f_n < -rotated
             if pulled.any():
                 yield f"pulled: {pad.where(pulled)}"
         stick, partial, slip = (pad.state == state for state in (STICK, PARTIAL, SLIP))
         bounded = (stick & (not pad.rings)) | (partial & pad.massless & (not pad.strengthens))
         if one_plane and pad.static:
+            pad.count("cone: stick", bounded)
             beyond = bounded & (pad.f_t > mu_s * pad.f_n + pad.slack(mu_s))
             if beyond.any():
                 yield f"sticks beyond mu_s f_n: {pad.where(beyond)}"
         if one_plane and pad.kinetic and pad.massless:
+            pad.count("cone: slip", slip)
             off_cone = slip & (pad.f_t > mu_k * pad.f_n + pad.slack(mu_k))
             if pad.single:
                 off_cone |= slip & (pad.f_t < mu_k * pad.f_n - pad.slack(mu_k))
@@ -172,6 +209,7 @@ def cone(pad):
         # Friction beyond its limit is -margin times the limit, which is f_t/(1 - margin).
         limited = stick | ((slip | partial) & (not pad.strengthens))
         limit = np.where(pad.static & one_plane, mu_s * pad.f_n, pad.f_t / (1.0 - pad.margin))
+        pad.count("cone: margin", limited)
         over = limited & (pad.margin < 0.0) & (-pad.margin * limit > pad.slack(mu_s if pad.static else 0.0 * mu_s))
         if not one_plane or not (pad.static or pad.massless):
             over &= pad.margin < -1e-3
@@ -185,6 +223,7 @@ def dissipation(pad):
         return
     power = (pad.force[..., :2] * pad.velocity).sum(-1)
     speed = np.hypot(*np.moveaxis(pad.velocity, -1, 0))
+    pad.count("dissipation", speed > 0.0)
     gains = power > (8.0 * ROUNDING * pad.f_t + 1e-13 * np.abs(pad.f_n) + SMALLEST) * speed + SMALLEST
     if gains.any():
         yield f"friction does work on the tip: {pad.where(gains)}"
@@ -209,6 +248,7 @@ def springs(pad):
     # Poses are float32.
     inexact = 4.0 * ROUNDING * (np.abs(pose[:, :3]).max() + np.abs(place).max(initial=0.0) + np.abs(height).max(initial=0.0)) + SMALLEST
     if pad.level:
+        pad.count("springs: normal", depth > 0.0)
         wrong = np.abs(pad.f_n - k_n * np.maximum(depth, 0.0)) > k_n * inexact + 2.0 * ROUNDING * pad.f_n + SMALLEST
         if wrong.any():
             yield f"f_n is not k_n times the depth: {pad.where(wrong)}"
@@ -230,6 +270,7 @@ def springs(pad):
             stays[max(row - 2, 0) : row + 1, unit] = False
     error = np.hypot(*np.moveaxis(np.diff(root, axis=0) - np.diff(stretch, axis=0) - slip[1:], -1, 0))
     allowed = 8.0 * inexact + 4.0 * ROUNDING * (np.abs(stretch[1:]).sum(-1) + np.abs(slip[1:]).sum(-1))
+    pad.count("springs: tangential", stays)
     broken = stays & (error > allowed)
     if broken.any():
         row, unit = np.argwhere(broken)[0]

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import h5py
 import slipbench
-from label_laws import faults
+from label_laws import LAWS, faults
 from scene_draw import Draw
 
 BATCH = 50  # recordings that are verified at once
@@ -42,8 +42,8 @@ def text_of(scene):
     return json.dumps(scene, indent=1)
 
 
-def run(scene, path):
-    """Returns how the scene ended ("ran", "refused", "ended", "slow", "broken"), and a list of faults."""
+def run(scene, path, applied):
+    """Returns how the scene ended ("ran", "refused", "ended", "slow", "broken"), and a list of faults. Counts laws in `applied`."""
     try:
         summary = slipbench.Scene.from_text(text_of(scene), folder=FOLDER).write(path, trial_limit=TRIAL_LIMIT)
     except slipbench.InputError as error:
@@ -52,7 +52,7 @@ def run(scene, path):
         return "broken", [f"{type(error).__name__}: {error}"]
     if not summary["failed"]:
         with h5py.File(path) as file:
-            return "ran", [f"a law is violated: {fault}" for fault in faults(file["data/demo_0"], scene)]
+            return "ran", [f"a law is violated: {fault}" for fault in faults(file["data/demo_0"], scene, applied)]
     message = summary["failed"][0]["message"]
     if "still running at the limit" in message:
         return "slow", []
@@ -71,7 +71,8 @@ def verified(paths):
 
 
 def work(program, first, end):
-    """Runs scenes and prints JSON lines: {"begin": seed}, and {"seed", "how", "faults"} after a run and after its verification."""
+    """Runs scenes and prints JSON lines: {"begin": seed}, and {"seed", "how", "faults"} after a run and after its verification;
+    after a run also "applied", the number of samples by law."""
 
     def say(**values):
         print(json.dumps(values), flush=True)
@@ -82,8 +83,9 @@ def work(program, first, end):
         for seed in range(first, end):
             say(begin=seed)
             path = Path(folder) / f"{seed}.h5"
-            how, wrong = run(drawn(program, seed), path)
-            say(seed=seed, how=how, faults=wrong)
+            applied = Counter()
+            how, wrong = run(drawn(program, seed), path, applied)
+            say(seed=seed, how=how, faults=wrong, applied=applied)
             if how == "ran":
                 seeds[path] = seed
             if len(seeds) == BATCH or seed == end - 1:
@@ -108,7 +110,7 @@ def main():
         return
     if given.seed is not None:
         print(text_of(drawn(given.program, given.seed)))
-    how, bad = Counter(), {}
+    how, bad, applied = Counter(), {}, Counter()
     while first < end:
         words = [sys.executable, __file__, given.program, str(end - first), "--first", str(first), "--worker"]
         begun = first
@@ -117,6 +119,7 @@ def main():
                 said = json.loads(line)
                 begun = said.get("begin", begun)
                 how.update([said["how"]] if said.get("how") else [])
+                applied.update(said.get("applied", {}))
                 if said.get("faults"):
                     bad.setdefault(said["seed"], []).extend(said["faults"])
         if worker.returncode == 0:
@@ -128,10 +131,15 @@ def main():
         for fault in wrong:
             print(f"scene {seed}: {fault}")
     print(", ".join(f"{count} {word}" for word, count in how.most_common()))
+    for law in LAWS:
+        print(f"{law}: applied to {applied[law]:,} samples")
+    unused = [law for law in LAWS if not applied[law]] if given.seed is None else []
+    if unused:
+        print(f"never applied: {', '.join(unused)}")
     enough = given.seed is not None or how["ran"] >= LEAST_RUN * how.total()
     if not enough:
         print(f"{how['ran']} scenes ran; expected at least {LEAST_RUN:.0%}")
-    sys.exit(0 if enough and not bad else 1)
+    sys.exit(0 if enough and not bad and not unused else 1)
 
 
 if __name__ == "__main__":
