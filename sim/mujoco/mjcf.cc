@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -35,6 +37,9 @@ constexpr double most_copies = 1e6;  // nested ones multiplied
 constexpr double most_values = 1e6;  // per body, joint and the like
 constexpr double most_keys = 1e4;    // MuJoCo's time grows with its square
 constexpr double most_memory = 4e9;  // bytes
+constexpr double most_folders = 50;  // each name is looked for in each folder
+// Bytes of a cell while a model is compiled: MuJoCo keeps one copy in its specification and one in the model.
+constexpr double texture_bytes = 2.0 * 3.0, hfield_bytes = 2.0 * 4.0;
 
 constexpr std::string_view space = " \t\r\n\v\f";
 
@@ -113,8 +118,17 @@ double product_of(const Tag& tag, const std::string& attribute) {
   }
 }
 
+double hfield_cells(const Tag& tag) {
+  return tag.attributes.contains("nrow") ? std::max(0.0, product_of(tag, "nrow") * product_of(tag, "ncol")) : 0.0;
+}
+
+double texture_cells(const Tag& tag) {
+  return tag.attributes.contains("width") ? std::max(0.0, product_of(tag, "width") * product_of(tag, "height")) : 0.0;
+}
+
 // True if an attribute holds the number NaN. MuJoCo takes it as a missing value, with a warning.
-bool has_nan(std::string_view key, std::string_view value) {
+bool has_nan(std::string_view tag, std::string_view key, std::string_view value) {
+  if (tag == "text" && key == "data") return false;  // any text
   // Attributes whose words are names.
   constexpr std::array<std::string_view, 24> names{
       "actuator", "body",   "body1",  "body2", "childclass", "class", "file", "geom",   "geom1",  "geom2", "hfield", "instance",
@@ -137,46 +151,165 @@ void check_size(const std::string& file, const Tag& tag, const char* what, doubl
                                found < longest_text ? fmt::format("{:.0f}", found) : format_number(found), most));
 }
 
-// Files already checked.
-struct Looked {
-  fs::path folder;  // of the model
-  std::map<std::string, std::vector<Tag>> files;
-  std::map<std::string, double> copies;    // number of copies made of each file's elements
-  std::map<std::string, fs::path> models;  // that <attach> may name
+// A model file with the files that it includes, which share its folders and names.
+struct Model {
+  std::string path;                                  // canonical
+  std::vector<fs::path> roots;                       // its folder, then those of the models that name it
+  std::vector<std::string> folders;                  // all values of assetdir, meshdir and texturedir, in any of the files
+  bool strips = false;                               // strippath
+  std::vector<fs::path> files;                       // the model file first
+  std::multimap<std::string, std::string> attached;  // names that <attach> may use, and keys of Looked::models
 };
 
-// `root`: the folder to which the model's own folders are relative.
-void check_file(const fs::path& path, const fs::path& root, Looked& looked, double copies = 1.0) {
-  check_regular_file(path.string(), largest_file);
-  const std::string file = path.lexically_normal().string();
-  if (copies <= looked.copies[file]) return;  // MuJoCo refuses a file that includes itself
-  looked.copies[file] = copies;
-  std::ifstream stream(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const std::vector<Tag> tags = tags_of(text);
-  looked.files[file] = tags;
-  std::vector<fs::path> folders{root, path.parent_path()};
+// Files already checked. MuJoCo's rules for a name depend on its version and on the order of the elements, so that a
+// name is checked in every folder in which MuJoCo may look for it.
+struct Looked {
+  fs::path folder;  // of the main model
+  std::map<std::string, std::vector<Tag>> files;
+  std::map<std::string, std::string> shown;                      // by canonical path: the key in `files`
+  std::map<std::string, Model> models;                           // by key_of()
+  std::map<std::pair<std::string, std::string>, double> copies;  // by model and file: copies made of its elements
+};
+
+// Returns the same text for all paths of a file.
+std::string identity_of(const fs::path& path) {
+  std::error_code error;
+  const fs::path found = fs::weakly_canonical(path, error);
+  return (error ? path.lexically_normal() : found).string();
+}
+
+// The folders of the naming model count too, so that a model is checked for each.
+std::string key_of(const fs::path& path, const Model* naming) {
+  return identity_of(path) + '\n' + (naming == nullptr ? "" : naming->path);
+}
+
+// Returns the tags of a file, read once.
+const std::vector<Tag>& tags_of_file(const fs::path& path, Looked& looked) {
+  const auto [shown, is_new] = looked.shown.emplace(identity_of(path), path.lexically_normal().string());
+  if (is_new) {
+    check_regular_file(path.string(), largest_file);
+    std::ifstream stream(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    looked.files[shown->second] = tags_of(text);
+  }
+  return looked.files.at(shown->second);
+}
+
+// MuJoCo takes a backslash as a slash.
+std::string with_slashes(std::string name) {
+  std::ranges::replace(name, '\\', '/');
+  return name;
+}
+
+// Returns the paths that MuJoCo may open for `name` in `file`. MuJoCo removes ".." from the text of a path, whether or
+// not the folder before it exists; the system follows a link first. Both are returned.
+std::vector<fs::path> candidates(const Model& model, const fs::path& file, const std::string& name) {
+  std::vector<std::string> names{name, with_slashes(name)};
+  if (model.strips) names.push_back(fs::path(names.back()).filename().string());
+  std::vector<fs::path> folders = model.roots, result;
+  folders.push_back(file.parent_path());
+  for (const fs::path& root : model.roots) {
+    for (const std::string& folder : model.folders) folders.push_back(root / folder);
+  }
+  std::set<std::string> known;
+  const auto add = [&](fs::path path) {
+    if (known.insert(path.string()).second) result.push_back(std::move(path));
+  };
+  for (const fs::path& folder : folders) {
+    for (const std::string& one : names) {
+      add((folder / one).lexically_normal());
+      add(folder / one);
+    }
+  }
+  return result;
+}
+
+// Returns the existing files that MuJoCo may open for an attribute. Throws InputError if one of them is outside of the
+// allowed folders, or if none exists and all of them would be outside.
+std::vector<fs::path> named_files(const Model& model, const fs::path& file, const Tag& tag, const std::string& key,
+                                  const Looked& looked) {
+  const std::string place = fmt::format("{}:{}: {}", file.string(), tag.line, printable(key));
+  const std::vector<fs::path> paths = candidates(model, file, tag.attributes.at(key));
+  std::vector<fs::path> found;
+  for (const fs::path& path : paths) {
+    std::error_code error;
+    if (!fs::exists(path, error)) continue;
+    check_named_file(path, looked.folder, place, "");
+    found.push_back(path);
+  }
+  if (found.empty() && std::ranges::none_of(paths, [&](const fs::path& path) { return may_be_named(path, looked.folder); })) {
+    refuse_named_file(paths.front(), place, "");
+  }
+  return found;
+}
+
+// Adds the folders that the tags name. Returns true if any is new.
+bool add_folders(const fs::path& file, const std::vector<Tag>& tags, Model& model) {
+  bool is_new = false;
   for (const Tag& tag : tags) {
     for (const char* key : {"assetdir", "meshdir", "texturedir"}) {
-      if (const auto found = tag.attributes.find(key); found != tag.attributes.end()) folders.push_back(root / found->second);
+      const auto found = tag.attributes.find(key);
+      if (found == tag.attributes.end()) continue;
+      for (const std::string& folder : {found->second, with_slashes(found->second)}) {
+        if (std::ranges::find(model.folders, folder) != model.folders.end()) continue;
+        model.folders.push_back(folder);
+        is_new = true;
+        check_size(file.string(), tag, "and its model have the folders", static_cast<double>(model.folders.size()), most_folders);
+      }
+    }
+    const auto strips = tag.attributes.find("strippath");
+    if (strips == tag.attributes.end() || strips->second == "false" || model.strips) continue;
+    model.strips = is_new = true;
+  }
+  return is_new;
+}
+
+// Reads a model file and all that it includes. A folder named in one of the files holds for all of them, so that the
+// search is repeated until no folder is new.
+Model read_model(const fs::path& path, const Model* naming, Looked& looked) {
+  Model model;
+  if (naming != nullptr) model = *naming;
+  model.path = identity_of(path);
+  model.roots.insert(model.roots.begin(), path.parent_path());
+  constexpr std::size_t most_nested = 10;
+  if (model.roots.size() > most_nested) {
+    throw InputError(
+        fmt::format("{}: models name models {} deep; allowed: at most {}", path.string(), model.roots.size(), most_nested));
+  }
+  model.files = {path};
+  model.attached.clear();
+  std::set<std::string> known{model.path};
+  add_folders(path, tags_of_file(path, looked), model);
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < model.files.size(); ++i) {
+      const fs::path file = model.files[i];
+      for (const Tag& tag : tags_of_file(file, looked)) {
+        if (!tag.begins || tag.name != "include" || !tag.attributes.contains("file")) continue;
+        for (const fs::path& found : named_files(model, file, tag, "file", looked)) {
+          if (!known.insert(identity_of(found)).second) continue;
+          model.files.push_back(found);
+          again = add_folders(found, tags_of_file(found, looked), model) || again;
+        }
+      }
     }
   }
-  const auto for_each_file = [&folders](const std::string& name, const auto& action) {
-    for (const fs::path& folder : folders) {
-      std::error_code error;
-      if (fs::exists(folder / name, error)) action(folder / name);
-    }
-  };
-  for (const Tag& tag : tags) {
-    if (tag.name != "model" || !tag.attributes.contains("name") || !tag.attributes.contains("file")) continue;
-    for_each_file(tag.attributes.at("file"), [&](const fs::path& found) { looked.models[tag.attributes.at("name")] = found; });
-  }
+  return model;
+}
+
+void check_model(const fs::path& path, const Model* naming, Looked& looked, double copies = 1.0);
+
+void check_file(const fs::path& path, const std::string& model_key, Looked& looked, double copies) {
+  double& known_copies = looked.copies[{model_key, identity_of(path)}];
+  if (copies <= known_copies) return;  // MuJoCo refuses a file that includes itself
+  known_copies = copies;
+  Model& model = looked.models.at(model_key);
   std::vector<double> replicated{copies};  // stack of the open elements' factors
-  for (const Tag& tag : tags) {
+  for (const Tag& tag : tags_of_file(path, looked)) {
     if (tag.name == "replicate" && !tag.begins && replicated.size() > 1) replicated.pop_back();
     if (!tag.begins) continue;
-    check_size(path.string(), tag, "has the cells", product_of(tag, "nrow") * product_of(tag, "ncol"), most_cells);
-    check_size(path.string(), tag, "has the cells", product_of(tag, "width") * product_of(tag, "height"), most_cells);
+    check_size(path.string(), tag, "has the cells", hfield_cells(tag), most_cells);
+    check_size(path.string(), tag, "has the cells", texture_cells(tag), most_cells);
     const double count = replicated.back() * std::max(1.0, product_of(tag, "count"));
     check_size(path.string(), tag, "has the count", count, most_copies);
     if (tag.name == "replicate" && !tag.ends) replicated.push_back(count);
@@ -184,40 +317,95 @@ void check_file(const fs::path& path, const fs::path& root, Looked& looked, doub
     check_size(path.string(), tag, "has the nkey", product_of(tag, "nkey"), most_keys);
     for (const auto& [key, value] : tag.attributes) {
       if (key.starts_with("nuser")) check_size(path.string(), tag, ("has the " + key).c_str(), product_of(tag, key), most_values);
-      if (tag.name == "attach" && key == "model" && looked.models.contains(value)) {
-        const fs::path model = looked.models.at(value);
-        check_file(model, model.parent_path(), looked, replicated.back());
+      if (tag.name == "attach" && key == "model") {
+        for (auto [at, end] = model.attached.equal_range(value); at != end; ++at) {
+          const fs::path child = looked.models.at(at->second).files.front();
+          check_model(child, &model, looked, replicated.back());
+        }
       }
       const bool names_file = key.starts_with("file");  // also of a cube's sides
       const std::size_t entity = value.find('&');
       if ((names_file || key.ends_with("dir")) && entity != std::string::npos && value.find(';', entity) != std::string::npos)
         throw InputError(fmt::format("{}:{}: {} is {}; use a name without XML entities", path.string(), tag.line, printable(key),
                                      quote(value)));
-      if (has_nan(key, value)) {
+      if (has_nan(tag.name, key, value)) {
         throw InputError(fmt::format("{}:{}: <{}> {} is {}; expected a finite number", path.string(), tag.line,
                                      printable(tag.name), printable(key), quote(value)));
       }
       if (!names_file) continue;
-      for_each_file(value, [&](const fs::path& found) {
-        check_named_file(found, looked.folder, fmt::format("{}:{}: {}", path.string(), tag.line, printable(key)), "");
+      for (const fs::path& found : named_files(model, path, tag, key, looked)) {
         if (tag.name == "include") {
-          check_file(found, root, looked, replicated.back());
-        } else if (tag.name == "model") {
-          check_file(found, found.parent_path(), looked);
-        } else {
+          check_file(found, model_key, looked, replicated.back());
+        } else if (tag.name != "model") {
           check_regular_file(found.string(), largest_file);
         }
-      });
+      }
     }
   }
 }
 
+// `naming`: the model that names this one; null for the main model.
+void check_model(const fs::path& path, const Model* naming, Looked& looked, double copies) {
+  const std::string key = key_of(path, naming);
+  if (!looked.models.contains(key)) {
+    looked.models.emplace(key, read_model(path, naming, looked));
+    Model& model = looked.models.at(key);
+    for (const fs::path& file : model.files) {
+      for (const Tag& tag : tags_of_file(file, looked)) {
+        if (!tag.begins || tag.name != "model" || !tag.attributes.contains("file")) continue;
+        for (const fs::path& found : named_files(model, file, tag, "file", looked)) {
+          // Without a name here, <attach> uses the name inside the file.
+          std::set<std::string> names;
+          if (const auto name = tag.attributes.find("name"); name != tag.attributes.end()) names.insert(name->second);
+          for (const Tag& inside : tags_of_file(found, looked)) {
+            const auto name = inside.attributes.find("model");
+            if (inside.name == "mujoco" && name != inside.attributes.end()) names.insert(name->second);
+          }
+          for (const std::string& name : names) model.attached.emplace(name, key_of(found, &model));
+          check_model(found, &model, looked);
+        }
+      }
+    }
+  }
+  check_file(path, key, looked, copies);
+}
+
+// Returns the memory that a model declares, in bytes, with that of a child for each <attach>.
+double declared_memory(const std::string& model_key, const Looked& looked, std::map<std::string, double>& known) {
+  const auto [place, is_new] = known.emplace(model_key, 0.0);  // 0 while a model that names itself is open
+  if (!is_new) return place->second;
+  const Model& model = looked.models.at(model_key);
+  double bytes = 0.0;
+  for (const fs::path& file : model.files) {
+    for (const Tag& tag : looked.files.at(looked.shown.at(identity_of(file)))) {
+      if (!tag.begins) continue;
+      bytes += texture_bytes * texture_cells(tag) + hfield_bytes * hfield_cells(tag);
+      if (tag.attributes.contains("memory")) bytes += std::max(0.0, product_of(tag, "memory"));
+      const auto child = tag.attributes.find("model");
+      if (tag.name != "attach" || child == tag.attributes.end()) continue;
+      for (auto [at, end] = model.attached.equal_range(child->second); at != end; ++at) {
+        bytes += declared_memory(at->second, looked, known);
+      }
+    }
+  }
+  return known[model_key] = bytes;
+}
+
+Looked check_tree(const std::string& path) {
+  Looked looked{.folder = fs::path(path).parent_path(), .files = {}, .shown = {}, .models = {}, .copies = {}};
+  check_model(path, nullptr, looked);
+  std::map<std::string, double> known;
+  const double bytes = declared_memory(key_of(path, nullptr), looked, known);
+  if (bytes > most_memory) {
+    throw InputError(fmt::format("{}: textures, height fields and `memory` need {} GB in all; allowed: at most {:.0f} GB", path,
+                                 format_number(std::ceil(bytes / 1e8) / 10.0), most_memory / 1e9));
+  }
+  return looked;
+}
+
 }  // namespace
 
-void check_mjcf(const std::string& path) {
-  Looked looked{.folder = fs::path(path).parent_path(), .files = {}, .copies = {}, .models = {}};
-  check_file(path, fs::path(path).parent_path(), looked);
-}
+void check_mjcf(const std::string& path) { static_cast<void>(check_tree(path)); }
 
 void try_mjcf(const std::string& path) {
   // MuJoCo's own handlers would write a log into the current folder.
@@ -249,8 +437,7 @@ std::string placed_message(const std::string& path, std::string message) {
     const auto named = tag.attributes.find("name");
     return named != tag.attributes.end() && named->second == name;
   };
-  Looked looked{.folder = fs::path(path).parent_path(), .files = {}, .copies = {}, .models = {}};
-  check_file(path, fs::path(path).parent_path(), looked);
+  const Looked looked = check_tree(path);
   std::string places;
   for (const auto& [file, tags] : looked.files) {
     for (const Tag& tag : tags) {

@@ -7,10 +7,11 @@
 namespace slipbench {
 
 // Throws InputError if the file, or one that it includes or names (meshes, textures, height
-// fields), is not a regular file or larger than 100 MB, and if a declaration needs excessive
+// fields), is not a regular file, is larger than 100 MB or is outside of the allowed folders
+// (named_files.h) by any rule for names that MuJoCo may use, and if a declaration needs excessive
 // memory: a height field or a texture of more than 10^8 cells, a `count` of more than 10^6 (nested
 // ones multiplied), `memory` of more than 4 GB, an `nuser` of more than 10^6, an `nkey` of more
-// than 10^4; and if a number is NaN. Missing files and text that is not XML are left for MuJoCo to refuse.
+// than 10^4, or textures, height fields and `memory` of more than 4 GB in all; and if a number is NaN. Missing files and text that is not XML are left for MuJoCo to refuse.
 void check_mjcf(const std::string& path);
 
 // Has MuJoCo parse and compile the file and ignores the result: for a process that a crash may end

@@ -16,4 +16,10 @@ namespace slipbench {
 void check_named_file(const std::filesystem::path& path, const std::filesystem::path& folder, const std::string& place,
                       const std::string& remedy);
 
+// True if the file at `path`, which may be missing, is in one of these folders.
+bool may_be_named(const std::filesystem::path& path, const std::filesystem::path& folder);
+
+// Throws the error of check_named_file().
+[[noreturn]] void refuse_named_file(const std::filesystem::path& path, const std::string& place, const std::string& remedy);
+
 }  // namespace slipbench

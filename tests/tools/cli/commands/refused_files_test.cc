@@ -113,9 +113,58 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
   }
   expect_model_refusal("<asset><mesh file=\"hostname\"/></asset>\n<compiler meshdir=\"/etc\"/>\n",
                        {"model.xml:2: file", "outside"});
+  // By which rule MuJoCo makes a path of a name does not matter: ".." after a missing folder, a backslash, strippath,
+  // and folders that another file of the model names.
+  std::filesystem::create_directories(folder_ / "models/far");
+  std::filesystem::rename(model, folder_ / "models/model.xml");
+  std::ofstream(folder_ / "secret.stl") << "solid a\nendsolid a\n";
+  const std::string inner = folder_ / "models/model.xml";
+  const auto expect_inner_refusal = [&](const std::string& text, const std::vector<std::string>& words) {
+    std::ofstream(inner) << "<mujoco>\n" << text << "</mujoco>\n";
+    expect_refusal({"run", block, "--set", "model=" + inner}, words);
+  };
+  const auto mesh = [](const std::string& file) { return "<asset><mesh name=\"m\" file=\"" + file + "\"/></asset>\n"; };
+  const std::vector<std::string> outside{"model.xml:2: file", "secret.stl", "outside of the folder"};
+  expect_inner_refusal(mesh("nonexist/../../secret.stl"), outside);
+  expect_inner_refusal(mesh("..\\secret.stl"), outside);
+  expect_inner_refusal(mesh("nonexist\\..\\..\\secret.stl"), outside);
+  expect_inner_refusal(mesh("../../../../none/missing.stl"), {"model.xml:2: file", "missing.stl", "outside"});
+  expect_inner_refusal(mesh("a/secret.stl") + "<compiler strippath=\"true\" meshdir=\"..\"/>\n", outside);
+  expect_inner_refusal("<include file=\"nonexist/../../secret.stl\"/>\n", outside);
+  std::ofstream(folder_ / "models/mesh.xml") << "<mujocoinclude>\n" << mesh("secret.stl") << "</mujocoinclude>\n";
+  std::ofstream(folder_ / "models/dirs.xml") << "<mujocoinclude><compiler meshdir=\"..\"/></mujocoinclude>\n";
+  const std::vector<std::string> in_part{"mesh.xml:2: file", "secret.stl", "outside of the folder"};
+  expect_inner_refusal("<compiler meshdir=\"..\"/><include file=\"mesh.xml\"/>\n", in_part);
+  expect_inner_refusal("<include file=\"mesh.xml\"/><include file=\"dirs.xml\"/>\n", in_part);
+  expect_inner_refusal(mesh("secret.stl") + "<include file=\"dirs.xml\"/>\n", outside);
+  std::ofstream(folder_ / "models/child.xml")
+      << "<mujoco><compiler meshdir=\"..\"/><include file=\"mesh.xml\"/><worldbody><body name=\"c\"/></worldbody></mujoco>\n";
+  expect_inner_refusal("<asset><model name=\"c\" file=\"child.xml\"/></asset>\n", in_part);
+  ASSERT_EQ(mkfifo((folder_ / "models/pipe").c_str(), 0600), 0);
+  expect_inner_refusal(mesh("nonexist/../pipe"), {"models/pipe", "a pipe"});
+  std::filesystem::rename(inner, model);
+  // The sum counts, also over files.
+  const std::string large = "<texture type=\"2d\" builtin=\"flat\" width=\"9000\" height=\"9000\"/>";
+  std::string several = "<asset>";
+  for (int k = 0; k < 5; ++k) several += large;
+  std::ofstream(folder_ / "textures.xml") << "<mujocoinclude>" << several << "</asset></mujocoinclude>\n";
+  expect_model_refusal(several + "</asset>\n<include file=\"textures.xml\"/>\n", {"model.xml", "textures", "GB in all"});
   // MuJoCo reports no lines of included files.
   std::ofstream(folder_ / "part.xml") << "<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody>\n</mujoco>\n";
   expect_model_refusal("<include file=\"part.xml\"/>\n", {"geom", folder_ / "part.xml" + ":3"});
+}
+
+// A text of the model, and files that are missing by one rule but exist by another.
+TEST_F(RefusedFiles, NamesInsideTheFolderAreAccepted) {
+  std::string text = bytes_of(SLIPBENCH_SOURCE_DIR "/scenes/bodies/block.xml");
+  text.replace(
+      text.find("<worldbody>"), 0,
+      "<compiler assetdir=\"parts\"/><custom><text name=\"t\" data=\"nan\"/></custom><include file=\"parts/../more.xml\"/>");
+  std::filesystem::create_directories(folder_ / "models/parts");
+  std::ofstream(folder_ / "models/block.xml") << text;
+  std::ofstream(folder_ / "models/more.xml") << "<mujocoinclude><custom><text name=\"u\" data=\"x\"/></custom></mujocoinclude>\n";
+  const ChildResult result = run_program_file({"run", block, "--set", "model=" + (folder_ / "models/block.xml"), "--quiet"});
+  EXPECT_NE(result.status, 2) << result.err;
 }
 
 TEST_F(RefusedFiles, ControlCharactersDoNotReachTheTerminal) {
