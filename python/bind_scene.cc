@@ -122,7 +122,7 @@ class Scene {
     options_.overrides = overrides_of(overrides);
     nb::gil_scoped_release release;
     if (text) {
-      file_ = SceneFile::from_text(std::move(*text), options_.scene_path);
+      file_ = SceneFile::from_text(std::move(*text), options_.scene_path, true);
     } else {
       if (const std::optional<KeptSetting> setting = setting_for(options_, *catalogues_))
         options_.overrides.insert(options_.overrides.end(), setting->overrides.begin(), setting->overrides.end());

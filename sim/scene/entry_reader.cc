@@ -19,10 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// True for what the command line or a caller in C++ or Python gave, False for a file and for the
-// scene and the overrides in a dataset.
-bool is_callers_own(const Origin& origin) {
-  return !origin.source || origin.source->starts_with("--") || fs::path(*origin.source).filename().string().starts_with('<');
+// True for what the command line or a caller in C++ or Python gave, false for a file, standard
+// input, and the scene and the overrides in a dataset. The name of the source does not count: a file may have any.
+bool is_callers_own(const Origin& origin) { return !origin.source || origin.callers_own; }
+
+// True if files that the scene names are checked: not for the scene in a dataset, whose files other code opens.
+bool is_file_or_stdin(const std::string& source) {
+  std::error_code error;
+  return source == "<stdin>" || fs::is_regular_file(source, error);
 }
 
 std::string allowed_form(const ParameterSpec& spec) {
@@ -138,8 +142,7 @@ Parameters::Value EntryReader::value(const YamlNode* node, const std::string& pa
 std::string EntryReader::resolved_path(const YamlNode& node, const std::string& path, FileUse use) const {
   const fs::path folder = node.origin.typed || !root_.source ? fs::path() : fs::path(*root_.source).parent_path();
   const fs::path file = folder / node.text;
-  std::error_code error;
-  const bool checks = use == FileUse::table || (root_.source && fs::is_regular_file(*root_.source, error));
+  const bool checks = use == FileUse::table || (root_.source && is_file_or_stdin(*root_.source));
   if (use != FileUse::library && checks && !is_callers_own(node.origin))
     check_named_file(file, folder, node.origin.text() + ": " + path, "--set " + path + "=PATH");
   return file.string();

@@ -38,6 +38,12 @@ nlohmann::json json_of(const YamlNode& node) {
   throw std::logic_error("no such kind of node");
 }
 
+void mark_callers_own(YamlNode& node) {
+  node.origin.callers_own = true;
+  node.key_origin.callers_own = true;
+  for (YamlNode& child : node.children) mark_callers_own(child);
+}
+
 void mark_typed(YamlNode& node) {
   node.origin.typed = true;
   node.key_origin.typed = true;
@@ -138,9 +144,11 @@ SceneFile SceneFile::load(const std::string& path) {
   return from_text(std::move(text), path);
 }
 
-SceneFile SceneFile::from_text(std::string text, std::string name) {
+SceneFile SceneFile::from_text(std::string text, std::string name, bool callers_own) {
   SceneFile file;
-  file.root_ = std::make_shared<const YamlNode>(parse_yaml(text, name, true));
+  YamlNode root = parse_yaml(text, name, true);
+  if (callers_own) mark_callers_own(root);
+  file.root_ = std::make_shared<const YamlNode>(std::move(root));
   file.text_ = std::move(text);
   file.name_ = std::move(name);
   return file;
@@ -152,6 +160,7 @@ void SceneFile::apply(const Override& change, MissingKey missing) {
   const std::string source = change.option + " " + given.substr(0, longest) + (given.size() > longest ? "..." : "");
   YamlNode value = parse_yaml(change.value, source, false);
   if (!change.of_sweep) mark_typed(value);
+  if (!change.of_sweep && change.callers_own) mark_callers_own(value);
   std::vector<std::string> parts = split_path(change.path, value.origin);
   const bool sweeps = parts.front() == "sweep";
   if (sweeps && parts.size() > 1) parts = swept_parts(*root_, change.path);

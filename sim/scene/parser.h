@@ -23,6 +23,7 @@ struct Override {
   std::string option = "--set";  // the option that gave it, for messages
   // A value that the scene's own sweep gave, whose paths start from the scene's folder.
   bool of_sweep = false;
+  bool callers_own = true;  // false: read from a dataset, which may be of others
 };
 
 // A scene file as read, before its sweep is expanded. Cheap to copy.
@@ -31,8 +32,9 @@ class SceneFile {
   // Reads a file. Throws InputError if it is not a regular file (a pipe, a device), cannot be read
   // or is not valid YAML (see yaml_tree.h).
   static SceneFile load(const std::string& path);
-  // The same from text; messages show `name` instead of a path.
-  static SceneFile from_text(std::string text, std::string name);
+  // The same from text; messages show `name` instead of a path. `callers_own`: the caller wrote the
+  // text, which may then name any file.
+  static SceneFile from_text(std::string text, std::string name, bool callers_own = false);
 
   // Effect of an override that removes a key which neither the scene nor its sweep sets.
   enum class MissingKey { refused, ignored };

@@ -26,6 +26,7 @@ struct Origin {
   int line = 0;                               // first line: 1; 0 if the source has no lines
   bool drawn = false;                         // drawn at random by the sweep
   bool typed = false;                         // given by an option, whose paths start from the current folder
+  bool callers_own = false;                   // given by the caller, who may name any file
 
   // "stage.yaml:12", "stage.yaml:12 (drawn)", "--set motion.speed=8"
   [[nodiscard]] std::string text() const;

@@ -85,8 +85,10 @@ SceneFile recorded_file(const std::string& scene, const Json& overrides, const s
   for (const auto& [path, value] : overrides.items()) {
     if (!value.is_string()) throw InputError(place + ": the overrides contain no text for " + path);
     // The run may have added the key before it removed it; the dataset keeps the last value only.
-    // Not named "--set": the user of the dataset did not type it.
-    file.apply({.path = path, .value = value.get<std::string>(), .option = "recorded --set"}, SceneFile::MissingKey::ignored);
+    // The user of the dataset did not type it.
+    const Override change{
+        .path = path, .value = value.get<std::string>(), .option = "recorded --set", .of_sweep = false, .callers_own = false};
+    file.apply(change, SceneFile::MissingKey::ignored);
   }
   return file;
 }

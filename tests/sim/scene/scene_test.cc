@@ -303,14 +303,25 @@ TEST(SceneTable, FilesAreThoseOfTheFoldersThatTheUserNamed) {
   std::ofstream(secret) << "x,y\n1,2\n3,4\n";
   EXPECT_EQ(load("own.csv", secret), 2);  // named on the command line
   // The scene and the overrides of a dataset are words of others, too; a text of the caller is not.
-  const auto text = [&](const std::string& name, const std::string& option) {
-    SceneFile file = SceneFile::from_text(head + (option.empty() ? secret : "none") + "}\n", name);
-    if (!option.empty()) file.apply({.path = "sensors.pad.places", .value = secret, .option = option});
+  // The name of the source does not count.
+  const auto rows = [&](const SceneFile& file) {
     return parse_scene(file, catalogues).sensors[0].parameters.table("places").rows.size();
   };
-  EXPECT_EQ(text("<text>", ""), 2);
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(text("attribute scene", "")); }), refused_at("attribute scene:3", {"outside"}));
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(text("attribute scene", "recorded --set")); }), testing::HasSubstr("outside"));
+  const std::string text = head + secret + "}\n";
+  EXPECT_EQ(rows(SceneFile::from_text(text, "<text>", true)), 2);
+  for (const char* name : {"attribute scene", "<text>", "<stdin>", "--set"}) {
+    EXPECT_THAT(refusal_of([&] { static_cast<void>(rows(SceneFile::from_text(text, name))); }),
+                refused_at(std::string(name) + ":3", {"outside"}));
+  }
+  for (const bool callers_own : {false, true}) {
+    SceneFile file = SceneFile::from_text(head + "none}\n", "attribute scene");
+    file.apply({.path = "sensors.pad.places", .value = secret, .option = "--set", .of_sweep = false, .callers_own = callers_own});
+    if (callers_own) {
+      EXPECT_EQ(rows(file), 2);
+    } else {
+      EXPECT_THAT(refusal_of([&] { static_cast<void>(rows(file)); }), testing::HasSubstr("outside"));
+    }
+  }
 }
 
 // Networks, models and memories follow the same rule. A library is code that the user chooses to run.

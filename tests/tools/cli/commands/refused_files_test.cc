@@ -167,6 +167,26 @@ TEST_F(RefusedFiles, NamesInsideTheFolderAreAccepted) {
   EXPECT_NE(result.status, 2) << result.err;
 }
 
+// The name of a scene file does not make it the caller's own, nor does standard input.
+TEST_F(RefusedFiles, SceneMayNameFilesOfItsFolderOnlyWhateverItsName) {
+  std::ofstream(folder_ / "secret.csv") << "SECRET\n";
+  std::filesystem::create_directory(folder_ / "scenes");
+  std::string text = bytes_of(block);
+  const std::string_view model = "model: block.xml";
+  ASSERT_NE(text.find(model), std::string::npos);
+  text.replace(text.find(model), model.size(), "model: " + (folder_ / "secret.csv"));
+  for (const std::string& name : {std::string("<a>.yaml"), std::string("--a.yaml"), std::string("<stdin>")}) {
+    const std::string scene = folder_ / "scenes/" + name;
+    std::ofstream(scene) << text;
+    expect_refusal({"run", scene}, {"model", "secret.csv", "outside of the folder"});
+  }
+  const ChildResult piped = run_shell("slipbench run - < '" + (folder_ / "scenes/<a>.yaml") + "'", folder_ / "scenes");
+  EXPECT_EQ(piped.status, 2);
+  EXPECT_THAT(piped.err, mentions({"model", "secret.csv", "outside of the folder"}));
+  const ChildResult own = run_program_file({"run", block, "--set", "model=" + (folder_ / "secret.csv")});
+  EXPECT_THAT(own.err, Not(HasSubstr("outside")));
+}
+
 TEST_F(RefusedFiles, ControlCharactersDoNotReachTheTerminal) {
   const ChildResult result = run_program_file({"report", folder_ / "a\x1b[31m\xc2\x9b.h5"});
   EXPECT_EQ(result.status, 2);
