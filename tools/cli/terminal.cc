@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -25,11 +26,20 @@ int stdout_aside = -1;
 constexpr const char* name_variable = "SLIPBENCH_CALLED_AS";
 constexpr std::size_t default_width = 100;
 
-// All that Style writes.
-constexpr std::array<std::string_view, 6> style_marks{"\033[0m", "\033[1m", "\033[2m", "\033[32m", "\033[1;31m", "\033[1;36m"};
+// What Style writes before each control sequence: random, so that no text from outside can contain it, not even a text
+// that equals the control sequence. Empty if the system has no random numbers; Style then marks nothing.
+const std::string& style_key() {
+  static const std::string key = [] {
+    std::array<std::uint64_t, 2> random{};
+    return ::getentropy(random.data(), sizeof random) == 0 ? fmt::format("\033<{:016x}{:016x}>", random[0], random[1])
+                                                           : std::string();
+  }();
+  return key;
+}
 
 std::string escape(bool colour, std::string_view code, std::string_view text) {
-  return colour ? fmt::format("\033[{}m{}\033[0m", code, printable(text, true)) : std::string(text);
+  const std::string& key = style_key();
+  return colour && !key.empty() ? fmt::format("{0}[{1}m{2}{0}[0m", key, code, printable(text, true)) : std::string(text);
 }
 
 // Writes text with control sequences.
@@ -100,18 +110,16 @@ Style style_for(std::FILE* stream) {
 }
 
 std::string terminal_text(std::string_view text) {
+  const std::string& key = style_key();
   std::string result;
-  while (!text.empty()) {
-    const std::size_t mark = text.find("\033[");
+  for (std::size_t mark = 0; !key.empty() && (mark = text.find(key)) != std::string_view::npos;) {
     result += printable(text.substr(0, mark), true);
-    if (mark == std::string_view::npos) break;
-    text.remove_prefix(mark);
-    const auto known = std::ranges::find_if(style_marks, [&](std::string_view one) { return text.starts_with(one); });
-    const std::size_t length = known == style_marks.end() ? 1 : known->size();
-    result += known == style_marks.end() ? printable(text.substr(0, length)) : std::string(*known);
+    text.remove_prefix(mark + key.size());
+    const std::size_t length = std::min(text.find('m') + 1, text.size());
+    result.append("\033").append(text.substr(0, length));
     text.remove_prefix(length);
   }
-  return result;
+  return result + printable(text, true);
 }
 
 void say(std::FILE* stream, const std::string& text) noexcept { draw(stream, terminal_text(text)); }

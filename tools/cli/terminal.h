@@ -17,7 +17,7 @@
 
 namespace slipbench {
 
-// Marks up text. Every function returns its text unchanged if colours are off, so that pipes and
+// Marks up text with marks that only terminal_text() reads. Every function returns its text unchanged if colours are off, so that pipes and
 // files get plain text.
 class Style {
  public:

@@ -171,8 +171,8 @@ TEST(Style, LeavesTextAloneWithoutColours) {
 }
 
 TEST(Style, ResetsAfterEveryMarkup) {
-  EXPECT_EQ(Style(true).bold("a"), "\033[1ma\033[0m");
-  EXPECT_EQ(Style(true).error("a"), "\033[1;31ma\033[0m");
+  EXPECT_EQ(terminal_text(Style(true).bold("a")), "\033[1ma\033[0m");
+  EXPECT_EQ(terminal_text(Style(true).error("a")), "\033[1;31ma\033[0m");
 }
 
 TEST(StyleFor, AFileGetsNoColours) {
@@ -188,7 +188,9 @@ TEST(TerminalText, KeepsTheMarksOfStyleAlone) {
   const Style style(true);
   EXPECT_EQ(terminal_text(style.error("no") + "\033]0;x\007\033[2J\033[8m\n"),
             "\033[1;31mno\033[0m\\x1b]0;x\\x07\\x1b[2J\\x1b[8m\n");
-  EXPECT_EQ(style.bold("a\033[0mb"), "\033[1ma\\x1b[0mb\033[0m");
+  EXPECT_EQ(terminal_text(style.bold("a\033[0mb")), "\033[1ma\\x1b[0mb\033[0m");
+  // A text that equals a mark is text, also next to marks of Style.
+  EXPECT_EQ(terminal_text(style.dim("x") + "\033[1;31mslipbench:\033[0m"), "\033[2mx\033[0m\\x1b[1;31mslipbench:\\x1b[0m");
   EXPECT_EQ(terminal_text("\xe2\x80\xae \xc2\xb5"), "\\u202e \xc2\xb5");
 }
 

@@ -187,6 +187,18 @@ TEST_F(RefusedFiles, SceneMayNameFilesOfItsFolderOnlyWhateverItsName) {
   EXPECT_THAT(own.err, Not(HasSubstr("outside")));
 }
 
+// A text of a file cannot look like a message of the program.
+TEST_F(RefusedFiles, TextThatEqualsAMarkDoesNotReachTheTerminal) {
+  const std::string scene = folder_ / "a.yaml";
+  std::string text = bytes_of(stage);
+  const std::string_view words = "PapillArray pressed on acrylic and moved sideways";
+  text.replace(text.find(words), words.size(), "\"x\\e[2m\\e[1;31mslipbench:\\e[0m forged\"");
+  std::ofstream(scene) << text;
+  const ChildResult run = run_program_file({"run", scene, "--set", "duration=0.6 s"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("x\\x1b[2m\\x1b[1;31mslipbench:"), Not(HasSubstr("\x1b"))));
+}
+
 TEST_F(RefusedFiles, ControlCharactersDoNotReachTheTerminal) {
   const ChildResult result = run_program_file({"report", folder_ / "a\x1b[31m\xc2\x9b.h5"});
   EXPECT_EQ(result.status, 2);

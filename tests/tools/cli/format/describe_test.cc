@@ -158,7 +158,8 @@ TEST(Describe, ContactIsTheScenesOwnKey) {
 
 TEST(Describe, ColoursOnlyWhereTheStyleHasThem) {
   EXPECT_THAT(page("creep"), Not(HasSubstr("\033")));
-  EXPECT_THAT(describe_text(item("creep"), small_catalogues(), Style(true), 100), HasSubstr("\033[1;36mcreep\033[0m"));
+  EXPECT_THAT(terminal_text(describe_text(item("creep"), small_catalogues(), Style(true), 100)),
+              HasSubstr("\033[1;36mcreep\033[0m"));
 }
 
 TEST(Describe, JsonHoldsEverythingDeclared) {
