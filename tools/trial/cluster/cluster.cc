@@ -44,8 +44,8 @@ folder=@FOLDER@
 from=@FROM@   # folder of the sweep's relative paths
 sweep=(@SWEEP@)
 n=@N@
-program=@PROGRAM@
-read -ra slipbench <<< "${SLIPBENCH:-$program}"   # SLIPBENCH="apptainer run slipbench.sif": from a container
+slipbench=(@PROGRAM@)
+if [[ -n ${SLIPBENCH:-} ]]; then read -ra slipbench <<< "$SLIPBENCH"; fi   # SLIPBENCH="apptainer run slipbench.sif": from a container
 
 k=$1
 whole=$folder/shards/$k
@@ -102,8 +102,8 @@ constexpr const char* merge_script = R"(#!/usr/bin/env bash
 # Verifies all shards and merges them
 set -euo pipefail
 folder=@FOLDER@
-program=@PROGRAM@
-read -ra slipbench <<< "${SLIPBENCH:-$program}"
+slipbench=(@PROGRAM@)
+if [[ -n ${SLIPBENCH:-} ]]; then read -ra slipbench <<< "$SLIPBENCH"; fi
 shards=()
 for ((k = 1; k <= @N@; ++k)); do shards+=("$folder/shards/$k/shard.h5"); done
 "${slipbench[@]}" verify "${shards[@]}"
@@ -184,6 +184,14 @@ void check_folder(const std::filesystem::path& folder) {
   if (!is_left_by_a_killed_run(folder)) refuse("is not empty");
 }
 
+// Splits a command at spaces, as the scripts split SLIPBENCH, and quotes each word for the shell.
+std::string shell_words(const std::string& command) {
+  std::istringstream words(command);
+  std::string result;
+  for (std::string word; words >> word;) result += (result.empty() ? "" : " ") + shell_word(word);
+  return result;
+}
+
 }  // namespace
 
 std::vector<std::string> write_cluster_folder(const ClusterOptions& options, const Catalogues& catalogues) {
@@ -211,12 +219,9 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
   const std::string command = canonical_command(options.sweep);
   // Command that started the program if it was not started directly: from Python, from a container.
   const char* const started = std::getenv("SLIPBENCH");
-  const std::string program = started != nullptr ? started : std::filesystem::read_symlink("/proc/self/exe").string();
-  if (started == nullptr && program.find(' ') != std::string::npos) {
-    reject(
-        "cluster: the path of the program, {}, contains spaces, but SLIPBENCH is split at spaces; install it under another path",
-        program);
-  }
+  const std::string program = started != nullptr && *started != '\0'
+                                  ? shell_words(started)
+                                  : shell_word(std::filesystem::read_symlink("/proc/self/exe").string());
   // Slurm interprets % and other characters in log paths, Snakemake interprets braces.
   const std::string name = std::filesystem::path(options.sweep.scene_path).stem().string() + ".h5";
   if ((folder.string() + name).find_first_of("%{}\"\\\n\r\t") != std::string::npos) {
@@ -239,7 +244,7 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
       {"NAME", shell_word(name)},
       {"PYTHON_NAME", python_text(name)},
       {"RAW_NAME", name},
-      {"PROGRAM", shell_word(program)},
+      {"PROGRAM", program},
       {"WHAT", fmt::format("`{}`: {}. Written by `slipbench cluster`.", command, counted(planned.asked, "trial"))}};
   std::filesystem::create_directories(folder / "logs", error);
   if (error) reject("cannot create the folder {}: {}", (folder / "logs").string(), error.message());

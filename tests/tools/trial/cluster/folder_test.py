@@ -56,6 +56,27 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(content_sha256(cluster / "a scene.h5"), content_sha256(self.folder / "whole.h5"))
         self.assertEqual(list((cluster / "attempts").iterdir()), [])
 
+    def test_the_path_of_the_program_may_contain_blanks(self):
+        # The scripts start the program under its own path, here a copy's.
+        scripts = {}
+        for name, environment in (("plain", {}), ("words", {"SLIPBENCH": "env A=1  slipbench"})):
+            result = subprocess.run([PROGRAM, "cluster", "a scene.yaml", *SETTINGS, "--trials", "2", "-o", name, "--shards", "2"],
+                                    capture_output=True, text=True, cwd=self.folder, timeout=300,
+                                    env={**{k: v for k, v in os.environ.items() if k != "SLIPBENCH"}, **environment})  # fmt: skip
+            self.assertEqual(result.returncode, 0, result.stderr)
+            scripts[name] = (self.folder / name / "shard.sh").read_text()
+        self.assertRegex(scripts["words"], r"(?m)^slipbench=\(env '?A=1'? slipbench\)$")
+        blank = self.folder / "a  b"
+        blank.mkdir()
+        (blank / "slipbench").write_text('#!/bin/sh\necho "started: $1"\nexit 1\n')
+        (blank / "slipbench").chmod(0o755)
+        line = re.search(r"(?m)^slipbench=\(.*\)$", scripts["plain"]).group()
+        script = self.folder / "plain/shard.sh"
+        script.write_text(scripts["plain"].replace(line, f"slipbench=('{blank}/slipbench')"))
+        environment = {k: v for k, v in os.environ.items() if k != "SLIPBENCH"}
+        result = subprocess.run(["bash", script, "1", "first"], capture_output=True, text=True, timeout=300, env=environment)
+        self.assertIn("started: ", result.stdout)
+
     def test_a_damaged_shard_is_made_again(self):
         cluster = self.cluster("cluster", 2)
         self.script(cluster / "shard.sh", 1, "first")
