@@ -45,7 +45,8 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
     for (const std::size_t value : pick.values) {
       if (value >= size) {
         throw InputError("the network needs value " + std::to_string(value) + " of the channel " + quote(pick.name) +
-                         ", which has " + std::to_string(size) + "; allowed: 0 to " + std::to_string(size - 1));
+                         ", which has " +
+                         (size == 0 ? "no values" : std::to_string(size) + "; allowed: 0 to " + std::to_string(size - 1)));
       }
       places.push_back(first + value);
     }

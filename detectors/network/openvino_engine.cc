@@ -197,7 +197,9 @@ void check_indices(const ov::Model& model, const std::string& path) {
     for (const std::int64_t value : constant->cast_vector<std::int64_t>()) {
       if (value >= least && value <= most) continue;
       throw InputError(path + ": the operator " + quote(node.get_friendly_name()) + " has the " + what + " " +
-                       std::to_string(value) + "; allowed: " + std::to_string(least) + " to " + std::to_string(most));
+                       std::to_string(value) +
+                       (least > most ? ", but its data have an extent of 0 along the axis"
+                                     : "; allowed: " + std::to_string(least) + " to " + std::to_string(most)));
     }
   };
   const std::shared_ptr<ov::Model> folded = model.clone();
@@ -226,6 +228,12 @@ Network compiled(const std::string& bytes, const std::string& path) {
   const std::shared_ptr<ov::Model> model = core->read_model(bytes, ov::Tensor());
   std::map<std::string, ov::PartialShape> shapes;
   const auto fix = [&](const Port& port) {
+    // OpenVINO removes an input that no output needs.
+    const auto has_name = [&](const auto& input) { return input.get_names().contains(port.name); };
+    if (std::ranges::none_of(model->inputs(), has_name)) {
+      throw InputError(path + ": no output of the network depends on its input " + quote(port.name) +
+                       "; export a network that uses each of its inputs");
+    }
     shapes.emplace(port.name, ov::PartialShape(std::vector<ov::Dimension>(port.shape.begin(), port.shape.end())));
   };
   fix(network.about.input);

@@ -358,6 +358,25 @@ TEST(Engine, RefusesConstantIndicesOutOfRange) {
   EXPECT_EQ(gather(-4), "accepted");
   EXPECT_THAT(gather(4), mentions({"index 4", "-4 to 3"}));
   EXPECT_THAT(gather(-5), mentions({"index -5", "-4 to 3"}));
+  // Gather from the hidden values 0 to 0.
+  EXPECT_THAT(refusal_of_hidden(
+                  "Gather", {"indices"},
+                  [](onnx::ModelProto& m) {
+                    onnx::GraphProto& graph = *m.mutable_graph();
+                    for (const char* name : {"starts", "ends"}) add_integers(m, name, {0});
+                    add_integers(m, "axes", {1});
+                    add_integers(m, "indices", {0, 0, 0, 0});
+                    add_integer(graph.mutable_node(2), "axis", 1);
+                    const std::string hidden = graph.node(2).input(0);
+                    graph.mutable_node(2)->set_input(0, "nothing");
+                    onnx::NodeProto* const slice = graph.add_node();
+                    slice->set_op_type("Slice");
+                    for (const std::string& name : {hidden, std::string("starts"), std::string("ends"), std::string("axes")})
+                      slice->add_input(name);
+                    slice->add_output("nothing");
+                    for (int k = graph.node_size() - 1; k > 2; --k) graph.mutable_node()->SwapElements(k, k - 1);
+                  }),
+              mentions({"index 0", "extent of 0 along the axis"}));
   // A sequence of one frame.
   const auto length = [](std::int32_t frames) {
     return refusal_of("gru21.onnx", [&](onnx::ModelProto& m) {
@@ -529,6 +548,30 @@ TEST(Engine, RefusesInputsAndOutputsThatTheDescriptionDoesNotSay) {
               mentions({"2 values", "3"}));
   EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { describe(m, "\"stride\"", "\"strid\""); }),
               mentions({"slipbench", "strid", "stride"}));
+}
+
+// The output reads a constant instead of the hidden values.
+TEST(Engine, RefusesANetworkThatIgnoresItsInput) {
+  EXPECT_THAT(refusal_of("mlp13.onnx",
+                         [](onnx::ModelProto& m) {
+                           onnx::GraphProto& graph = *m.mutable_graph();
+                           const std::string input = graph.input(0).name();
+                           onnx::TensorProto* const zeros = graph.add_initializer();
+                           zeros->set_name("zeros");
+                           zeros->set_data_type(onnx::TensorProto::FLOAT);
+                           for (const auto& extent : graph.input(0).type().tensor_type().shape().dim()) {
+                             zeros->add_dims(std::max<std::int64_t>(1, extent.dim_value()));
+                           }
+                           std::int64_t count = 1;
+                           for (const std::int64_t extent : zeros->dims()) count *= extent;
+                           for (std::int64_t k = 0; k < count; ++k) zeros->add_float_data(0.0F);
+                           for (onnx::NodeProto& node : *graph.mutable_node()) {
+                             for (std::string& name : *node.mutable_input()) {
+                               if (name == input) name = "zeros";
+                             }
+                           }
+                         }),
+              mentions({"no output", "depends on its input 'frames'"}));
 }
 
 TEST(Engine, WhatIsNoNumberIsAnError) {
