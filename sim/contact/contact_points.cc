@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "sim/core/math.h"
 
@@ -36,6 +37,8 @@ SurfacePoint ContactPoints::at(const Eigen::Vector3d& tip, const Eigen::Vector3d
       [&](const auto& shape) {
         if constexpr (requires { shape.is_thin(column_); }) {
           return shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z(), column_);
+        } else if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, DistanceGrid>) {
+          return shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z(), column_in_grid());
         } else {
           return shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
         }
@@ -107,6 +110,14 @@ std::optional<Entry> way_out(const Cylinder& shape, const Eigen::Vector3d& tip, 
   return Entry{by_side, {n.x(), n.y(), 0.0}, side};
 }
 
+std::optional<Entry> way_out(const DistanceGrid& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
+  if (!shape.knows_crossings()) return walk_out(shape, tip, axis, from);
+  constexpr double touching = 1e-7;  // m: meshes whose faces differ by less touch
+  const std::optional<DistanceGrid::Entry> found = shape.entry(tip - (from + touching) * axis, axis);
+  if (!found || !(found->normal.dot(axis) < 0.0)) return std::nullopt;
+  return Entry{from + touching + found->back, found->normal, SurfacePoint::only_face};
+}
+
 template <class Shape>
 std::optional<Entry> way_out(const Shape& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
   return walk_out(shape, tip, axis, from);
@@ -148,6 +159,19 @@ bool ContactPoints::has_come_through(const Eigen::Vector3d& tip, const Eigen::Ve
   return !on_plane() && round();
 }
 
+bool ContactPoints::knows_crossings() const {
+  const DistanceGrid* const grid = std::get_if<DistanceGrid>(&surface_);
+  return grid != nullptr && grid->knows_crossings();
+}
+
+bool ContactPoints::has_left_grid(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& axis,
+                                  const Eigen::Vector3d& pressed_on) const {
+  const DistanceGrid& grid = std::get<DistanceGrid>(surface_);
+  if (grid.passes_through(from, to, axis, pressed_on)) return true;
+  constexpr double rounded = 1e-7;  // m
+  return !pressed_on.isZero(0.0) && at(to, axis).gap > rounded && is_inside(to);
+}
+
 // On a grid the gaps of two opposite axes tell the side: one of them is negative inside.
 bool ContactPoints::is_inside(const Eigen::Vector3d& p) const {
   const DistanceGrid* const grid = std::get_if<DistanceGrid>(&surface_);
@@ -184,7 +208,12 @@ void ContactPoints::meet(const Shape& shape, const kernel::Columns& columns, con
     for (std::size_t i = first; i < end; ++i) {
       const Eigen::Vector3d tip = pose * Eigen::Vector3d(c[kernel::tip_x][i], c[kernel::tip_y][i], c[kernel::tip_z][i]);
       if (!flat_pad_) axis = pose.rotation * Eigen::Vector3d(c[kernel::axis_x][i], c[kernel::axis_y][i], c[kernel::axis_z][i]);
-      const SurfacePoint met = met_by.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
+      SurfacePoint met;
+      if constexpr (std::is_same_v<Shape, DistanceGrid>) {
+        met = met_by.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z(), column_in_grid());
+      } else {
+        met = met_by.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
+      }
       c[kernel::gap][i] = met.gap;
       c[kernel::normal_x][i] = met.nx;
       c[kernel::normal_y][i] = met.ny;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <variant>
 
@@ -54,6 +55,13 @@ class ContactPoints {
   // Distance behind its tip at which an element is fixed to the pad [m]; 0: unknown.
   [[nodiscard]] double column() const { return column_; }
   [[nodiscard]] bool on_grid() const { return std::holds_alternative<DistanceGrid>(surface_); }
+  // True if the surface is a grid that knows which face an element entered.
+  [[nodiscard]] bool knows_crossings() const;
+  // True if the tip of an element moved from `from` to `to` through a wall of a grid's surface, or
+  // lost contact inside: `pressed_on` is the normal of the face that it pressed on at `from`, zero if
+  // it was outside.
+  [[nodiscard]] bool has_left_grid(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& axis,
+                                   const Eigen::Vector3d& pressed_on) const;
   // True if the point p of S [m] is inside the surface.
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& p) const;
   // True if the point p of S [m] is outside the surface; false where the gap's slope may exceed 1,
@@ -63,6 +71,9 @@ class ContactPoints {
  private:
   template <class Shape>
   void meet(const Shape& shape, const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const;
+
+  // The column for a grid: a pad that points the wrong way is refused elsewhere (SiteWatch).
+  [[nodiscard]] double column_in_grid() const { return column_ > 0.0 ? column_ : std::numeric_limits<double>::infinity(); }
 
   Surface surface_;
   std::size_t count_;

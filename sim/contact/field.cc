@@ -138,6 +138,8 @@ void Field::for_each_kept(Visit&& visit) {
     visit_all(kept_by_skin(on_plane()));
     visit(skin_pose());
   }
+  // of any shape, since models are compiled before the grids of their meshes exist
+  if (!on_plane()) visit(std::span(pose_before_));
   effects_.for_each([&](Effect& effect) { visit(effect.memory()); });
 }
 
@@ -178,12 +180,46 @@ void Field::find_contacts() {
   if (!on_plane()) keep_as_before(faces, faces_before);
   candidates_ = active_set_ ? active_set_->begin_step(contacts_, columns_, pose_) : all();
   if (!active_set_) contacts_.find(columns_, pose_, candidates_);
+  if (contacts_.knows_crossings()) keep_faces_of_grid();
+}
+
+Pose Field::pose_before() const {
+  return {Eigen::Map<const Eigen::Matrix3d>(pose_before_.data()), Eigen::Map<const Eigen::Vector3d>(pose_before_.data() + 9)};
+}
+
+// A grid does not tell its faces apart. An element that meets the face that it entered instead of the
+// nearest one keeps its bits if its gap has changed by no more than its tip has moved, and gets a
+// new one otherwise. Offsets and bumps are not in these gaps.
+void Field::keep_faces_of_grid() {
+  if (!placed_) return;
+  const Pose before = pose_before();
+  for_each_element(candidates_, [&](std::size_t i) {
+    const auto here = static_cast<unsigned>(columns_[faces][i]), last = static_cast<unsigned>(columns_[faces_before][i]);
+    if (!(columns_[gap][i] < 0.0) || last == 0 || here == 0 || (here == SurfacePoint::only_face && (here & last) != 0)) return;
+    const Eigen::Vector3d &place = layout_.elements[i].tip, tip_before = before * place;
+    const bool was_inside = last != SurfacePoint::only_face || columns_[gap_before][i] < 0.0;
+    const double gap_then = (was_inside ? -1.0 : 1.0) * (tip_before - vector(contact_before_x, i)).norm();
+    const bool continuous = std::abs(columns_[gap][i] - gap_then) <= (pose_ * place - tip_before).norm() + same_place;
+    constexpr unsigned other = 2 * DistanceGrid::entered;
+    if (here == SurfacePoint::only_face) {
+      if (continuous) columns_[faces][i] = here | last;
+    } else if (continuous) {
+      columns_[faces][i] = last;
+    } else {
+      columns_[faces][i] = (last & DistanceGrid::entered) != 0 ? other : DistanceGrid::entered;
+    }
+  });
 }
 
 void Field::find_forces(const Twist* motion) { effects_.skin ? step_on_skin(motion) : step_in_stages(motion); }
 
 SLIPBENCH_INLINE void Field::end_step() {
   if (kernel::any_changes(columns_, active())) resolve_events();
+  if (contacts_.knows_crossings()) {
+    if (placed_ && !effects_.skin) note_passed();
+    Eigen::Map<Eigen::Matrix3d>(pose_before_.data()) = pose_.rotation;
+    Eigen::Map<Eigen::Vector3d>(pose_before_.data() + 9) = pose_.position;
+  }
   if (active_set_) active_set_->end_step(contacts_, columns_);
   placed_ = true;
 }
@@ -555,10 +591,30 @@ void Field::note_lost(std::size_t i) {
   constexpr double least_depth = 1e-5;  // m: below the accuracy of body positions
   const double depth = -columns_[gap_before][i];
   // An element with an offset separates when it is no deeper than the offset (keep_energy).
-  if (depth < least_depth || columns_[depth_offset][i] > 0.0) return;
+  // Crossings tell walls of any thickness, but not for the tips of a skin, which do not move straight.
+  const bool by_crossings = contacts_.knows_crossings() && !effects_.skin;
+  if ((depth < least_depth && !by_crossings) || columns_[depth_offset][i] > 0.0) return;
   const Eigen::Vector3d tip = pose_ * layout_.elements[i].tip, axis = pose_.rotation * layout_.elements[i].axis;
+  if (by_crossings) {
+    const Eigen::Vector3d before = pose_before() * layout_.elements[i].tip, to_face = vector(contact_before_x, i) - before;
+    if (to_face.norm() > same_place && contacts_.has_left_grid(before, tip, axis, to_face.normalized())) lost_ = Lost{i, depth};
+    return;
+  }
   if (contacts_.has_come_through(tip, axis, static_cast<unsigned>(columns_[faces_before][i]), depth, contacts_.at(tip, axis)))
     lost_ = Lost{i, depth};
+}
+
+// An element that touched neither before nor now may have passed a whole wall in one step.
+void Field::note_passed() {
+  const Pose pose_then = pose_before();
+  const double shift = (pose_.position - pose_then.position).norm(), turn = (pose_.rotation - pose_then.rotation).norm();
+  for_each_element(candidates_, [&](std::size_t i) {
+    if (state_before(i) != ElementState::detached || state(i) != ElementState::detached) return;
+    const Eigen::Vector3d& place = layout_.elements[i].tip;
+    if (columns_[gap][i] > shift + turn * place.norm() || std::ranges::find(excluded_, i) != excluded_.end()) return;
+    const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis;
+    if (contacts_.has_left_grid(pose_then * place, pose_ * place, axis, Eigen::Vector3d::Zero())) lost_ = Lost{i, 0.0};
+  });
 }
 
 std::optional<std::size_t> Field::overcompressed() const {

@@ -170,6 +170,9 @@ class Field : public FieldResults {
   void resolve_events();
   void resolve_event(std::size_t i);
   void note_lost(std::size_t i);
+  void note_passed();
+  void keep_faces_of_grid();
+  [[nodiscard]] Pose pose_before() const;
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
   [[nodiscard]] bool has_memory() const { return !effects_.rheology.empty(); }
@@ -187,6 +190,7 @@ class Field : public FieldResults {
   std::vector<std::uint32_t> excluded_;
   kernel::Groups candidates_{};  // of approach()
   std::optional<Lost> lost_;
+  std::array<double, 12> pose_before_{};  // of the last step on a grid: rotation and position
 };
 
 }  // namespace slipbench

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,6 +22,7 @@ struct DistanceGrid::Samples {
   // Mark of the cell whose first coefficient has the same index; empty: the spline everywhere.
   std::vector<std::uint8_t> marks;
   FindNearest near_kinks;
+  FindCrossings crossings;
 };
 
 namespace {
@@ -192,8 +195,9 @@ std::shared_ptr<DistanceGrid::Samples> DistanceGrid::sampled(const Distance& dis
 DistanceGrid::DistanceGrid(const Distance& distance, const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell)
     : samples_(sampled(distance, low, high, cell)) {}
 
-DistanceGrid::DistanceGrid(const FindNearest& nearest, FindNearest near_kinks, std::span<const Eigen::Vector3d> on_surface,
-                           const Eigen::Vector3d& low, const Eigen::Vector3d& high, double cell) {
+DistanceGrid::DistanceGrid(const FindNearest& nearest, FindNearest near_kinks, FindCrossings crossings,
+                           std::span<const Eigen::Vector3d> on_surface, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                           double cell) {
   std::vector<Eigen::Vector3f> normals;
   const std::shared_ptr<Samples> grid = sampled(
       [&](const Eigen::Vector3d& p) {
@@ -229,6 +233,7 @@ DistanceGrid::DistanceGrid(const FindNearest& nearest, FindNearest near_kinks, s
     details[index] = 1;
   }
   add(cells_within_reach(std::move(details), lower, cells));
+  grid->crossings = std::move(crossings);
   if (std::ranges::none_of(exact, [](std::uint8_t mark) { return mark != 0; })) return;
 
   const auto corner_of = [&grid](std::size_t first, unsigned corner) {
@@ -283,7 +288,74 @@ SurfacePoint DistanceGrid::outside(const Samples& grid, double x, double y, doub
           std::copysign(off.z(), z - middle.z()) / distance};
 }
 
-SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay, double az) const {
+bool DistanceGrid::knows_crossings() const { return static_cast<bool>(samples_->crossings); }
+
+std::optional<DistanceGrid::Entry> DistanceGrid::entry(const Eigen::Vector3d& p, const Eigen::Vector3d& axis) const {
+  if (!knows_crossings()) return std::nullopt;
+  const std::vector<Crossing> crossings = samples_->crossings(p, axis);
+  // Shells whose faces differ by less [m] touch: the line does not leave the surface between them.
+  constexpr double touching = 1e-7;
+  const auto first_ahead = std::ranges::find_if(crossings, [](const Crossing& each) { return each.way > 0.0; });
+  int around = 0;  // how often the surface winds around the point
+  for (auto each = first_ahead; each != crossings.end(); ++each) around += each->leaves;
+  if (around <= 0) return std::nullopt;
+  // The first crossing from which the line is outside, in the direction of `sign`.
+  const auto way_out = [&](auto each, const auto& end, int sign) {
+    int inside = around;
+    for (auto left = end; each != end; ++each) {
+      if (left != end && std::abs(each->way - left->way) > touching) return left;
+      inside -= sign * each->leaves;
+      if (inside > 0) left = end;
+      if (inside <= 0 && left == end) left = each;
+      if (std::next(each) == end) return left;
+    }
+    return end;
+  };
+  const auto ahead = way_out(first_ahead, crossings.end(), 1);
+  const auto back = way_out(std::make_reverse_iterator(first_ahead), crossings.rend(), -1);
+  if (ahead == crossings.end() || back == crossings.rend()) return std::nullopt;
+  return Entry{-back->way, ahead->way, back->normal};
+}
+
+bool DistanceGrid::passes_through(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& axis,
+                                  const Eigen::Vector3d& pressed_on) const {
+  const double length = (to - from).norm();
+  if (!knows_crossings() || !(length > 0.0)) return false;
+  constexpr double opposite = -0.5;  // cosine between the normals of two sides of a wall
+  std::optional<Eigen::Vector3d> side;
+  if (!pressed_on.isZero(0.0)) side = pressed_on;
+  bool through = false;
+  for (const Crossing& each : samples_->crossings(from, (to - from) / length)) {
+    if (each.way < 0.0 || each.way > length) continue;
+    if (each.leaves < 0) {
+      through = false;  // in another wall, or back in the same one
+      if (!side && each.normal.dot(axis) < 0.0) side = each.normal;
+    } else if (each.leaves > 0 && side) {
+      through = each.normal.dot(*side) < opposite;
+    }
+  }
+  return through;
+}
+
+// Returns the contact with the face that an element inside the surface entered, unless it meets the
+// nearest point.
+std::optional<SurfacePoint> DistanceGrid::met_by_entry(const Eigen::Vector3d& p, const Eigen::Vector3d& axis, double column,
+                                                       const Nearest& nearest) const {
+  constexpr double steep = -0.5;     // cosine between axis and normal
+  constexpr double same_side = 0.5;  // cosine between normals: the surface bends, without an edge in between
+  const double along = nearest.normal.dot(axis);
+  if (along < steep && !nearest.hidden) return std::nullopt;
+  const std::optional<Entry> entry = this->entry(p, axis);
+  if (!entry || !(entry->normal.dot(axis) < 0.0)) return std::nullopt;
+  const bool is_met = along < 0.0 && !nearest.hidden;
+  if (is_met && entry->normal.dot(nearest.normal) > same_side) return std::nullopt;
+  const bool reaches = entry->back <= entry->ahead || (entry->back <= column && (std::isfinite(column) || !is_met));
+  if (!reaches) return std::nullopt;
+  const Eigen::Vector3d& n = entry->normal;
+  return SurfacePoint{entry->back * n.dot(axis), n.x(), n.y(), n.z(), entered};
+}
+
+SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay, double az, double column) const {
   const Samples& grid = *samples_;
   const double u = (x - grid.first.x()) * grid.rate, v = (y - grid.first.y()) * grid.rate, w = (z - grid.first.z()) * grid.rate;
   if (!(u >= 0.0 && v >= 0.0 && w >= 0.0 && u < grid.cells[0] && v < grid.cells[1] && w < grid.cells[2])) {
@@ -291,13 +363,17 @@ SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay
   }
   const auto i = static_cast<std::size_t>(u), j = static_cast<std::size_t>(v), k = static_cast<std::size_t>(w);
   const std::size_t first = i * grid.stride_x + j * grid.stride_y + k;
-  const auto met = [&](double gap, double nx, double ny, double nz) -> SurfacePoint {
+  const auto met = [&](double gap, double nx, double ny, double nz, bool hidden = false) -> SurfacePoint {
+    if (gap < 0.0) {
+      const auto entered_by = met_by_entry({x, y, z}, {ax, ay, az}, column, {gap, {nx, ny, nz}, hidden});
+      if (entered_by) return *entered_by;
+    }
     return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
   };
   const std::uint8_t mark = grid.marks.empty() ? std::uint8_t{0} : grid.marks[first];
   if (mark == all_corners) {
     const Nearest exact = grid.near_kinks({x, y, z});
-    return met(exact.distance, exact.normal.x(), exact.normal.y(), exact.normal.z());
+    return met(exact.distance, exact.normal.x(), exact.normal.y(), exact.normal.z(), exact.hidden);
   }
   const Weights along_x(u - static_cast<double>(i)), along_y(v - static_cast<double>(j)), along_z(w - static_cast<double>(k));
 
@@ -335,7 +411,7 @@ SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay
   }
   const Nearest exact = grid.near_kinks({x, y, z});
   const Eigen::Vector3d n = (share * exact.normal + (1.0 - share) / steepness * Eigen::Vector3d(gx, gy, gz)).normalized();
-  return met(share * exact.distance + (1.0 - share) * gap, n.x(), n.y(), n.z());
+  return met(share * exact.distance + (1.0 - share) * gap, n.x(), n.y(), n.z(), exact.hidden);
 }
 
 bool DistanceGrid::is_exact(const Eigen::Vector3d& p) const {

@@ -6,10 +6,12 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "sim/core/error.h"
+#include "sim/core/readable_quantity.h"
 
 namespace slipbench {
 namespace {
@@ -75,6 +77,24 @@ std::vector<Face> welded(const std::vector<Eigen::Vector3d>& vertices, const std
   return result;
 }
 
+// Returns true if the faces are not one closed surface, each of whose edges has two faces.
+bool has_shells(const std::vector<Face>& faces, std::size_t vertices) {
+  std::vector<std::uint32_t> link(vertices);
+  std::iota(link.begin(), link.end(), 0U);
+  const auto root = [&link](std::uint32_t v) {
+    while (link[v] != v) v = link[v] = link[link[v]];
+    return v;
+  };
+  std::map<Edge, int> uses;
+  for (const Face& face : faces) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      link[root(face[k])] = root(face[0]);
+      if (++uses[std::minmax(face[k], face[(k + 1) % 3])] > 2) return true;
+    }
+  }
+  return std::ranges::any_of(faces, [&](const Face& face) { return root(face[0]) != root(faces.front()[0]); });
+}
+
 // Each edge must be used equally often in both directions.
 void refuse_open(const std::vector<Face>& faces) {
   struct Runs {
@@ -134,6 +154,14 @@ MeshDistance::MeshDistance(const std::vector<Eigen::Vector3d>& vertices, const s
   for (const auto& [a, b, c] : closed) {
     triangles_.push_back({{vertices[a], vertices[b], vertices[c]}, normal_of(vertices[a], vertices[b], vertices[c], tolerance)});
   }
+  if (std::ranges::all_of(triangles_, [](const Triangle& triangle) { return triangle.normal.isZero(0.0); })) {
+    throw InputError(
+        "every face of the mesh is narrower than " + readable_quantity(tolerance, Quantity::length) +
+        ", a millionth of the mesh's longest edge: expected a body with a thickness; make the mesh thicker, or use a "
+        "geom of a simple shape");
+  }
+  tolerance_ = tolerance;
+  has_shells_ = has_shells(closed, vertices.size());
   split(0, static_cast<std::uint32_t>(triangles_.size()));
 }
 
@@ -172,8 +200,18 @@ DistanceGrid::Nearest MeshDistance::nearest(const Eigen::Vector3d& p) const {
   return result(found, p, winding(0, p) == 0 ? 1.0 : -1.0);
 }
 
+DistanceGrid::Nearest MeshDistance::result(const Found& found, const Eigen::Vector3d& p, double side) const {
+  DistanceGrid::Nearest nearest = nearest_on(found, p, side);
+  if (has_shells_ && side < 0.0) {
+    constexpr double beyond = 10.0;  // tolerances
+    const Eigen::Vector3d behind = p + (beyond * tolerance_ - nearest.distance) * nearest.normal;
+    nearest.hidden = winding(0, behind) != 0;
+  }
+  return nearest;
+}
+
 // `side`: 1 outside, -1 inside.
-DistanceGrid::Nearest MeshDistance::result(const Found& found, const Eigen::Vector3d& p, double side) {
+DistanceGrid::Nearest MeshDistance::nearest_on(const Found& found, const Eigen::Vector3d& p, double side) {
   const double distance = std::sqrt(found.distance2);
   const Eigen::Vector3d& face = found.triangle->normal;
   const Foot foot = foot_on(*found.triangle, p);
@@ -213,6 +251,7 @@ class MeshDistance::Cells {
       corner[k] = low_[k] + static_cast<double>(i) * cell_;
     }
     const Faces& faces = faces_in(index, corner);
+    if (faces.near.size() > most_faces) return mesh_.nearest(p);
     Found found{std::numeric_limits<double>::infinity(), nullptr};
     const double from_middle = (p - corner - Eigen::Vector3d::Constant(0.5 * cell_)).norm() + slack * cell_;
     for (const auto& [distance, face] : faces.near) {
@@ -220,14 +259,19 @@ class MeshDistance::Cells {
       if (least > 0.0 && least * least > found.distance2) break;
       compare(mesh_.triangles_[face], p, found);
     }
-    if (faces.side != 0.0) return result(found, p, faces.side);
+    if (faces.side != 0.0) return mesh_.result(found, p, faces.side);
     int winding = 0;
     for (const std::uint32_t face : faces.ahead) winding += crossing(mesh_.triangles_[face], p);
-    return result(found, p, winding == 0 ? 1.0 : -1.0);
+    return mesh_.result(found, p, winding == 0 ? 1.0 : -1.0);
   }
+
+  [[nodiscard]] const MeshDistance& mesh() const { return mesh_; }
 
  private:
   static constexpr double slack = 1e-6;  // cells, for the rounding of positions
+  // Near the middle of a fine ball every face may be the nearest: from this number on the tree is
+  // searched, which is faster and needs no memory.
+  static constexpr std::size_t most_faces = 1000;
   struct Faces {
     // With their distances from the middle of the cube [m], in ascending order: for any point of the
     // cube one of them is the nearest.
@@ -254,13 +298,17 @@ class MeshDistance::Cells {
     // that is nearer there is no farther than this and `reach` from the middle.
     const double farthest = std::abs(at_middle.distance) + 2.0 * reach;
     mesh_.collect(
-        0, [&](const auto& low, const auto& high) { return distance2_to_box(middle, low, high) <= farthest * farthest; },
+        0,
+        [&](const auto& low, const auto& high) {
+          return faces.near.size() <= most_faces && distance2_to_box(middle, low, high) <= farthest * farthest;
+        },
         [&](std::uint32_t face) {
           const Triangle& triangle = mesh_.triangles_[face];
           if (triangle.normal.isZero(0.0)) return;
           const double distance = (middle - foot_on(triangle, middle).at).norm();
           if (distance <= farthest) faces.near.emplace_back(distance, face);
         });
+    if (faces.near.size() > most_faces) return faces;
     std::ranges::sort(faces.near);
     if (std::abs(at_middle.distance) > reach) {
       faces.side = at_middle.distance > 0.0 ? 1.0 : -1.0;
@@ -290,6 +338,7 @@ DistanceGrid MeshDistance::on_grid(std::size_t nodes) const {
   const auto cells = std::make_shared<const Cells>(*this, cell);
   return {[this](const Eigen::Vector3d& p) { return nearest(p); },
           [cells](const Eigen::Vector3d& p) { return cells->nearest(p); },
+          [cells](const Eigen::Vector3d& p, const Eigen::Vector3d& direction) { return cells->mesh().crossings(p, direction); },
           points(cell),
           low,
           high,
@@ -398,6 +447,47 @@ int MeshDistance::crossing(const Triangle& triangle, const Eigen::Vector3d& p) {
   // signed distance from the plane, times twice its area
   const double above = (b - a).cross(c - a).dot(p - a);
   return above * turns < 0.0 ? turns : 0;
+}
+
+// Turns as in crossing(), with the line for the ray. Corners are projected one by one, hence equally
+// for all faces at a corner: a line through an edge crosses exactly one of its faces.
+std::vector<DistanceGrid::Crossing> MeshDistance::crossings(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
+  const Eigen::Vector3d u = direction.unitOrthogonal(), v = direction.cross(u);
+  const Eigen::Vector3d width_u = u.cwiseAbs(), width_v = v.cwiseAbs();
+  const auto touches = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    const Eigen::Vector3d middle = 0.5 * (low + high) - p, half = 0.5 * (high - low).array() + tolerance_;
+    return std::abs(u.dot(middle)) <= width_u.dot(half) && std::abs(v.dot(middle)) <= width_v.dot(half);
+  };
+  std::vector<DistanceGrid::Crossing> result;
+  collect(0, touches, [&](std::uint32_t index) {
+    const Triangle& triangle = triangles_[index];
+    double across[3], up[3], along[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d corner = triangle.corner[k] - p;
+      across[k] = u.dot(corner);
+      up[k] = v.dot(corner);
+      along[k] = direction.dot(corner);
+    }
+    int turns = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      const bool rises = up[k] <= 0.0;
+      if (rises == (up[next] <= 0.0)) continue;
+      const std::size_t low = rises ? k : next, high = rises ? next : k;
+      if ((across[high] - across[low]) * -up[low] > (up[high] - up[low]) * -across[low]) turns += rises ? 1 : -1;
+    }
+    if (turns == 0) return;
+    const auto& [a, b, c] = triangle.corner;
+    const Eigen::Vector3d n = (b - a).cross(c - a);
+    const auto [least, most] = std::minmax({along[0], along[1], along[2]});
+    const double way = n.dot(a - p) / n.dot(direction);  // of a sliver this may be wrong
+    result.push_back({std::isfinite(way) ? std::clamp(way, least, most) : least, turns, triangle.normal});
+  });
+  std::ranges::sort(result, {}, &DistanceGrid::Crossing::way);
+  for (DistanceGrid::Crossing& each : result) {
+    if (each.normal.isZero(0.0)) each.normal = nearest(p + each.way * direction).normal;
+  }
+  return result;
 }
 
 }  // namespace slipbench

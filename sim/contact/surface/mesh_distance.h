@@ -28,7 +28,8 @@ class MeshDistance {
 
   // Throws InputError unless every face has three vertices of `vertices` [m], these are finite, and
   // the mesh is closed with an outward orientation: each edge is used equally often in both
-  // directions, and the volume is positive. The text says how to repair it.
+  // directions, the volume is positive, and a face is wider than the tolerance. The text says how to
+  // repair it.
   MeshDistance(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Face>& faces);
 
   // The distance of p from the mesh [m]; negative inside.
@@ -36,6 +37,8 @@ class MeshDistance {
   // Likewise, with the outward normal at the nearest point. At an edge or a corner, seen from
   // outside, the normal points at p.
   [[nodiscard]] DistanceGrid::Nearest nearest(const Eigen::Vector3d& p) const;
+  // The crossings of the line through p along a unit vector with the mesh, in ascending order.
+  [[nodiscard]] std::vector<DistanceGrid::Crossing> crossings(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const;
 
   // Samples the distances on a grid of at most `nodes` nodes, which near edges, in thin walls and in
   // narrow gaps finds the nearest face of a copy of the mesh.
@@ -62,7 +65,8 @@ class MeshDistance {
   };
   void search(std::uint32_t node, const Eigen::Vector3d& p, Found& found) const;
   static void compare(const Triangle& triangle, const Eigen::Vector3d& p, Found& found);
-  [[nodiscard]] static DistanceGrid::Nearest result(const Found& found, const Eigen::Vector3d& p, double side);
+  [[nodiscard]] DistanceGrid::Nearest result(const Found& found, const Eigen::Vector3d& p, double side) const;
+  [[nodiscard]] static DistanceGrid::Nearest nearest_on(const Found& found, const Eigen::Vector3d& p, double side);
   // Calls `add(index)` for every triangle of the leaves whose boxes `touches(low, high)` accepts.
   template <class Touches, class Add>
   void collect(std::uint32_t node, const Touches& touches, const Add& add) const;
@@ -77,6 +81,8 @@ class MeshDistance {
 
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;  // the root first
+  double tolerance_;         // m, of the merged vertices
+  bool has_shells_;          // several, so that one may hide faces of another
 };
 
 }  // namespace slipbench

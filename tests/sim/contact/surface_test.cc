@@ -8,6 +8,7 @@
 
 #include "sim/contact/surface/mesh_distance.h"
 #include "sim/contact/surface/surface.h"
+#include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tests/expect.h"
 #include "tests/oracle/meshes.h"
@@ -581,17 +582,62 @@ TEST(MeshDistance, InAGapBetweenTwoWallsTheNearerOneIsMet) {
 }
 
 TEST(MeshDistance, BesideAnEdgeTheDepthIsThatBelowTheFace) {
-  // This holds for an element that is nearer to its face than to the next one. The gap of a deeper one
-  // is the distance from the next face, which it does not look at.
-  const DistanceGrid grid = grid_of(oracle::box_mesh({30e-3, 20e-3, 50e-3}));
-  for (const double from_edge : {0.3e-3, 0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3}) {
-    for (const double depth : {0.1e-3, 0.2e-3, 0.45e-3}) {
-      const SurfacePoint point = met(grid, {30e-3 - from_edge, 1e-3, 50e-3 - depth}, {0.0, 0.0, -1.0});
-      const bool nearer = depth < from_edge;
-      EXPECT_NEAR(point.gap, nearer ? -depth : from_edge, 1e-15) << from_edge << ", " << depth;
-      EXPECT_NEAR(normal(point).z(), nearer ? 1.0 : 0.0, 1e-12) << from_edge << ", " << depth;
+  // As in a box: the element presses on the face that it entered, though the next one is nearer, and
+  // up to half a cell beside the spline.
+  const Box box{{30e-3, 20e-3, 50e-3}};
+  const DistanceGrid grid = grid_of(oracle::box_mesh(box.half));
+  for (const double lean : {0.0, 0.1, -0.1}) {
+    const Vector axis(std::sin(lean), 0.0, -std::cos(lean));
+    for (const double from_edge : {0.2e-3, 0.3e-3, 1e-3, 4e-3, 8e-3}) {
+      for (const double depth : {0.1e-3, 0.45e-3, 1.5e-3, 3e-3, 5e-3}) {
+        const Vector p(30e-3 - from_edge, 1e-3, 50e-3 - depth);
+        const SurfacePoint mesh = grid.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z(), 10e-3);
+        const SurfacePoint wanted = box.at(p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z(), 10e-3);
+        EXPECT_NEAR(mesh.gap, wanted.gap, 1e-12) << lean << ", " << from_edge << ", " << depth;
+        EXPECT_NEAR((normal(mesh) - normal(wanted)).norm(), 0.0, 1e-9) << lean << ", " << from_edge << ", " << depth;
+      }
     }
   }
+}
+
+TEST(MeshDistance, HiddenFacesAreNotMet) {
+  // Two cubes of 20 mm side by side, overlapping by 2 and 0.5 mm or touching, and a plate of 1 mm sunk
+  // by 0.5 mm into the top of a cube: everywhere the depth is that below the top.
+  const Vector half(10e-3, 10e-3, 10e-3), down(0.0, 0.0, -1.0), up(0.0, 0.0, 1.0);
+  for (const double overlap : {2e-3, 0.5e-3, 0.0}) {
+    const DistanceGrid grid = grid_of(oracle::both(oracle::box_mesh(half), oracle::box_mesh(half), {20e-3 - overlap, 0.0, 0.0}));
+    for (double x = 5e-3; x < 15e-3; x += 0.0997e-3) {
+      for (const double depth : {0.1e-3, 0.5e-3, 1.5e-3}) expect_met(grid, {x, 0.3e-3, 10e-3 - depth}, down, -depth, up);
+    }
+  }
+  const DistanceGrid sunk =
+      grid_of(oracle::both(oracle::box_mesh(half), oracle::box_mesh({10e-3, 10e-3, 0.5e-3}), {0.0, 0.0, 10e-3}));
+  for (const double depth : {0.1e-3, 0.45e-3, 0.6e-3, 0.8e-3, 1.2e-3}) {
+    expect_met(sunk, {1e-3, 2e-3, 10.5e-3 - depth}, down, -depth, up);
+  }
+}
+
+TEST(MeshDistance, BeyondTheMiddleOfAPlateTheFirstFaceIsMet) {
+  // Whatever its thickness, until the tip leaves at the other side.
+  for (const double thickness : {2e-3, 0.2e-3, 0.02e-3}) {
+    const DistanceGrid grid = grid_of(oracle::box_mesh({50e-3, 50e-3, 0.5 * thickness}));
+    for (const double part : {0.3, 0.6, 0.95}) {
+      const SurfacePoint point = grid.at(1e-3, 2e-3, (0.5 - part) * thickness, 0.0, 0.0, -1.0, 4e-3);
+      EXPECT_NEAR(point.gap, -part * thickness, 1e-12) << thickness << ", " << part;
+      EXPECT_EQ(point.nz, 1.0);
+    }
+  }
+}
+
+TEST(MeshDistance, AMeshOfSliversIsRefused) {
+  // A needle of 1 m x 0.1 um, whose faces are all narrower than a millionth of its length.
+  const double w = 0.1e-6;
+  const std::vector<Vector> vertices{{0.0, 0.0, 0.0}, {0.5, w, 0.0}, {0.6, 0.0, w}, {1.0, 0.0, 0.0}};
+  std::vector<MeshDistance::Face> faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  if (vertices[1].cross(vertices[2]).dot(vertices[3]) < 0.0) {
+    for (MeshDistance::Face& face : faces) std::swap(face[1], face[2]);
+  }
+  EXPECT_THROW(MeshDistance(vertices, faces), InputError);
 }
 
 TEST(MeshDistance, DetailsSmallerThanACellAreSeen) {
