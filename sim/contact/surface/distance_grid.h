@@ -30,7 +30,7 @@ namespace slipbench {
 // kink is between two neighbouring nodes if the normal turns by more than 20 degrees from one to the
 // other: the nearest points are on different faces, or the surface curves with a radius below 3
 // cells. Facets that turn by less approximate a curved surface; the spline rounds their edges by up
-// to 1/20 of a cell. In between, over one cell, the two distances are blended, which makes the gap
+// to 0.06 cells. In between, over one cell, the two distances are blended, which makes the gap
 // continuous.
 //
 // Copies share the samples, which never change: any number of threads may read them.

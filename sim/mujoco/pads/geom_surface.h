@@ -34,11 +34,9 @@ inline constexpr std::size_t mesh_grid_nodes = 400'000;
 // size), box, sphere, cylinder, capsule and ellipsoid are exact. A mesh is the mesh itself, with
 // its hollows (MuJoCo's own contact uses its convex hull): exactly the triangles near edges, in thin
 // walls and in narrow gaps, and elsewhere a smooth surface through them, from a grid
-// (distance_grid.h). Like a sphere, a mesh has one face at each point, the nearest one: an element
-// that is deeper than its distance from an edge meets the face beyond the edge, and nothing if its
-// axis does not point at that face. So a box is better modelled as a box. An element that passes the
-// middle of a wall would meet the far side: it loses contact, which is refused (Field::lost()). A
-// mesh's grid takes about a second to compute and is shared by all users of the same mesh while one
+// (distance_grid.h). An element meets the nearest face, or the face that it entered if the nearest one looks
+// away from it or is hidden by another shell. An element that leaves through the other side of a wall
+// is refused (Field::lost()). A mesh's grid takes about a second to compute and is shared by all users of the same mesh while one
 // of them exists. Thread-safe.
 //
 // Throws std::invalid_argument for a geom that is not in the model, and InputError, which names the
