@@ -156,6 +156,56 @@ TEST(ThinSurface, RoundBodiesTellWhenAnElementHasComeThrough) {
   }
 }
 
+TEST(ThinSurface, AMeshTellsWhenAWallOfAnyThicknessWasPassed) {
+  // In steps of a quarter of the wall a tip is deepest at the last quarter. In one step over the
+  // whole wall it never touches. A leaning axis does not matter, nor does the way back out.
+  for (const double thickness : {2e-3, 0.2e-3, 0.02e-3}) {
+    const oracle::Mesh plate = oracle::box_mesh({20e-3, 20e-3, 0.5 * thickness});
+    const DistanceGrid grid = MeshDistance(plate.vertices, plate.faces).on_grid(100'000);
+    for (const double tilt : {0.0, 0.7, 1.1}) {
+      const Eigen::Matrix3d turn = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
+      const auto height = [&](double gap) { return Pose{turn, {0.0, 0.0, 0.5 * thickness + gap}}; };
+      const PadLayout pad = oracle::square_grid(1, 0.0, k_n, k_t);
+      Field slow(pad, grid, {0.5, 0.5}), fast(pad, grid, {0.5, 0.5}), back(pad, grid, {0.5, 0.5});
+      for (const double part : {-0.1, 0.15, 0.4, 0.65, 0.9}) {
+        slow.step(height(-part * thickness), 1e-3);
+        ASSERT_FALSE(slow.lost()) << thickness << ", " << tilt << ", " << part;
+        ASSERT_NEAR(slow.penetration(0), std::max(0.0, part) * thickness, 1e-12);
+      }
+      slow.step(height(-1.15 * thickness), 1e-3);
+      ASSERT_TRUE(slow.lost()) << thickness << ", " << tilt;
+      EXPECT_NEAR(slow.lost()->depth, 0.9 * thickness, 1e-12);
+      for (const double gap : {0.1, -1.2}) fast.step(height(gap * thickness), 1e-3);
+      EXPECT_TRUE(fast.lost()) << thickness << ", " << tilt;
+      for (const double gap : {0.1, -0.9, 0.2}) {
+        back.step(height(gap * thickness), 1e-3);
+        EXPECT_FALSE(back.lost()) << thickness << ", " << tilt;
+      }
+    }
+  }
+}
+
+TEST(ThinSurface, WhoLeavesAMeshByAnEdgeIsNotLost) {
+  // Neither does an element that the side of the mesh moves over get its depth for nothing.
+  const oracle::Mesh cube = oracle::box_mesh({10e-3, 10e-3, 10e-3});
+  const DistanceGrid grid = MeshDistance(cube.vertices, cube.faces).on_grid(100'000);
+  for (const double tilt : {0.0, 0.1, -0.1}) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    Field field(pillar(), grid, {0.5, 0.5});
+    for (int k = 0; k <= 40; ++k) field.step({turn, {9e-3, 0.0, 10e-3 + 0.1e-3 - 1e-5 * k}}, 1e-3);
+    for (int k = 0; k <= 200; ++k) {
+      field.step({turn, {9e-3 + 1e-5 * k, 0.0, 10e-3 - 0.3e-3}}, 1e-3);
+      ASSERT_FALSE(field.lost()) << tilt << " " << k;
+      if (k < 95) {
+        ASSERT_NEAR(field.penetration(0), 0.3e-3, 1e-9) << tilt << " " << k;
+      }
+    }
+    EXPECT_EQ(field.touching(), 0U);
+    for (int k = 0; k <= 100; ++k) field.step({turn, {11e-3 - 1.5e-5 * k, 0.0, 10e-3 - 0.3e-3}}, 1e-3);
+    EXPECT_LT(field.penetration(0), 30e-6) << tilt;
+  }
+}
+
 TEST(ThinSurface, WhoLeavesByAnEdgeOrByTheFaceIsNotLost) {
   for (const double tilt : {0.0, 0.1, -0.1}) {
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
