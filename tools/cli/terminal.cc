@@ -26,8 +26,9 @@ int stdout_aside = -1;
 constexpr const char* name_variable = "SLIPBENCH_CALLED_AS";
 constexpr std::size_t default_width = 100;
 
-// What Style writes before each control sequence: random, so that no text from outside can contain it, not even a text
-// that equals the control sequence. Empty if the system has no random numbers; Style then marks nothing.
+// Returns the key that Style writes before each control sequence. It is random, so that no text from
+// outside can contain it, not even one that equals the control sequence. Empty if the system has no
+// random numbers; Style then marks nothing.
 const std::string& style_key() {
   static const std::string key = [] {
     std::array<std::uint64_t, 2> random{};

@@ -24,11 +24,10 @@ struct PillarSettings;
 // it has no velocity, and friction against it is wrong.)
 class ArticulatedStage {
  public:
-  // `dt` > 0: the step [s] of every call of step(), in which no tip moves faster than `speed` [m/s];
-  // MuJoCo divides it into equal parts of at most the recipe's longest step, 2 ms, and its longest
-  // path, 0.1 mm. Throws std::invalid_argument like add_articulated_pad(), for
-  // dt <= 0, and for a DistanceGrid, which is not a MuJoCo geom; std::runtime_error if MuJoCo
-  // cannot compile the model.
+  // `dt` > 0: the step [s] of every call of step(). No tip moves faster than `speed` [m/s]. MuJoCo
+  // divides the step into equal parts of at most the recipe's longest step, 2 ms, and its longest
+  // path, 0.1 mm. Throws std::invalid_argument like add_articulated_pad(), for dt <= 0, and for a
+  // DistanceGrid, which is not a MuJoCo geom; std::runtime_error if MuJoCo cannot compile the model.
   ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt, double speed = 0.0);
   ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, double dt, double speed,
                    const ArticulatedSettings& recipe);

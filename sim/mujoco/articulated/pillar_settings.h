@@ -98,8 +98,8 @@ struct ArticulatedSettings {
   int noslip_iterations = 100;
   double tolerance = 1e-10;    // of main solver and noslip
   double longest_step = 2e-3;  // s
-  // Of a tip in a step. On longer ones tips bounce: at 0.2 mm a slide loses 1 % of its path, from
-  // 0.3 mm on half of it.
+  // The path of a tip in a step. On longer ones tips bounce: at 0.2 mm a slide loses 1 % of its path,
+  // from 0.3 mm on half of it.
   double longest_path = 1e-4;  // m
   // Tips that begin_on() pressed in come within 1e-9 of their loads in this many steps (measured: a
   // factor of 4 to 5 per step on tilted ones).

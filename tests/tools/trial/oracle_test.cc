@@ -42,7 +42,7 @@ Scene scene_with(const std::string& detector) {
     file.apply({"detector.library", SLIPBENCH_TEST_PLUGINS "/ratio_gate.so"});
   if (detector.find("type: network") != std::string::npos) file.apply({"detector.model", network::shipped("gru21.onnx")});
   if (nibs) file.apply({"detector.tare", "0.1 s"});
-  for (const char* name : {"type: deviation}", "type: sum_change}", "type: shear_ratio}"}) {  // of forces, 4 N and less
+  for (const char* name : {"type: deviation", "type: sum_change", "type: shear_ratio"}) {  // of forces, 4 N and less
     if (detector.find(name) != std::string::npos) file.apply({"detector.threshold", "0.01"});
   }
   if (detector.find("nib_linear_slip") != std::string::npos) file.apply({"detector.counter_max", "3"});
