@@ -208,7 +208,7 @@ void check_indices(const ov::Model& model, const std::string& path) {
     if (const auto gather = ov::as_type_ptr<ov::op::util::GatherBase>(node)) {
       const ov::Shape& shape = node->get_input_shape(0);
       const std::int64_t axis = gather->get_axis(), rank = static_cast<std::int64_t>(shape.size());
-      const auto extent = static_cast<std::int64_t>(shape.at(static_cast<std::size_t>(axis < 0 ? rank + axis : axis)));
+      const auto extent = static_cast<std::int64_t>(shape.at(axis < 0 ? rank + axis : axis));
       check(*node, 1, -extent, extent - 1, "index");
     }
     // Inputs of OpenVINO's operators: X, the states H and, with LSTM, C, then the lengths.

@@ -2,7 +2,6 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "detectors/detector_kinds.h"
@@ -125,14 +124,14 @@ class Yardstick final : public Detector {
 
 // `law`: its formula. `threshold`: its default.
 template <double (*law)(const MovingStatistics&, const Signal&)>
-DetectorKind yardstick(std::string name, std::string summary, const std::string& formula, std::string threshold, std::string unit,
-                       std::string source) {
-  return {{.name = std::move(name),
-           .summary = std::move(summary),
+DetectorKind yardstick(const std::string& name, const std::string& summary, const std::string& formula,
+                       const std::string& threshold, const std::string& unit, const std::string& source) {
+  return {{.name = name,
+           .summary = summary,
            .law = read_channel + formula + "\n" + decision,
            .source = "a yardstick for trained detectors, whose value must be above that of one number",
-           .parameters = {number_spec("threshold", Quantity::none, std::move(threshold), positive,
-                                      "Value of s from which the pad slips, " + std::move(unit) + ".", std::move(source))}},
+           .parameters = {number_spec("threshold", Quantity::none, threshold, positive,
+                                      "Value of s from which the pad slips, " + unit + ".", source)}},
           created<Yardstick<law>>};
 }
 

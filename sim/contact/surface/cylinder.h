@@ -43,7 +43,7 @@ struct Cylinder {
     const Real inside_gap = by_side ? side : behind_gap, inside_z = by_side ? none : behind_z;
     const Real inside_faces = by_side ? none + side_bit : behind_faces;
     // factor of the side's normal for a tip inside
-    const Real within = by_side ? one : (by_cap | by_end ? none : one);
+    const Real within = by_side ? one : ((by_cap | by_end) ? none : one);
 
     const Real past_gap = beyond ? cap : inside_gap, past_z = beyond ? end : inside_z;
     const Real past_faces = beyond ? cap_bit(end) : inside_faces, past = beyond ? none : within;
