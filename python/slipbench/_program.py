@@ -90,9 +90,13 @@ def say(text: str) -> None:
     """Writes text on stderr. Errors are ignored, so that the work continues if stderr is closed or
     full."""
     with contextlib.suppress(OSError, ValueError):
-        if sys.stderr is not None:
+        if sys.stderr is None:
+            return
+        try:
             sys.stderr.write(text)
             sys.stderr.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())  # otherwise the exit would fail to write the rest
 
 
 def say_error(message: str) -> None:

@@ -111,7 +111,7 @@ class ParquetTable(Columns):
         self._read(self._read_head)
 
     def __len__(self) -> int:
-        return self._rows
+        return int(self._rows)
 
     def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
         titles = list(dict.fromkeys(titles))
