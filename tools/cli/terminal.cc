@@ -1,6 +1,7 @@
 #include "tools/cli/terminal.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -188,7 +189,10 @@ std::string suggestion(const std::string& word, const std::vector<std::string>& 
 
 void set_stdout_aside() {
   stdout_aside = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
-  if (stdout_aside >= 0) dup2(STDERR_FILENO, STDOUT_FILENO);
+  if (stdout_aside < 0) return;
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  // User code in a forked worker may write to any descriptor.
+  pthread_atfork(nullptr, nullptr, [] { close(stdout_aside); });
 }
 
 void take_stdout_back() {
