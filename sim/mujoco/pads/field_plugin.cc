@@ -73,8 +73,8 @@ class Slots {
     changes_.fetch_add(1, std::memory_order_release);
   }
 
-  // Throws InputError if there is none. Takes no lock if the thread has found the slot before and
-  // none has been added or removed since.
+  // Throws InputError for data without a slot. Takes no lock if the thread has found the slot before
+  // and no slot has been added or removed since.
   Slot& at(const mjData* data, int instance) {
     struct Seen {
       const mjData* data = nullptr;

@@ -100,8 +100,8 @@ class Late final : public Detector {
   SlipEstimate estimate_;
 };
 
-// A recording may begin at any time, such as a second before its trigger. Before the first estimate
-// there is none, whatever the clock says.
+// A recording may begin at any time, such as a second before its trigger. No estimate
+// is seen before the first one is available, at any start of the clock.
 TEST(Replay, ARecordingMayBeginBeforeZero) {
   for (const double start : {-1.0, -1e-9, 0.0, 1.7e9}) {
     SensorRecord sensor;

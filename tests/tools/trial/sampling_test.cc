@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -225,13 +226,17 @@ TEST(ControlLoop, DelaysAreThoseOfTheScene) {
   ASSERT_EQ(handed.size(), 3U);
   const double reads[] = {3.1e-3, 23.1e-3, 43.1e-3};
   const double frames[] = {0.0, 20e-3, 40e-3};  // the latest
-  // Estimates are 15 ms late: at 3.1 ms there is none, whose time is -inf, at 23.2 ms that of 0 ms,
-  // at 43.2 ms that of 20 ms.
-  const double seen[] = {-1.0, 0.0, 20e-3};
+  // Estimates are 15 ms late: the first read comes before any estimate, whose time is then -inf. The
+  // estimate of 0 ms is there at 23.2 ms, and that of 20 ms at 43.2 ms.
+  const double seen[] = {-std::numeric_limits<double>::infinity(), 0.0, 20e-3};
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(handed[k].read_time, reads[k], 1e-12);
     EXPECT_NEAR(handed[k].frame_time, frames[k], 1e-12);
-    EXPECT_NEAR(std::max(handed[k].slip_time, -1.0), seen[k], 1e-12);
+    if (k == 0) {
+      EXPECT_EQ(handed[k].slip_time, seen[k]);
+    } else {
+      EXPECT_NEAR(handed[k].slip_time, seen[k], 1e-12);
+    }
   }
   EXPECT_EQ(loop.seen(), PadState::gross);
   // Visible at the first tick with a speed after 33.1 ms.
