@@ -27,6 +27,7 @@
 #include "tools/doctor/doctor.h"
 #include "tools/eval/metrics.h"
 #include "tools/eval/replay.h"
+#include "tools/eval/yardsticks.h"
 #include "tools/files/given_once.h"
 #include "tools/files/output_file.h"
 #include "tools/files/project/project_file.h"
@@ -57,6 +58,7 @@ struct Answer {
   WindowCounts windows;  // of a real recording
   std::optional<GraspOutcome> grasp;
   std::string failure;
+  std::vector<Answer> at;  // of a yardstick that chooses its threshold: with each of threshold_factors()
 };
 
 // An entrant with the sensor that it reads in a set of trials.
@@ -65,6 +67,7 @@ struct EntrantResults {
   std::size_t sensor = 0;   // index into the trial's sensors
   std::string sensor_name;  // as the scene names it
   std::vector<Answer> answers{};
+  std::vector<double> thresholds{};  // of a yardstick that chose them on the other half of the trials
 };
 
 struct LeftOut {
@@ -101,6 +104,19 @@ DetectorScene detector_for(const EntrantResults& entry, const TestSet* test_set,
       scene == nullptr ? entry.entrant->detector : detector_with_side_information(*entry.entrant, *test_set, *scene);
   detector.sensor = entry.sensor;
   return detector;
+}
+
+// The answers of a yardstick with another threshold, `factor` times its own.
+eval::Replayed with_factor(eval::Replayed replayed, double factor) {
+  const double least = factor / (1.0 + factor);
+  PadState state = PadState::no_contact;
+  for (std::size_t row = 0; row < replayed.seen.size(); ++row) {
+    if (const double value = replayed.probability[row]; !std::isnan(value))
+      state = value >= least ? PadState::gross : PadState::non_slip;
+    replayed.seen[row] = state;
+  }
+  std::ranges::fill(replayed.probability, std::numeric_limits<double>::quiet_NaN());
+  return replayed;
 }
 
 // `test_set`: nullptr for a recording of a real sensor.
@@ -159,6 +175,12 @@ Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, con
     const eval::Replayed answers = replayed();
     answer.judgement = judged(test_set, record.trial, truth, answers);
     if (test_set == nullptr) answer.windows = window_counts(truth, answers);
+    if (!entry.entrant->chooses_threshold) return answer;
+    for (const double factor : threshold_factors()) {
+      const eval::Replayed other = with_factor(answers, factor);
+      answer.at.emplace_back().judgement = judged(test_set, record.trial, truth, other);
+      if (test_set == nullptr) answer.at.back().windows = window_counts(truth, other);
+    }
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -247,6 +269,57 @@ std::vector<Part> parts_of(const Board& board, const EntrantResults& entry) {
   return parts;
 }
 
+// Index of the threshold with the greatest score of the trials that `uses` selects; among equal
+// ones the greatest threshold.
+std::size_t best_factor(const Board& board, const EntrantResults& entry, const std::function<bool(std::size_t)>& uses) {
+  const std::size_t factors = threshold_factors().size();
+  std::size_t best = 0;
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (std::size_t place = 0; place < factors; ++place) {
+    std::vector<Part> parts;
+    for (std::size_t k = 0; k < entry.answers.size(); ++k) {
+      if (uses(k)) parts.push_back(recording_part(entry.answers[k].at[place].judgement, board.test_set));
+    }
+    const double value = score_of(parts, board.test_set).value;
+    if (value > greatest) best = place;
+    greatest = std::max(greatest, value);
+  }
+  return best;
+}
+
+// Gives each yardstick that chooses its threshold the one that is best on the other half of the
+// trials; pairs of trials alternate, since those of slip-3 share a motion. Returns the best of them
+// with the threshold that is best on all trials; nullopt if there is none.
+std::optional<Entrant> choose_thresholds(Board& board) {
+  const std::vector<double> factors = threshold_factors();
+  std::optional<Entrant> best;
+  double best_score = -std::numeric_limits<double>::infinity();
+  for (EntrantResults& entry : board.entries) {
+    if (!entry.entrant->chooses_threshold) continue;
+    const auto half = [](std::size_t trial) { return trial / 2 % 2; };
+    const double whole =
+        eval::default_threshold(entry.entrant->detector) * factors[best_factor(board, entry, [](std::size_t) { return true; })];
+    std::array<std::size_t, 2> place{};
+    for (const std::size_t own : {0U, 1U}) {
+      place.at(own) = best_factor(board, entry, [&](std::size_t trial) { return half(trial) != own; });
+      entry.thresholds.push_back(eval::default_threshold(entry.entrant->detector) * factors[place.at(own)]);
+    }
+    for (std::size_t k = 0; k < entry.answers.size(); ++k) {
+      Answer& answer = entry.answers[k];
+      Answer chosen = std::move(answer.at[place.at(half(k))]);
+      // The area under the curve does not depend on the threshold.
+      chosen.judgement.positives = std::move(answer.judgement.positives);
+      chosen.judgement.negatives = std::move(answer.judgement.negatives);
+      chosen.judgement.twin = std::move(answer.judgement.twin);
+      answer = std::move(chosen);
+    }
+    const double score = score_of(parts_of(board, entry), board.test_set).value;
+    if (score > best_score) best = with_threshold(*entry.entrant, whole);
+    best_score = std::max(score, best_score);
+  }
+  return best;
+}
+
 Json grasps_json(const EntrantResults& entry) {
   std::size_t dropped = 0, not_lifted = 0;
   std::vector<double> force, slip;
@@ -308,6 +381,7 @@ Json row_json(const Board& board, const EntrantResults& entry) {
               {"false_alarms_per_minute", score.alarms_per_minute},
               {"said", score.said},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
+  if (!entry.thresholds.empty()) row["thresholds"] = entry.thresholds;
   if (board.test_set.needless) row["needless"] = score.needless;
   if (!board.test_set.disturbance.empty()) {
     row["specificity"] = has_score ? Json(score.specificity) : Json(nullptr);
@@ -363,9 +437,13 @@ Json groups_json(const Board& board) {
   return json;
 }
 
+// The best yardstick of each type of sensor, with the threshold chosen on its first open recordings.
+using Yardsticks = std::map<std::string, Entrant>;
+
 // Adds rows, left_out and by to the description of a set.
-Json board_json(Json json, Board board) {
+Json board_json(Json json, Board board, Yardsticks& yardsticks) {
   remove_unfit_entries(board);
+  if (std::optional<Entrant> best = choose_thresholds(board)) yardsticks.try_emplace(board.test_set.sensor, std::move(*best));
   const auto value = [&board](const EntrantResults& entry) { return score_of(parts_of(board, entry), board.test_set).value; };
   std::ranges::stable_sort(board.entries, [&](const EntrantResults& a, const EntrantResults& b) {
     return std::pair(-value(a), a.entrant->name) < std::pair(-value(b), b.entrant->name);
@@ -515,9 +593,16 @@ void judge_grasps(Board& board, const TestSetTrials& trials, const Options& opti
 }
 
 // Returns the entrants that can be judged on a set; nullptr: on recordings of a real sensor.
-std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const TestSet* test_set) {
+// `chosen`: a yardstick whose threshold is known enters instead of those that choose one.
+std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const TestSet* test_set, const Yardsticks& chosen) {
   std::vector<const Entrant*> some;
+  const bool has_chosen = test_set != nullptr && chosen.contains(test_set->sensor);
+  if (has_chosen) some.push_back(&chosen.at(test_set->sensor));
   for (const Entrant& entrant : entrants) {
+    // Only open recordings can choose a threshold.
+    if (entrant.chooses_threshold && test_set != nullptr &&
+        (has_chosen || test_set->track == Track::loop || !test_set->disturbance.empty()))
+      continue;
     // Before slip-3 open recordings have no oracle.
     if (entrant.kind == Kind::oracle && (test_set == nullptr || (test_set->track == Track::open && !test_set->by_distance)))
       continue;
@@ -540,13 +625,13 @@ std::string set_name(const TestSet& test_set) {
 
 // Judges the sets that share the trials of one scene.
 std::vector<Json> sets_json(std::span<const TestSet> sharing, const Protocol& protocol, const std::vector<Entrant>& entrants,
-                            const Options& options, const Catalogues& catalogues) {
+                            Yardsticks& yardsticks, const Options& options, const Catalogues& catalogues) {
   const TestSetTrials trials(sharing.front(), options.asked.trials, protocol, catalogues);
   const TrialRecord first = trials.recorded(trials.numbers.front());
   std::vector<Board> boards;
   for (const TestSet& test_set : sharing) {
     if (options.say) options.say(set_name(test_set));
-    add_entries(boards.emplace_back(Board{.test_set = test_set}), entering(entrants, &test_set), first,
+    add_entries(boards.emplace_back(Board{.test_set = test_set}), entering(entrants, &test_set, yardsticks), first,
                 places_of(test_set.readers, first));
   }
   if (sharing.front().track == Track::open)
@@ -566,7 +651,7 @@ std::vector<Json> sets_json(std::span<const TestSet> sharing, const Protocol& pr
                  {"labels", eval::label_rule_name(rule_of(test_set.track))}};
     if (!test_set.domain.empty()) json["domain"] = test_set.domain;
     if (!test_set.disturbance.empty()) json["disturbance"] = test_set.disturbance;
-    sets.push_back(board_json(std::move(json), std::move(board)));
+    sets.push_back(board_json(std::move(json), std::move(board), yardsticks));
   }
   return sets;
 }
@@ -602,7 +687,9 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
                {"data_sha256", text_sha256(digests)},
                {"labels", eval::label_rule_name(rule_of(Track::transfer))}};
   // The file may hold text that is not UTF-8.
-  return Json::parse(board_json(std::move(json), std::move(board)).dump(-1, ' ', false, Json::error_handler_t::replace));
+  Yardsticks of_this_file;
+  return Json::parse(
+      board_json(std::move(json), std::move(board), of_this_file).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void check_sensor(const std::string& sensor, const Protocol& protocol) {
@@ -626,7 +713,9 @@ std::vector<Entrant> known_entrants(const Asked& asked) {
   std::vector<Entrant> entrants;
   for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
   register_control();  // not in the catalogue that users see
-  for (Entrant& entrant : shipped_entrants()) {
+  std::vector<Entrant> shipped = shipped_entrants();
+  std::ranges::move(yardstick_entrants(), std::back_inserter(shipped));
+  for (Entrant& entrant : shipped) {
     // The same detector given on the command line, perhaps with parameters, is listed beside it.
     const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
     if (const auto given = std::ranges::find_if(entrants, same); given != entrants.end()) given->name += ", given";
@@ -670,15 +759,16 @@ Json benchmark(const Options& options) {
   missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
   const Catalogues catalogues = program_catalogues();
   Json transfer = Json::array();
-  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr), options));
+  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr, {}), options));
   Json sets = Json::array();
+  Yardsticks yardsticks;
   std::vector<TestSet> asked_for;
   std::ranges::copy_if(protocol.held_out, std::back_inserter(asked_for),
                        [&asked](const TestSet& test_set) { return asked.sensor.empty() || test_set.sensor == asked.sensor; });
   for (auto test_set = asked_for.begin(); test_set != asked_for.end();) {
     const auto next =
         std::find_if(test_set, asked_for.end(), [&test_set](const TestSet& other) { return other.scene != test_set->scene; });
-    for (Json& set : sets_json({test_set, next}, protocol, entrants, options, catalogues)) {
+    for (Json& set : sets_json({test_set, next}, protocol, entrants, yardsticks, options, catalogues)) {
       for (const Missing& one : missing) {
         if (set.at("sensor") == one.sensor)
           set["left_out"].push_back({{"detector", one.name}, {"why", one.why}, {"reads_another", false}});

@@ -29,7 +29,8 @@ std::string share_of(const Json& row, const char* key) {
 }
 
 bool is_detector(const Json& row) {
-  return row.at("kind") != "control" && row.at("kind") != "known signal" && row.at("kind") != "oracle";
+  return row.at("kind") != "control" && row.at("kind") != "yardstick" && row.at("kind") != "known signal" &&
+         row.at("kind") != "oracle";
 }
 
 // Draws scores with their intervals, the best on top.
@@ -61,7 +62,7 @@ std::string drawing(const Json& set) {
   svg.dot("s0", right - 190.0, foot + 28.0, 4.0);
   svg.text("small", right - 181.0, foot + 32.0, "detectors");
   svg.dot("s1", right - 110.0, foot + 28.0, 4.0);
-  svg.text("small", right - 101.0, foot + 32.0, "controls, measures");
+  svg.text("small", right - 101.0, foot + 32.0, "yardsticks, controls");
   return "<div class=\"scroll\">" + svg.element("Scores of the detectors, with 95 % intervals") + "</div>\n";
 }
 
@@ -126,6 +127,7 @@ std::string sensors_drawing(const Json& sets) {
     svg.text("small end", left - 8.0, y + 4.0, name);
     if (const Json* known = best(*set, "known signal")) svg.dot("s2", place(score_of(*known)), y, 5.0);
     if (const Json* control = best(*set, "control")) svg.dot("s1", place(score_of(*control)), y, 3.0);
+    if (const Json* yardstick = best(*set, "yardstick")) svg.dot("s3", place(score_of(*yardstick)), y, 4.0);
     if (detector != nullptr) {
       const Json& score = detector->at("score");
       if (!score.at("low").is_null())
@@ -135,10 +137,11 @@ std::string sensors_drawing(const Json& sets) {
     y += line;
   }
   double x = left;
-  for (const auto& [kind, text] : {std::pair{"s0", "best detector"}, {"s2", "signal known"}, {"s1", "best control"}}) {
+  for (const auto& [kind, text] :
+       {std::pair{"s0", "best detector"}, {"s2", "signal known"}, {"s1", "best control"}, {"s3", "best yardstick"}}) {
     svg.dot(kind, x, foot + 40.0, 4.0);
     svg.text("small", x + 9.0, foot + 44.0, text);
-    x += 120.0;
+    x += 105.0;
   }
   return "<div class=\"scroll\">" + svg.element("Scores on open recordings by sensor, with 95 % intervals") + "</div>\n";
 }
@@ -156,7 +159,7 @@ std::string disturbances_drawing(const Json& sets) {
   for (const Json& set : sets) {
     if (!set.contains("disturbance")) continue;
     for (const Json& row : set.at("rows")) {
-      if (!is_detector(row)) continue;
+      if (!is_detector(row) && row.at("kind") != "yardstick") continue;
       const std::string name = fmt::format("{}: {}", set.at("sensor").get<std::string>(), row.at("detector").get<std::string>());
       cells[{name, set.at("disturbance").get<std::string>()}] = &row;
     }
@@ -200,6 +203,8 @@ constexpr const char* opening =
 
 // One paragraph for each kind of set.
 constexpr std::array rules{
+    "Yardsticks are rules of one line without training (detectors/yardstick). In the first open recordings of a sensor, the threshold of each has the best "
+    "score on the other half of the trials. The best of them enters the other sets with the threshold that is best on all of these recordings.",
     "Open recordings: score = credit × min(1, limit / false alarms per minute) − share of the time without slip in which slip is reported. Early alarms count "
     "as false alarms.",
     "The credit of a recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at "

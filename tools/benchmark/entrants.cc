@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -22,6 +23,7 @@
 #include "tools/dataset/record/encoder.h"
 #include "tools/eval/evaluate.h"
 #include "tools/eval/replay.h"
+#include "tools/eval/yardsticks.h"
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
@@ -173,7 +175,7 @@ std::string file_of(const DetectorScene& detector) {
 }
 
 std::string kind_word(Kind kind) {
-  constexpr std::array words{"shipped", "trained", "given", "control", "known signal", "oracle"};
+  constexpr std::array words{"shipped", "trained", "given", "yardstick", "control", "known signal", "oracle"};
   return words.at(static_cast<std::size_t>(kind));
 }
 
@@ -199,15 +201,43 @@ std::vector<Entrant> shipped_entrants() {
     entrant.reads = reads;
     entrants.push_back(std::move(entrant));
   };
+  const std::vector<DetectorScene> yardsticks = eval::yardsticks();
   for (const Entry& entry : detector_entries()) {
     const bool asks_for_a_file = std::ranges::find(of_a_file, entry.name) != of_a_file.end();
-    if (!asks_for_a_file && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name);
+    const bool is_yardstick = std::ranges::find(yardsticks, entry.name, &DetectorScene::type) != yardsticks.end();
+    if (!asks_for_a_file && !is_yardstick && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name);
   }
   add("learn_gst_hd", "gst_hd, learn_gst_hd");
   if (network::engine_available()) {
     for (const ShippedNetwork& network : shipped_networks) add(project_file(network.path), network.name, network.sensor);
   }
   return entrants;
+}
+
+std::vector<Entrant> yardstick_entrants() {
+  std::vector<Entrant> entrants;
+  for (const DetectorScene& detector : eval::yardsticks()) {
+    entrants.push_back(given_entrant(detector.type, {}));
+    entrants.back().kind = Kind::yardstick;
+    entrants.back().chooses_threshold = true;
+  }
+  return entrants;
+}
+
+std::vector<double> threshold_factors() {
+  constexpr int decades_above = 4, decades_below = 8, steps = 4;
+  std::vector<double> factors;
+  for (int k = steps * decades_above; k >= -steps * decades_below; --k)
+    factors.push_back(math::exp(std::numbers::ln10 * k / steps));
+  return factors;
+}
+
+Entrant with_threshold(const Entrant& yardstick, double threshold) {
+  Entrant set = yardstick;
+  set.detector = eval::with_yardstick_threshold(yardstick.detector, threshold);
+  set.parameters[eval::yardstick_threshold] = fmt::format("{:.6g}", threshold);
+  set.chooses_threshold = false;
+  return set;
 }
 
 std::vector<Missing> missing_entrants() {

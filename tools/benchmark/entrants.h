@@ -1,4 +1,4 @@
-// The detectors on the board, the controls and the measures.
+// The detectors on the board, the yardsticks, the controls and the measures.
 #pragma once
 
 #include <atomic>
@@ -20,6 +20,7 @@ enum class Kind {
   shipped,       // a detector of the catalogue with its defaults, or a network that ships
   trained,       // trained as a part of the protocol
   given,         // named on the command line
+  yardstick,     // a rule of one line (detectors/yardstick), whose threshold the board chooses
   control,       // does not read a sensor
   known_signal,  // knows the slip's signal beforehand (known_signal.h)
   oracle,        // reads the truth
@@ -46,6 +47,9 @@ struct Entrant {
   Json parameters = Json::object();     // those that were set, as text
   std::string sha256{};                 // of type, parameters and files; of a trained one: of recipe and trials
   std::set<std::string> sha256_seen{};  // trials that it was trained on, as its file says
+  // A yardstick whose threshold is not chosen yet: it is evaluated with each of
+  // threshold_factors() times its default.
+  bool chooses_threshold = false;
 };
 
 // Returns the entrant for a DETECTOR of the command line: a name of the catalogue, FILE.onnx or a
@@ -64,13 +68,20 @@ struct Missing {
   std::string name, sensor, why;
 };
 
-// Return all detectors that ship, except those that need a file of the user's. The networks that
+// Return all detectors that ship, except yardsticks and those that need a file of the user's. The networks that
 // ship are in missing_entrants() if OpenVINO is not installed. Call register_control() first.
 std::vector<Entrant> shipped_entrants();
 std::vector<Missing> missing_entrants();
+std::vector<Entrant> yardstick_entrants();
 std::vector<Entrant> control_entrants();
 Entrant oracle_entrant();
 Entrant known_signal_entrant();
+
+// The thresholds among which a yardstick's is chosen, in units of its default: descending, four a
+// decade, wide enough for signals in counts, N, m and T.
+std::vector<double> threshold_factors();
+// Returns the yardstick with its threshold set.
+Entrant with_threshold(const Entrant& yardstick, double threshold);
 
 // Returns the file or folder that a detector is made from; empty if there is none.
 std::string file_of(const DetectorScene& detector);

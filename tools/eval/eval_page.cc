@@ -169,14 +169,19 @@ std::string headline(const Json& all) {
   return html + "</div>\n";
 }
 
-page::TextTable figures_table(const Json& all) {
+page::TextTable figures_table(const Json& result) {
+  const Json& all = result.at("all");
+  const Json* yardstick = result.contains("yardstick") ? &result.at("yardstick") : nullptr;
   page::TextTable table{{"", "value", "95 % by trial", "best constant detector"}, {}};
+  if (yardstick != nullptr) table.head.push_back("best yardstick, " + yardstick->at("type").get<std::string>());
   for (const Figure& figure : figures) {
     const std::string key(figure.key);
     const Json& found = all.at("figures").at(key);
-    if (found.at("value").is_null()) continue;
+    const Json none, &other = yardstick != nullptr ? yardstick->at("all").at("figures").at(key).at("value") : none;
+    if (found.at("value").is_null() && other.is_null()) continue;
     table.rows.push_back({std::string(figure.name), shown(found.at("value"), figure.unit), interval_of(found, figure.unit),
                           all.at("constant").contains(key) ? shown(all.at("constant").at(key), figure.unit) : ""});
+    if (yardstick != nullptr) table.rows.back().push_back(shown(other, figure.unit));
   }
   return table;
 }
@@ -282,7 +287,7 @@ std::string worst_timelines(const Json& result, const std::string& dataset_path,
 }  // namespace
 
 Tables tables_of(const Json& result) {
-  Tables tables{figures_table(result.at("all")), called_table(result.at("all")), {}};
+  Tables tables{figures_table(result), called_table(result.at("all")), {}};
   for (const Json& by : result.at("by")) tables.by.push_back(groups_table(by));
   return tables;
 }
@@ -311,7 +316,8 @@ std::string eval_page(const Json& result, const std::string& dataset_path, const
           count("false_alarms"),
           left_out > 0
               ? fmt::format(" Left out: {} of the detector's training.", counted(static_cast<std::size_t>(left_out), "trial"))
-              : ""),
+              : "") +
+          (result.contains("yardstick") ? " " + yardstick_note(result) + "." : ""),
       page::table_html(tables.figures));
   body += page::section_html("Confusion matrix", "Rows are true states; shares are of the samples of the row.",
                              page::table_html(tables.called));

@@ -18,6 +18,7 @@
 #include "tools/dataset/record/encoder.h"
 #include "tools/eval/recorded_trial.h"
 #include "tools/eval/replay.h"
+#include "tools/eval/yardsticks.h"
 #include "tools/files/reject.h"
 #include "tools/page/timeline.h"
 #include "tools/registry/program_catalogues.h"
@@ -119,7 +120,7 @@ Facts facts_of(const Scene* scene, const TrialRecord& record, const SensorRecord
 }
 
 Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, TruthRule labels,
-                    const Catalogues& catalogues, const network::Alarm& alarm) {
+                    const Catalogues& catalogues, const network::Alarm& alarm, YardstickScores& yardsticks) {
   const RecordedTrial recorded = recorded_trial(reader, trial, options.detector, options.sensor, catalogues);
   const TrialRecord& record = recorded.record;
   const SensorRecord& sensor = recorded.sensor();
@@ -137,6 +138,7 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
     ++result.named[static_cast<std::size_t>(number)];
   }
   result.judgement.twin = truth_sha256(sensor.labels);
+  yardsticks.add(recorded, truth, result.judgement.twin);
   result.facts = facts_of(recorded.scene ? &*recorded.scene : nullptr, record, sensor);
   result.grasp = record.outcome.grasp;
   result.origin = page::time_origin(sensor.time);
@@ -385,6 +387,7 @@ struct JudgedTrials {
   std::vector<Judged> trials;     // at least one
   Json left_out = Json::array();  // numbers of the trials that were not, since the detector was trained on them
   std::size_t learnt = 0;         // of `trials`, those on which the detector was trained
+  YardstickScores yardsticks;     // of the same trials
 };
 
 JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, TruthRule labels,
@@ -405,7 +408,8 @@ JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, 
     }
     try {
       judged.trials.push_back(judged_trial(reader, trial, options, labels, catalogues,
-                                           network != nullptr ? network->description().alarm : network::Alarm{}));
+                                           network != nullptr ? network->description().alarm : network::Alarm{},
+                                           judged.yardsticks));
     } catch (const InputError& error) {
       reject("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what());
     }
@@ -419,6 +423,29 @@ JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, 
   return judged;
 }
 
+// The best yardstick on the same trials; null if there is none.
+Json yardstick_json(const DatasetReader& reader, const Options& options, TruthRule labels, const JudgedTrials& judged_trials) {
+  const std::optional<ChosenYardstick> best = judged_trials.yardsticks.best();
+  if (!best) return {};
+  const Catalogues catalogues = program_catalogues();
+  std::vector<Judgement> judgements;
+  for (std::size_t k = 0; k < judged_trials.trials.size(); ++k) {
+    const Judgement& own = judged_trials.trials[k].judgement;
+    const DetectorScene detector = with_yardstick_threshold(best->detector, best->thresholds.at(best->part.at(k)));
+    const RecordedTrial trial = recorded_trial(reader, own.trial, detector, options.sensor, catalogues);
+    judgements.push_back(judged(own.trial, trial.truth(labels), trial.replayed));
+    judgements.back().twin = own.twin;
+  }
+  Json areas = Json::object();
+  for (const auto& [type, area] : best->areas)
+    areas[type] = {{"value", area.value}, {"low", or_null(area.interval.low)}, {"high", or_null(area.interval.high)}};
+  // The area does not depend on the threshold, but two thresholds scale the scores differently.
+  Json all = summary_json(summarised(judgements));
+  all["figures"]["auc"] = areas.at(best->detector.type);
+  return {{"type", best->detector.type}, {"thresholds", best->thresholds}, {"by_halves", best->by_halves},
+          {"areas", std::move(areas)},   {"left_out", best->left_out},     {"all", std::move(all)}};
+}
+
 // Result as UTF-8 text, whatever bytes the file holds.
 std::string evaluated(const Options& options) {
   const DatasetReader reader = whole_dataset(options.dataset);
@@ -428,7 +455,8 @@ std::string evaluated(const Options& options) {
   if (labels != TruthRule::recorded)
     reader.check_truth("eval --labels " + label_rule_name(labels), "--labels recorded, the labels of the recordings");
   const std::unique_ptr<network::Engine> network = network_of(options.detector);
-  const auto [trials, left_out, learnt] = judged_trials(reader, options, labels, network.get());
+  const JudgedTrials found = judged_trials(reader, options, labels, network.get());
+  const auto& [trials, left_out, learnt, scores] = found;
   std::vector<Judgement> judgements;
   for (const Judged& trial : trials) judgements.push_back(trial.judgement);
   Json json = {{result_key, 1},
@@ -444,6 +472,8 @@ std::string evaluated(const Options& options) {
                {"by", breakdowns(trials, left_out.empty())},
                {"failed", reader.failed().size()}};
   add_curves(json, trials);
+  if (Json yardstick = yardstick_json(reader, options, labels, found); !yardstick.is_null())
+    json["yardstick"] = std::move(yardstick);
   if (Json alarms = alarms_json(trials); !alarms.is_null()) json["alarms"] = std::move(alarms);
   if (Json classes = network ? classes_json(trials, network->description().classes) : Json(); !classes.is_null())
     json["classes"] = std::move(classes);
@@ -509,6 +539,16 @@ std::string detector_name(const Json& detector) {
 std::string truth_note(const Json& result) {
   const auto truth = result.at("truth").get<std::string>();
   return truth.empty() ? truth : fmt::format("truth {}: 'true' below means the recorded label", truth);
+}
+
+std::string yardstick_note(const Json& result) {
+  if (!result.contains("yardstick")) return "";
+  const Json& yardstick = result.at("yardstick");
+  std::vector<std::string> thresholds;
+  for (const Json& threshold : yardstick.at("thresholds")) thresholds.push_back(fmt::format("{:.3g}", threshold.get<double>()));
+  return fmt::format("Best yardstick: {}, a rule without training; threshold {}, chosen for the greatest balanced accuracy on {}",
+                     yardstick.at("type").get<std::string>(), fmt::join(thresholds, " or "),
+                     yardstick.at("by_halves").get<bool>() ? "the other half of the trials" : "these trials");
 }
 
 Json evaluate(const Options& options) { return Json::parse(evaluated(options)); }

@@ -43,6 +43,10 @@ inline constexpr const char* result_key = "slipbench_eval";
 // - warnings: texts about a trained detector that does not record its trials, and about judged
 //   trials on which it was trained (`all`)
 // - all: summary_json() of the judged trials
+// - yardstick: {type, thresholds, by_halves, areas: {type: {value, low, high}}, left_out: {type: why},
+//   all: summary_json()}: the yardstick (detectors/yardstick) with the greatest area under the ROC
+//   curve on the same trials. Its thresholds have the unit of its parameter. Absent without a
+//   yardstick that reads the sensor and if all samples have one class
 // - by: [{by, groups: [{name, ...summary_json()}]}] for material, object, speed (octaves) and, if
 //   no trial is left out, mask; only breakdowns of 2 to 24 groups
 // - failed: trials that failed, which the dataset does not contain
@@ -74,6 +78,9 @@ inline constexpr std::size_t drawn_trials = 12, drawn_channels = 4;
 
 // Note on the labels if `truth` is not empty; else empty.
 std::string truth_note(const Json& result);
+
+// How the thresholds of the best yardstick were chosen; empty without one.
+std::string yardstick_note(const Json& result);
 
 // Page kind with its result.
 inline constexpr page::PageKind page_kind{

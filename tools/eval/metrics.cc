@@ -295,6 +295,8 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   return result;
 }
 
+Estimate area_of(std::span<const Judgement> trials) { return auc_of(trials, experiments_of(trials)); }
+
 std::size_t wrong_frames(const Confusion& frames) {
   std::size_t wrong = 0;
   for (std::size_t truth = 0; truth < frames.size(); ++truth) {

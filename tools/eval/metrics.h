@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <span>
 #include <string_view>
 
 #include "tools/dataset/record/json.h"
@@ -119,6 +120,15 @@ struct Judgement {
 // length.
 Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed, double grace = 0.0);
 
+struct Estimate {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  Interval interval{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+};
+
+// Area under the ROC curve of the probabilities, with its interval by experiment; NaN if a class is
+// missing.
+Estimate area_of(std::span<const Judgement> trials);
+
 // Number of samples wrongly classified as slip or as no slip.
 std::size_t wrong_frames(const Confusion& frames);
 
@@ -148,11 +158,6 @@ inline constexpr std::array figures{
     Figure{"balanced_accuracy", "balanced accuracy (all classes)", Figure::Unit::share},
     Figure{"accuracy", "accuracy (all classes)", Figure::Unit::share},
     Figure{"stuck_fraction_error", "mean error of the stuck fraction", Figure::Unit::number},
-};
-
-struct Estimate {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  Interval interval{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
 };
 
 // Summary of a set of trials.

@@ -23,6 +23,7 @@
 #include "tools/benchmark/submission.h"
 #include "tools/eval/metrics.h"
 #include "tools/eval/replay.h"
+#include "tools/eval/yardsticks.h"
 #include "tools/files/project/project_file.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/run_trial.h"
@@ -51,6 +52,11 @@ const Json& row_of(const Json& set, const std::string& detector) {
 }
 double score(const Json& set, const std::string& detector) { return row_of(set, detector).at("score").at("value").get<double>(); }
 
+bool is_yardstick(const std::string& detector) {
+  const std::vector<DetectorScene> all = eval::yardsticks();
+  return std::ranges::find(all, detector, &DetectorScene::type) != all.end();
+}
+
 TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
   const std::vector<TestSet>& slip_2 = find_protocol("slip-2", "test").held_out;
   const Json result = board("slip-2", "", 1, 2);
@@ -77,10 +83,46 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
   for (const Entry& entry : detector_entries()) {
     if (std::set<std::string>{"network", "plugin", "truth", control_type}.contains(entry.name)) continue;
     if (entry.name.starts_with("marker_")) continue;  // the protocol has no sensor with markers
+    if (is_yardstick(entry.name)) continue;
     EXPECT_EQ(tracks[entry.name], (std::set<std::string>{"open recordings", "closed loop"})) << entry.name;
   }
   EXPECT_EQ(result.at("protocol").at("whole"), false);
   EXPECT_NE(result.at("transfer"), "");
+}
+
+// In the first open recordings of a sensor every yardstick chooses its thresholds, one for each
+// half of the trials; the best of them enters the other sets with one threshold.
+TEST(Board, HasTheBestYardstickInEverySet) {
+  const Json result = board("slip-2", "papillarray", 2, 2);
+  std::string best;
+  for (const Json& set : result.at("sets")) {
+    SCOPED_TRACE(set.at("scene"));
+    std::vector<const Json*> rows;
+    for (const Json& row : set.at("rows")) {
+      if (row.at("kind") == "yardstick") rows.push_back(&row);
+    }
+    if (best.empty()) {
+      EXPECT_EQ(rows.size(), eval::yardsticks().size());
+      for (const Json* row : rows) EXPECT_EQ(row->at("thresholds").size(), 2U);
+      best = rows.front()->at("detector");
+      continue;
+    }
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows[0]->at("detector"), best);
+    EXPECT_FALSE(rows[0]->contains("thresholds"));
+    EXPECT_TRUE(rows[0]->at("parameters").contains("threshold"));
+  }
+  EXPECT_THAT(board_page(result), mentions({"yardstick", best}));
+}
+
+// Four a decade from 1e4 down to 1e-8: 4 (4 + 8) + 1 factors.
+TEST(Board, ThresholdsOfYardsticksSpanTwelveDecades) {
+  const std::vector<double> factors = threshold_factors();
+  ASSERT_EQ(factors.size(), 49U);
+  EXPECT_NEAR(factors.front(), 1e4, 1e-8);
+  EXPECT_NEAR(factors[16], 1.0, 1e-15);
+  EXPECT_NEAR(factors.back() * 1e8, 1.0, 1e-12);
+  EXPECT_TRUE(std::ranges::is_sorted(factors, std::greater{}));
 }
 
 // The oracle detects each slip at its instant, the control that never reports slip has no false

@@ -165,6 +165,7 @@ std::string eval_text(const Json& result, const Style& style) {
   text += fmt::format("  slipping trials: {}, detected {}, early {}, missed {}; trials without slip: {}, false alarms {}\n",
                       count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
                       count("false_alarms"));
+  if (const std::string note = eval::yardstick_note(result); !note.empty()) text += fmt::format("  {}\n", note);
   if (result.contains("loop")) text += loop_text(result.at("loop"));
   text += "\n" + Table(tables.called).text(style);
   for (const page::TextTable& by : tables.by) text += "\n" + Table(by).text(style);
