@@ -41,14 +41,13 @@ constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
 struct ShippedNetwork {
   const char *name, *path, *sensor;
 };
-constexpr std::array<ShippedNetwork, 14> shipped_networks{
+constexpr std::array<ShippedNetwork, 13> shipped_networks{
     {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray"},
      {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
      {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin"},
      {"piezo_grasp", "scenes/learn/piezo_grasp.onnx", "piezo_skin"},
      {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad"},
      {"nib_grasp", "scenes/learn/nib_grasp.onnx", "nib_pad"},
-     {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp"},
      {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp"},
      {"taxels_slip", "scenes/learn/taxels_slip.onnx", "taxels"},
      {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"},
