@@ -13,7 +13,7 @@ ChannelPlace vector_channel(const FrameSource& source, std::string_view name, st
       if (channel.unit != unit) {
         throw SceneValueError("detector.sensor", detector + " reads the " + std::string(name) + " in " + std::string(unit) +
                                                      ", but the " + source.type + " " + quote(source.sensor) + " has it in " +
-                                                     quote(channel.unit) + other_unit_remedy);
+                                                     quote(channel.unit) + other_unit_remedy(channel.unit, unit));
       }
       return {first, channel.shape[0]};
     }

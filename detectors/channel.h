@@ -15,9 +15,13 @@
 
 namespace slipbench {
 
-// End of a message about a channel in another physical unit.
-inline constexpr const char* other_unit_remedy =
-    "; the keys unit and scale of the map of `import` convert recordings to SI units";
+// Returns the end of a message about a channel that a sensor has in the physical unit `found`, and a
+// reader needs in `needed`.
+inline std::string other_unit_remedy(std::string_view found, std::string_view needed) {
+  if (found == "counts")
+    return "; the key scale of the map of `import` states what one count is, for example scale: 0.01 " + std::string(needed);
+  return "; the keys unit and scale of the map of `import` convert recordings to SI units";
+}
 
 // Values of one channel inside a frame.
 struct ChannelPlace {

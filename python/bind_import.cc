@@ -122,7 +122,7 @@ void bind_import(nb::module_& module) {
     const SiUnit si = si_unit_of(unit);
     return std::pair(si.symbol, si.factor);
   });
-  module.attr("other_unit_remedy") = other_unit_remedy;
+  module.def("other_unit_remedy", &other_unit_remedy);
   nb::class_<MappedImport>(module, "MappedImport")
       .def(nb::init<std::vector<std::string>, std::string, std::string, std::uint64_t, std::optional<double>,
                     const std::string&>(),

@@ -2,6 +2,7 @@
 // force exceeds a threshold, and begins to slip at a share of that threshold. It is also valid C:
 // copy it to ratio_gate.c and compile it with gcc.
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,6 +50,10 @@ void slipbench_make_detector(const struct slipbench_source* source, struct slipb
   while (channel != end && strcmp(channel->name, "force") != 0) ++channel;
   if (channel == end || channel->dimensions != 2 || channel->shape[1] != 3) {
     strcpy(detector->refusal, "it reads a channel force {N, 3}, as a papillarray has it");
+    return;
+  }
+  if (strcmp(channel->unit, "N") != 0) {
+    sprintf(detector->refusal, "it reads the channel force in N, but the sensor has it in '%.32s'", channel->unit);
     return;
   }
   gate = (struct ratio_gate*)malloc(sizeof *gate);

@@ -21,9 +21,10 @@ struct ChannelPick {
   std::string unit = {};            // in which it was trained: "N"; empty: unit_of_pick() has the conventional one
 };
 
-// Physical unit in which the network reads the channel: of the description; without one N for force
-// and m for displacement, as every simulated sensor has them; empty: unknown, any unit fits.
-std::string unit_of_pick(const ChannelPick& pick);
+// Physical unit in which the network reads the channel of a `sensor` (its type): of the description;
+// without one the unit of the simulated sensors, which is N for every force and m for every
+// displacement; empty: unknown, any unit fits.
+std::string unit_of_pick(const ChannelPick& pick, std::string_view sensor);
 
 // Transform of the `window` samples of each value.
 enum class Transform {

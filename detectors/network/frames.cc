@@ -31,10 +31,10 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
       for (const Channel& channel : channels) names.push_back(channel.name);
       throw InputError("the network needs the channel " + quote(pick.name) + allowed_names(pick.name, names));
     }
-    const std::string unit = unit_of_pick(pick);
+    const std::string unit = unit_of_pick(pick, input.sensor);
     if (!unit.empty() && !found->unit.empty() && found->unit != unit) {
       throw InputError("the network reads the channel " + quote(pick.name) + " in " + quote(unit) +
-                       ", but the sensor has it in " + quote(found->unit) + other_unit_remedy);
+                       ", but the sensor has it in " + quote(found->unit) + other_unit_remedy(found->unit, unit));
     }
     std::size_t first = 0;
     for (auto channel = channels.begin(); channel != found; ++channel) first += channel->size();

@@ -271,7 +271,7 @@ def check_units(place: str, found: Mapping[str, str], needed: Mapping[str, str])
     """
     for name, unit in needed.items():
         if name in found and found[name] != unit:
-            raise _core.InputError(f"{place}: channel {name} is in {found[name]!r}, but it is read in {unit}{_core.other_unit_remedy}")
+            raise _core.InputError(f"{place}: channel {name} is in {found[name]!r}, but it is read in {unit}{_core.other_unit_remedy(found[name], unit)}")
 
 
 class StoredTrial:

@@ -639,7 +639,7 @@ class Layouts(ImportTest):
         # acceleration, and remains, as do unknown units.
         for unit, si, factor in (("N", "N", 1.0), ("mN", "N", 1e-3), ("kN", "N", 1e3), ("uN", "N", 1e-6), ("\u00b5N", "N", 1e-6), ("\u03bcN", "N", 1e-6), ("mV", "V", 1e-3), ("gf", "N", 9.80665e-3), ("kgf", "N", 9.80665),
                                  ("mm", "m", 1e-3), ("um", "m", 1e-6), ("\u00b5m", "m", 1e-6), ("mm/s", "m/s", 1e-3), ("kPa", "Pa", 1e3),
-                                 ("deg", "rad", np.pi / 180), ("g", "g", 1.0), ("counts", "counts", 1.0), ("1", "1", 1.0), ("%", "%", 1.0)):
+                                 ("deg", "rad", np.pi / 180), ("g", "g", 1.0), ("counts", "counts", 1.0), ("1", "1", 1.0), ("%", "%", 1.0), ("count", "counts", 1.0)):
             with self.subTest(unit=unit):
                 source = self.write("a.csv", table())
                 pad = self.read(f"{{sensor: pad, type: own, time: {{column: t}}, channels: {{force: {{unit: {json.dumps(unit)}, scale: 2, columns: [f1]}}}}}}", source)[0][0].sensors["pad"]
@@ -757,11 +757,90 @@ class Layouts(ImportTest):
                 "one for each of the 1 component, found 2; for values of 2 components each, set components: 2"
             )
         )
-        self.assertIn("channels.force.scale: expected a number other than 0, found '0'", self.refused(star % "scale: [1, 0],", path))
+        self.assertIn("channels.force.scale: expected a number other than 0, or with a unit as '0.01 N', found '0'", self.refused(star % "scale: [1, 0],", path))
         force = np.ones((2, 3, 3))
         np.savez(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=force)
         map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, scale: [1, 2, -3], columns: [force]}}}"
         self.assertEqual(self.force(map, self.folder / "a.npz")[0].tolist(), [[[1.0, 2.0, -3.0]] * 3] * 2)
+
+    def test_counts_become_the_unit_of_their_sensitivity(self):
+        # The row 0.5, 1.25 with 0.01 N a count is 0.005, 0.0125 N; with 2 mV and 4 uV a count it is
+        # 0.5 * 2e-3 and 1.25 * 4e-6 V. A volt of 500 N is 250, 625 N.
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: %s, %s, columns: [f1, f2]}}}"
+        path = self.write("a.csv", table())
+        for unit, scale, si, first in (
+            ("count", "scale: 0.01 N", "N", [[0.005], [0.0125]]),
+            ("counts", "components: 2, scale: [2 mV, -4 uV]", "V", [[1e-3, -5e-6]]),
+            ("V", "scale: 500 N", "N", [[250.0], [625.0]]),
+            ("counts", "scale: 2", "counts", [[1.0], [2.5]]),
+        ):
+            with self.subTest(scale):
+                pad = self.read(map % (unit, scale), path)[0][0].sensors["pad"]
+                self.assertEqual(pad.units, {"force": si})
+                np.testing.assert_allclose(np.asarray(pad.force)[0].ravel(), np.ravel(first), rtol=1e-7)
+        for unit, scale, message in (
+            ("counts", "components: 2, scale: [1 N, 1 uT]", "map.yaml:1: channels.force.scale: expected the same unit for each component, found '1 N' and '1 uT'"),
+            ("counts", "components: 2, scale: [1 N, 2]", "expected the same unit for each component, found '1 N' and '2'"),
+            ("mN", "scale: 0.01 N", "channels.force.scale: expected a number, because unit is 'mN', found '0.01 N'; if the cells are counts, write unit: counts"),
+            ("counts", "scale: N", "channels.force.scale: expected a number other than 0, or with a unit as '0.01 N', found 'N'"),
+            ("counts", "scale: 0 N", "or with a unit as '0.01 N', found '0 N'"),
+        ):
+            with self.subTest(scale):
+                self.assertIn(message, self.refused(map % (unit, scale), path))
+
+    def test_counts_without_a_sensitivity_are_refused_with_both_units(self):
+        output = self.folder / "counts.h5"
+        rows = [[f"{0.01 * k:.2f}", "0", "0", "5"] for k in range(9)]
+        for channel, detector in (("force", "force_ratio"), ("force", "shear_rate")):
+            self.write("map.yaml", "{sensor: pad, type: own, time: {column: t}, channels: {%s: {unit: count, components: 3, columns: [x, y, z]}}}" % channel)
+            slipbench.import_recordings(self.write("a.csv", table(rows=rows, titles=("t", "x", "y", "z"))), output, map=self.folder / "map.yaml")
+            with self.assertRaisesRegex(slipbench.InputError, "in N, .* has it in 'counts'; the key scale of the map of `import` states what one count is, for example scale: 0.01 N"):
+                slipbench.detect(detector, output)
+
+    def test_a_baseline_is_the_mean_of_the_first_seconds(self):
+        # 10 samples/s. In the first 0.3 s a is 1, 2, 6 and b is 4, 4, 7: levels 3 and 5, which are
+        # subtracted from the whole recording. With 2 mN a count the forces are 2e-3 (a - 3) N. The
+        # channel without the key is kept.
+        a, b = [1, 2, 6, 8, 3, 3], [4, 4, 7, 5, 0, 9]
+        rows = [[f"{100 + 0.1 * k:.1f}", f"{a[k]}", f"{b[k]}"] for k in range(6)]
+        map = (
+            "{sensor: pad, type: own, time: {column: t}%s, channels: {force: {unit: counts, scale: 2 mN, baseline: %s, "
+            "columns: [f1, f2]}, raw: {unit: counts, columns: [f1]}}}"
+        )
+        path = self.write("a.csv", table(rows=rows))
+        pad = self.read(map % ("", "0.3 s"), path)[0][0].sensors["pad"]
+        np.testing.assert_allclose(np.asarray(pad.force), 2e-3 * np.column_stack([np.array(a) - 3, np.array(b) - 5]), rtol=1e-6, atol=1e-12)
+        self.assertEqual(np.asarray(pad.raw)[:, 0].tolist(), a)
+        # Each recording has its own level, and values that are missing do not count.
+        other = self.write("b.csv", table(rows=[[row[0], f"{int(row[1]) + 10}", row[2]] for row in rows]))
+        recordings = self.read(map % ("", "0.3 s"), path, other)[0]
+        np.testing.assert_array_equal(*(np.asarray(one.sensors["pad"].force) for one in recordings))
+        rows[1][1] = ""
+        holes = self.write("c.csv", table(rows=rows))
+        pad = self.read((map % (", missing: nan", "0.3 s")), holes)[0][0].sensors["pad"]
+        np.testing.assert_allclose(np.asarray(pad.force)[:, 0], 2e-3 * (np.array([1, np.nan, 6, 8, 3, 3]) - 3.5), rtol=1e-6)
+
+    def test_a_baseline_that_is_not_at_rest_is_refused(self):
+        def labelled(states):
+            rows = [[f"{0.1 * k:.1f}", "1", state] for k, state in enumerate(states)]
+            return self.write("a.csv", table(rows=rows, titles=("t", "f", "s")))
+
+        map = "{sensor: pad, type: own, time: {column: t}, state: {column: s, rule: r}, channels: {force: {unit: N, baseline: 0.3 s, columns: [f]}}}"
+        self.assertEqual(self.read(map, labelled("000111"))[0][0].sensors["pad"].force[:, 0].tolist(), [0.0] * 6)
+        place = "map.yaml:1: channels.force.baseline: the baseline is 300 ms, but "
+        self.assertIn(
+            f"{place}{self.folder}/a.csv:4 is labelled as gross 200 ms after the beginning; expected no contact in that time: shorten or remove it",
+            self.refused(map, labelled("003333")),
+        )
+        self.assertIn("a.csv:2 is labelled as non-slip 0 ns after the beginning", self.refused(map, labelled("111111")))
+        self.assertIn(f"{place}{self.folder}/a.csv lasts only 300 ms; shorten it", self.refused(map, labelled("0000")))
+        empty = map.replace("type: own", "type: own, missing: nan")
+        rows = [[f"{0.1 * k:.1f}", "" if k < 3 else "1", "0"] for k in range(6)]
+        self.assertIn(
+            f"{place}value 1 of {self.folder}/a.csv is missing throughout it",
+            self.refused(empty, self.write("a.csv", table(rows=rows, titles=("t", "f", "s")))),
+        )
+        self.assertIn("channels.force.baseline: ", self.refused(map.replace("0.3 s", "0.3 N"), labelled("000111")))
 
     def test_labels_may_be_booleans(self):
         map = MAP % ", state: {column: slip, values: {%s}, rule: by hand}"
@@ -895,7 +974,7 @@ class Layouts(ImportTest):
             slipbench.import_recordings(path, map="nothing")
 
     def test_the_table_of_keys_is_whole(self):
-        kinds = {"text", "name", "number", "numbers", "duration", "integer", "boolean", "texts", "lines", "rate", "words", "block", "blocks"}
+        kinds = {"text", "name", "number", "factors", "duration", "integer", "boolean", "texts", "lines", "rate", "words", "block", "blocks"}
         for block, keys in BLOCKS.items():
             self.assertEqual(len({key.name for key in keys}), len(keys), block)
             for key in keys:
@@ -1314,20 +1393,28 @@ class Bags(ImportTest):
         )
         with Writer2(self.folder / "xela", version=9) as writer:
             connection = writer.add_connection("/xServTopic", stream.__msgtype__, typestore=store)
-            for row in range(3):
+            for row in range(30):
+                touch = max(row - 20, 0)  # from 0.2 s on
                 message = stream(
                     sensor_pos=9,
-                    sensors=[full(sensor_pos=s, taxels=[taxel(x=s, y=k, z=row) for k in range(16)]) for s in (1, 2)],
+                    sensors=[full(sensor_pos=s, taxels=[taxel(x=s + touch, y=k, z=900 + touch) for k in range(16)]) for s in (1, 2)],
                 )
                 writer.write(connection, 10_000_000 * row, store.serialize_cdr(message, stream.__msgtype__))
         output = self.folder / "xela.h5"
-        slipbench.import_recordings(self.folder / "xela", output, map="xela_ros")
+        summary = slipbench.import_recordings(self.folder / "xela", output, map="xela_ros")
+        self.assertIn("1 count is taken as 0.601 uT along x and y and 0.968 uT along z", str(summary))
         with slipbench.open(output) as data:
             sensors = data[0].sensors
             self.assertEqual(set(sensors), {"skin_xServTopic_sensors_0", "skin_xServTopic_sensors_1"})
             counts = np.asarray(sensors["skin_xServTopic_sensors_1"].counts)
-            self.assertEqual(counts.shape, (3, 16, 3))
-            self.assertEqual(counts[2, 5].tolist(), [2, 5, 2])
+            self.assertEqual(counts.shape, (30, 16, 3))
+            self.assertEqual(counts[22, 5].tolist(), [4, 5, 902])
+            # As networks for the magnetic skin read it: 0 at rest, 2 counts of 0.601 and 0.968 uT.
+            skin = sensors["skin_xServTopic_sensors_1"]
+            self.assertEqual(list(skin.units.items()), [("field", "uT"), ("counts", "counts")])
+            field = np.asarray(skin.field)
+            np.testing.assert_allclose(field[:20], 0.0, atol=1e-9)
+            np.testing.assert_allclose(field[22, 5], [1.202, 0.0, 1.936], rtol=1e-6, atol=1e-9)
         # The message has a field of the same name as the item's.
         map = "{sensor: skin, type: own, each: sensors, channels: {place: {unit: '1', columns: [sensor_pos]}}}"
         sensors = self.read(map, self.folder / "xela")[0][0].sensors

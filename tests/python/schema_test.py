@@ -90,6 +90,8 @@ RIGHT_MAPS = (
     MAP,
     MAP + "time: {column: t, unit: ms}\nskip: [1, 2]\nmissing: nan\nseparator: ';'",
     MAP + "time: {rate: 100 Hz}\nstate: {column: label, values: {hold: non_slip, slip: 3}, rule: a button}",
+    MAP.replace("N,", "counts, scale: 0.01 N, baseline: 0.2 s,") + "time: {column: t}\nnote: a gain of 1 is assumed",
+    MAP.replace("N,", "counts, components: 2, scale: [0.6 uT, -1e-3 uT], baseline: 1,"),
     "sensors: {a: {type: own, channels: {f: {unit: N, scale: 1e-3, columns: [a]}}}}\nobject: {folder: 1}",
 )
 WRONG_MAPS = (
@@ -105,6 +107,9 @@ WRONG_MAPS = (
     MAP + "state: {column: label}",
     MAP + "state: {rule: a button}",
     MAP.replace("[f1]", "f1"),
+    MAP.replace("N,", "counts, scale: 0 N,"),
+    MAP.replace("N,", "counts, scale: [],"),
+    MAP.replace("N,", "counts, baseline: -1 s,"),
     MAP.replace("unit: N, ", ""),
     MAP.replace("pad", "1st"),
 )

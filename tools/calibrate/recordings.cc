@@ -138,7 +138,7 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
                fmt::join(found->shape, ", "), fmt::join(column.shape, ", "));
       if (found->unit != column.unit)
         reject("{}: {}/{} is in {}, but the scene's sensor has it in {}{}", real.name, sensor.name, column.name,
-               quote(found->unit), quote(column.unit), other_unit_remedy);
+               quote(found->unit), quote(column.unit), other_unit_remedy(found->unit, column.unit));
       ChannelPlace place = place_of(sensor, column);
       place.first = columns.count;
       place.recorded_sensor = recorded;

@@ -111,7 +111,7 @@ const std::vector<float>& channel_of(const SensorRecord& record, const std::stri
     if (channel.name != name || channel.shape != std::vector<std::size_t>{pillars, 3}) continue;
     if (channel.unit != unit)
       reject("sensor {}: channel {} is in {}, but it is read in {}{}", record.name, name, quote(channel.unit), unit,
-             other_unit_remedy);
+             other_unit_remedy(channel.unit, unit));
     return channel.values;
   }
   reject("sensor {}: has no channel '{}' of {} pillars", record.name, name, pillars);

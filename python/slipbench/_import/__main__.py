@@ -65,6 +65,8 @@ def run(request: Request) -> int:
     writer = _core.MappedImport(
         request.sources, request.map, request.output, request.seed, request.rate, "object" if map.object else "trial"
     )
+    if "note" in map.block:
+        writer.warn(map.block.node.path, map.block.need("note"))
     importer = Importer(map, writer)
     for file in files:
         interrupt.check()

@@ -97,6 +97,18 @@ def _number(node: Node, where: str) -> float:
     return value
 
 
+def _factor(node: Node, where: str) -> tuple[float, str]:
+    """A factor and its unit: "0.01 N" is 0.01 and "N"; the unit of a plain number is empty."""
+    number, _, unit = _scalar(node, where, "a number, or a number with a unit such as '0.01 N'").strip().partition(" ")
+    try:
+        value = float(number)
+    except ValueError:
+        value = 0.0
+    if not 1e-30 < abs(value) < 1e30 or not _core.is_plain_name(unit.strip() or number):
+        node.fail(f"{where}: expected a number other than 0, or with a unit as '0.01 N', found {node.described}")
+    return value, unit.strip()
+
+
 def _integer(node: Node, where: str) -> int:
     text = _scalar(node, where, "a whole number")
     if not re.fullmatch(r"[0-9]{1,7}", text) or not 1 <= int(text) <= LARGEST:
@@ -144,8 +156,8 @@ def _value(node: Node, key: Key, where: str) -> Any:
         return _integer(node, where)
     if key.kind == "number":
         return _number(node, where)
-    if key.kind == "numbers":
-        return [_number(child, where) for child in node.children] if node.kind == "sequence" and node.children else [_number(node, where)]
+    if key.kind == "factors":
+        return [_factor(child, where) for child in node.children] if node.kind == "sequence" and node.children else [_factor(node, where)]
     if key.kind == "integer":
         return _integer(node, where)
     text = _scalar(node, where, _EXPECTED.get(key.kind, f"a text ({key.description})"))

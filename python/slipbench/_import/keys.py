@@ -14,8 +14,8 @@ class Key:
 
     Attributes:
         name: name in the file
-        kind: "text"; "name" (letters, digits and "_"); "number"; "numbers" (one, or a list); "integer" (1 or
-            more); "boolean"; "duration" ("1 day", "500 ms");
+        kind: "text"; "name" (letters, digits and "_"); "number"; "factors" (a number, or a number with a
+            unit such as "0.01 N", or a list of them); "integer" (1 or more); "boolean"; "duration" ("1 day", "500 ms");
             "texts" (a list); "lines" (a number of lines, or a list of line numbers); "rate" ("100
             Hz"); "words" (texts by texts); "block" (the keys of `block`); "blocks" (such blocks,
             each under a name)
@@ -73,6 +73,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "all of a kind",
             "pattern for the names of the files that are read in folders, such as '*_bio.csv'; files given by name are always read",
         ),
+        Key("note", "text", "none", "sentence that import prints as a warning, such as an assumption of the map"),
         *_SENSOR,
         Key(
             "object",
@@ -135,8 +136,25 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
         Key("rate", "rate", "", "rate of samples without times, such as 100 Hz"),
     ),
     "channel": (
-        Key("unit", "text", "", "unit of the values after `scale`; the dataset has the SI unit if it is a known one, such as mN, mm, kPa or deg", required=True),
-        Key("scale", "numbers", "1", "factor from a cell to `unit`, or a list with one factor for each component"),
+        Key(
+            "unit",
+            "text",
+            "",
+            "unit of a cell times `scale`; the dataset has the SI unit if it is a known one, such as mN, mm, kPa or deg",
+            required=True,
+        ),
+        Key(
+            "scale",
+            "factors",
+            "1",
+            "factor from a cell to `unit`, or with a unit, such as 0.01 N: what 1 `unit` of a cell is; or a list with one for each component",
+        ),
+        Key(
+            "baseline",
+            "duration",
+            "none",
+            "time at the beginning of each recording without contact, such as 0.2 s; the mean of each value in that time is subtracted",
+        ),
         Key("components", "integer", "1, or the number of titles with *", "components of a unit, such as 3 of a force"),
         Key(
             "columns",

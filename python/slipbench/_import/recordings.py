@@ -14,7 +14,7 @@ import numpy as np
 from slipbench import InputError
 from slipbench._import.arrays import read_npy, read_npz, read_parquet
 from slipbench._import.block import Block
-from slipbench._import.keys import TIME_UNITS
+from slipbench._import.keys import STATES, TIME_UNITS
 from slipbench._import.labels import File, Lookup, States, object_of
 from slipbench._import.source import MISSING, Source, stamps_of
 from slipbench._import.times import AmbiguousStepError, duration_text, format_error, is_moment, jump_text, stamp_text, unwrapped
@@ -37,6 +37,8 @@ BAGS = (".mcap", ".bag")
 MOST_RUNS = 5  # runs of missing samples listed in a warning
 FRAME = "as the recordings have it"
 LARGEST = 1_000_000_000  # bytes of a recording
+CONTACT_NAMES = {number: name.replace("_", "-") for name, number in STATES.items() if number > 0}  # labels of samples with contact
+CONTACT = list(CONTACT_NAMES)
 SHORTEST = 1e-10  # s between two samples
 
 
@@ -247,7 +249,7 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
     components = channel.get("components", starred)
     has_table = len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel  # whose last axis has the components
     factors = _factors(key, channel, parts[0].shape[-1] if has_table else components, len(names))
-    joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * (factors * _core.si_unit_of(channel.need("unit"))[1])
+    joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * factors
     large = np.argwhere(np.abs(joined) > np.finfo(np.float32).max)
     if large.size:
         raise InputError(
@@ -263,10 +265,32 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
     return [len(names) // components, components] if components > 1 else [len(names)], names, joined
 
 
+def _unit_of(key: str, channel: Block) -> tuple[str, list[float]]:
+    """The SI unit of a channel's values, and the factors from its cells: one, or one for each
+    component. A scale without a unit converts to `unit`. With a unit it states what one `unit` of
+    a cell is, such as 0.01 N for a count."""
+    unit, factor = _core.si_unit_of(channel.need("unit"))
+    scales: list[tuple[float, str]] = channel.get("scale", [(1.0, "")])
+    if not any(written for _, written in scales):
+        return unit, [scale * factor for scale, _ in scales]
+    converted = [(*_core.si_unit_of(written), scale, written) for scale, written in scales]
+    first, where = converted[0], f"{channel.where}.scale"
+    for symbol, _, scale, written in converted:
+        if symbol != first[0]:
+            found = [f"'{one:g}{other and ' '}{other}'" for one, other in (scales[0], (scale, written))]
+            channel.fail(f"{where}: expected the same unit for each component, found {' and '.join(found)}", "scale")
+    if first[0] == unit:
+        channel.fail(
+            f"{where}: expected a number, because unit is {channel.need('unit')!r}, found '{first[2]:g} {first[3]}'; "
+            "if the cells are counts, write unit: counts",
+            "scale",
+        )
+    return first[0], [factor * scale for _, factor, scale, _ in converted]
+
+
 def _factors(key: str, channel: Block, components: int, width: int) -> np.ndarray:
-    """The factors of the values of a row: of `scale`, which is a number or a list with one factor
-    for each component."""
-    scale = channel.get("scale", [1.0])
+    """The factors from the cells of a row to values in the channel's SI unit."""
+    scale = _unit_of(key, channel)[1]
     if len(scale) not in (1, components):
         fits = "components" not in channel and width % len(scale) == 0
         remedy = f"; for values of {len(scale)} components each, set components: {len(scale)}" if fits else ""
@@ -274,6 +298,53 @@ def _factors(key: str, channel: Block, components: int, width: int) -> np.ndarra
             f"channels.{key}.scale: expected one factor, or one for each of the {counted(components, 'component')}, found {len(scale)}{remedy}", "scale"
         )
     return np.resize(np.array(scale), width)
+
+
+def _without_baseline(
+    source: Source, sensor: Sensor, key: str, values: np.ndarray, times: np.ndarray, kept: np.ndarray, states: np.ndarray | None
+) -> np.ndarray:
+    """Subtracts the level at rest, if the channel has the key `baseline`: the mean of each value
+    over the first seconds of the recording.
+
+    Args:
+        source: the table
+        sensor: the sensor of the map
+        key: name of the channel
+        values: [T, N], in the unit of the channel; NaN if missing
+        times: [T] s
+        kept: [T] rows of the samples in the table
+        states: [T] labels; None: no labels
+
+    Returns:
+        The values without their level at rest.
+
+    Raises:
+        InputError: the recording is not longer than the baseline, is labelled as contact in it, or
+            lacks a value throughout it.
+    """
+    channel = sensor.channels[key]
+    if "baseline" not in channel:
+        return values
+    length, where = channel.need("baseline"), f"{channel.path('baseline')}: the baseline is {duration_text(channel.need('baseline'))}"
+    rounding = 2.0 * float(np.spacing(np.abs(times).max()))  # of the difference of two stamps
+    if times[-1] - times[0] <= length + rounding:
+        channel.fail(f"{where}, but {source.path} lasts only {duration_text(float(times[-1] - times[0]))}; shorten it", "baseline")
+    count = int(np.count_nonzero(times - times[0] < length - rounding))
+    contact = np.flatnonzero(np.isin(states[:count], CONTACT)) if states is not None else np.empty(0, int)
+    if contact.size:
+        row = int(contact[0])
+        channel.fail(
+            f"{where}, but {source.place(int(kept[row]))} is labelled as {CONTACT_NAMES[int(states[row])]} {duration_text(float(times[row] - times[0]))} after "
+            "the beginning; expected no contact in that time: shorten or remove it",
+            "baseline",
+        )
+    known = ~np.isnan(values)
+    unknown = np.flatnonzero(known.any(axis=0) & ~known[:count].any(axis=0))
+    if unknown.size:
+        channel.fail(f"{where}, but value {int(unknown[0]) + 1} of {source.path} is missing throughout it", "baseline")
+    sums = np.where(known[:count], values[:count], 0.0).sum(axis=0)
+    level: np.ndarray = sums / np.maximum(known[:count].sum(axis=0), 1)
+    return values - level
 
 
 def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | None]:
@@ -407,6 +478,7 @@ class Importer:
             raise InputError(
                 f"{source.place(0)}: time: {np.abs(times).max():g} s; expected at most 1e10 s; set time.unit"
             )
+        states = sensor.states.of_rows(file, source, kept) if sensor.states else None
         self._writer.add_sensor(
             name,
             sensor.type,
@@ -416,14 +488,14 @@ class Importer:
             _time_unit(source, sensor),
             rate,
             sensor.states.block.need("rule") if sensor.states else "",
-            sensor.states.of_rows(file, source, kept) if sensor.states else None,
+            states,
             [
                 (
                     key,
-                    _core.si_unit_of(sensor.channels[key].need("unit"))[0],
+                    _unit_of(key, sensor.channels[key])[0],
                     shape,
                     titles,
-                    np.ascontiguousarray(values[kept], np.float32).ravel(),
+                    np.ascontiguousarray(_without_baseline(source, sensor, key, values[kept], times, kept, states), np.float32).ravel(),
                 )
                 for key, (shape, titles, values) in channels.items()
             ],

@@ -16,11 +16,15 @@ _WHOLE: dict[str, Any] = {"type": "integer", "minimum": 1, "maximum": LARGEST}
 # A number that YAML 1.1 reads as text, such as 1e-3.
 _DECIMAL = r"(?=[0.]*[1-9])(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": f"^[+-]?{_DECIMAL}$"}]}
+# What one unit of a cell is: a number and a unit, separated by a blank.
+_FACTOR: dict[str, Any] = {
+    "anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": rf"^[+-]?{_DECIMAL}([ ]+[^\s].*)?$"}]
+}
 _KINDS: dict[str, dict[str, Any]] = {
     "text": _TEXT,
     "name": {"type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
     "number": _NUMBER,
-    "numbers": {"anyOf": [_NUMBER, {"type": "array", "minItems": 1, "items": _NUMBER}]},
+    "factors": {"anyOf": [*_FACTOR["anyOf"], {"type": "array", "minItems": 1, "items": _FACTOR}]},
     "integer": _WHOLE,
     "boolean": {"type": "boolean"},
     "texts": {"type": "array", "minItems": 1, "items": _TEXT},

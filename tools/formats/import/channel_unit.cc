@@ -18,7 +18,8 @@ SiUnit si_unit_of(const std::string& unit) {
                                                      {"mV", {"V", 1e-3}},
                                                      {"uV", {"V", 1e-6}},
                                                      {"\u00b5V", {"V", 1e-6}},
-                                                     {"\u03bcV", {"V", 1e-6}}};
+                                                     {"\u03bcV", {"V", 1e-6}},
+                                                     {"count", {"counts", 1.0}}};
   if (const auto known = further.find(unit); known != further.end()) return known->second;
   try {
     const std::string one = "1 " + unit;

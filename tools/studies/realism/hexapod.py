@@ -26,8 +26,8 @@ FITTED = "fitted with this in view"
 PARTS = {"all": 91.8, "without what follows a halt": math.nan, "while the pad moves": math.nan}  # of the frames; published share of right ones, %
 MEMORY = "tests/detectors/hd/data/published"
 SETUP = ("Real: a PapillArray on a hexapod against acrylic at 1 kHz; statistics of its forces and a memory trained on it are published, the recordings are "
-         "not. Ours: scenes/papillarray/hexapod.yaml, 200 sequences of 4 s at 1 kHz, one device. Fitted: tilt, shares of motions, gains, heights, half of "
-         "the measured coupling. Assumed: directions, accelerations, compressions.")
+         "not. Ours: scenes/papillarray/hexapod.yaml, 200 sequences of 4 s at 1 kHz, one device. Fitted: tilt, shares of motions, gains, heights, no "
+         "coupling. Assumed: directions, accelerations, compressions.")
 
 
 @dataclass

@@ -297,7 +297,7 @@ bool fits(const SensorRecord& sensor, const network::Input& input) {
 // later sensors must have the same. The units that unit_of_pick() knows remain.
 void adopt_units(const SensorRecord& sensor, network::Input& input) {
   for (network::ChannelPick& pick : input.channels) {
-    if (pick.unit.empty()) pick.unit = network::unit_of_pick(pick);
+    if (pick.unit.empty()) pick.unit = network::unit_of_pick(pick, input.sensor);
     if (pick.unit.empty()) pick.unit = std::ranges::find(sensor.channels, pick.name, &SensorColumn::name)->unit;
   }
 }
@@ -451,7 +451,7 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
   there.input.rate = found->rate;
   there.units = count_of_values(column.shape) / 3;
   network::ChannelPick& pick = there.input.channels.front();
-  const std::string unit = network::unit_of_pick(pick);
+  const std::string unit = network::unit_of_pick(pick, input.sensor);
   if (column.name != pick.name || column.unit != unit) {
     pick.name = column.name;
     pick.unit = column.unit;
