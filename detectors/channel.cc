@@ -19,9 +19,12 @@ ChannelPlace vector_channel(const FrameSource& source, std::string_view name, st
     }
     first += channel.size();
   }
+  std::string found;
+  for (const Channel& channel : source.channels) found += (found.empty() ? "" : ", ") + channel.name;
   throw SceneValueError("detector.sensor", detector + " reads a " + std::string(name) +
                                                (axes == 3 ? " in three axes" : " in two axes") + ", which the " + source.type +
-                                               " " + quote(source.sensor) + " does not have");
+                                               " " + quote(source.sensor) + " does not have; found: " + found +
+                                               "; the detector deviation reads any channel");
 }
 
 std::size_t scalar_channel(const FrameSource& source, std::string_view name, const std::string& detector) {

@@ -53,7 +53,7 @@ void slipbench_make_detector(const struct slipbench_source* source, struct slipb
     return;
   }
   if (strcmp(channel->unit, "N") != 0) {
-    sprintf(detector->refusal, "it reads the channel force in N, but the sensor has it in '%.32s'", channel->unit);
+    sprintf(detector->refusal, "it reads force in N, but the sensor has it in '%.32s'", channel->unit);
     return;
   }
   gate = (struct ratio_gate*)malloc(sizeof *gate);

@@ -29,7 +29,10 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
     if (found == channels.end()) {
       std::vector<std::string> names;
       for (const Channel& channel : channels) names.push_back(channel.name);
-      throw InputError("the network needs the channel " + quote(pick.name) + allowed_names(pick.name, names));
+      const bool forces = std::ranges::find(names, "force") != names.end();
+      throw InputError("the network needs the channel " + quote(pick.name) + allowed_names(pick.name, names) +
+                       (forces ? "; the detector force_ratio reads forces, and deviation reads any channel"
+                               : "; the detector deviation reads any channel"));
     }
     const std::string unit = unit_of_pick(pick, input.sensor);
     if (!unit.empty() && !found->unit.empty() && found->unit != unit) {
@@ -291,11 +294,16 @@ struct Frames::State {  // all members are public, for the functions of the clas
   std::size_t next = 0;              // row of the window
 };
 
-Frames::Frames(const Input& input, const std::string& type, double rate, std::span<const Channel> channels) {
+void check_channels(const Input& input, const std::string& type, std::span<const Channel> channels) {
   if (type != input.sensor) {
     throw InputError("the network reads a " + quote(input.sensor) + " according to its metadata, but this sensor is a " +
                      quote(type));
   }
+  picked(input, channels);
+}
+
+Frames::Frames(const Input& input, const std::string& type, double rate, std::span<const Channel> channels) {
+  check_channels(input, type, channels);
   if (!rate_fits(input, rate)) {
     throw InputError("the network was trained for " + format_quantity(input.rate, Quantity::frequency) + ", but the sensor has " +
                      format_quantity(rate, Quantity::frequency) + "; the rates must agree within 1 %");

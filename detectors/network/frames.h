@@ -16,6 +16,10 @@ namespace slipbench::network {
 // is off by some 0.1 %.
 bool rate_fits(const Input& input, double rate);
 
+// Throws InputError if a sensor of this type and these channels does not have the values that the
+// network reads, in their physical units.
+void check_channels(const Input& input, const std::string& type, std::span<const Channel> channels);
+
 class Frames {
  public:
   // For a sensor of this type, rate [Hz] and channels. Throws InputError if they differ from those

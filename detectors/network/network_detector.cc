@@ -91,7 +91,8 @@ class NetworkDetector final : public Detector {
     const std::size_t expected = fed_.size() / features;
     const bool units = row > 1 && expected % row == 0 && read % row == 0;
     throw InputError("the network expects " + counted(units ? expected / row : expected, units ? "unit" : "value") + " of " +
-                     names + ", but sensor " + quote(source.sensor) + " has " + std::to_string(units ? read / row : read));
+                     names + ", but sensor " + quote(source.sensor) + " has " + std::to_string(units ? read / row : read) +
+                     "; the detector deviation reads any number");
   }
 
   std::unique_ptr<network::Engine> engine_;
@@ -108,6 +109,8 @@ std::unique_ptr<Detector> make_network(const Parameters& parameters, const Frame
   if (model == no_network) throw SceneValueError("detector.model", "no network is given; expected the path of an ONNX file");
   try {
     std::unique_ptr<network::Engine> engine = network::load_engine(model);
+    network::check_channels(engine->description().input, source.type,
+                            source.channels);  // before the rate, which users can change
     network::Frames frames(engine->description().input, source.type, source.rate, source.channels);
     return std::make_unique<NetworkDetector>(std::move(engine), std::move(frames), source, parameters.number("threshold"),
                                              parameters.number("latency"));

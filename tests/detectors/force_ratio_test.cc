@@ -68,8 +68,9 @@ TEST(ForceRatio, FindsItsChannelAmongOthers) {
 
 TEST(ForceRatio, RefusesASensorWithoutForces) {
   FrameSource source{"skin", "piezo_skin", 1000.0, {{"signal", "1", {8}, {}}, {"force", "N", {9}, {}}}};
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { detector(0.5, source); }),
-              refused_at("detector.sensor", {"force_ratio", "force", "skin"}));
+  EXPECT_THAT(
+      refusal_of<SceneValueError>([&] { detector(0.5, source); }),
+      refused_at("detector.sensor", {"force_ratio", "force", "skin", "found: signal, force", "deviation reads any channel"}));
 }
 
 // A threshold of 0.05 N would be 0.05 mN in a recording in mN.
@@ -78,6 +79,9 @@ TEST(ForceRatio, RefusesForcesInAnotherUnit) {
   source.channels.front().unit = "mN";
   EXPECT_THAT(refusal_of<SceneValueError>([&] { detector(0.5, source); }),
               refused_at("detector.sensor", {"force_ratio", "force", "in N", "'mN'", "import"}));
+  source.channels.front().unit = "counts";
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { detector(0.5, source); }),
+              refused_at("detector.sensor", {"in N", "'counts'", "what one count is, for example scale: 0.01 N"}));
 }
 
 }  // namespace

@@ -91,6 +91,17 @@ TEST(PluginDetector, RunsTheExample) {
   detector->finish();
 }
 
+// Its threshold on the normal force is in N.
+TEST(PluginDetector, TheExampleRefusesForcesInAnotherUnit) {
+  FrameSource source = two_sensors();
+  for (Channel& channel : source.sensors[1].channels) channel.unit = "counts";
+  Parameters given;
+  given.set("library", file("ratio_gate"));
+  given.set("parameters", ParameterMap{});
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(plugin_detector().create(given, source)); }),
+              mentions({"force in N", "counts"}));
+}
+
 // A skin of 4 kHz and a pad of 1 kHz, with an update at every second sample of the pad: eight
 // samples of the skin and two of the pad.
 TEST(PluginDetector, HearsEverySampleOfEverySensor) {

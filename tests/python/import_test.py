@@ -814,7 +814,7 @@ class Layouts(ImportTest):
         # Each recording has its own level, and values that are missing do not count.
         other = self.write("b.csv", table(rows=[[row[0], f"{int(row[1]) + 10}", row[2]] for row in rows]))
         recordings = self.read(map % ("", "0.3 s"), path, other)[0]
-        np.testing.assert_array_equal(*(np.asarray(one.sensors["pad"].force) for one in recordings))
+        np.testing.assert_allclose(*(np.asarray(one.sensors["pad"].force) for one in recordings), rtol=1e-6, atol=1e-12)
         rows[1][1] = ""
         holes = self.write("c.csv", table(rows=rows))
         pad = self.read((map % (", missing: nan", "0.3 s")), holes)[0][0].sensors["pad"]
@@ -1018,6 +1018,67 @@ class Layouts(ImportTest):
             self.assertEqual((done.returncode, done.stderr), (2, "slipbench: cannot write to standard output: No space left on device\n"))
             done = subprocess.run(["sh", "-c", '"$@" >&-', "sh", *words], stderr=subprocess.PIPE, text=True, check=False)
             self.assertEqual((done.returncode, done.stderr), (2, "slipbench: cannot write to standard output: Bad file descriptor\n"))
+
+
+class Drafts(ImportTest):
+    """`import --draft`: a map from the titles of a table."""
+
+    def draft(self, titles, type, times=("0", "0.01", "0.02"), step=1):
+        """Returns the map for a table with these titles, whose column k of row r is (10 k + r)
+        step, and its recording."""
+        rows = [[time, *(f"{(10 * k + row) * step}" for k in range(1, len(titles)))] for row, time in enumerate(times)]
+        path = self.write("a.csv", table(titles=titles, rows=rows))
+        map = self.folder / "drafted.yaml"
+        done = subprocess.run([PROGRAM, "import", path, "--draft", type, "-o", map], check=False, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"import {path} --map {map} -o {self.folder}/drafted.h5", done.stdout)
+        text = map.read_text(encoding="utf-8")
+        self.assertTrue(done.stdout.startswith(text))
+        return text, self.read(text.replace(", baseline: 0.2 s", ""), path)[0][0].sensors["pad"]
+
+    def test_columns_are_found_by_their_titles(self):
+        text, skin = self.draft(["time_s", *(f"txl{k}_{axis}" for k in (1, 2) for axis in "xyz"), "temp"], "magnetic_skin")
+        self.assertIn("time: {column: time_s, unit: s}  # 100 Hz", text)
+        self.assertIn("# Check: what 1 count is", text)
+        self.assertTrue(text.endswith("# Not read: temp\n"))
+        # The first row is 10, 20, ... 60 counts of 0.601, 0.601 and 0.968 uT.
+        np.testing.assert_allclose(np.asarray(skin.field)[0], [[6.01, 12.02, 29.04], [24.04, 30.05, 58.08]], rtol=1e-6)
+        # Numbers that are not whole are not counts.
+        text, skin = self.draft(["t", "x0", "y0", "z0", "x1", "y1", "z1"], "magnetic_skin", step=0.5)
+        self.assertEqual(np.asarray(skin.field)[0].tolist(), [[5.0, 10.0, 15.0], [20.0, 25.0, 30.0]])
+        self.assertIn("unit: uT, baseline: 0.2 s", text)
+        # Forces [N] and displacements [mm], in the order of the device's log.
+        text, pad = self.draft(["t (ms)", *(f"P{p}_{kind}{axis}" for p in range(9) for kind in "DF" for axis in "XYZ")], "papillarray", ("0", "2", "4"))
+        self.assertIn('time: {column: "t (ms)", unit: ms}  # 500 Hz', text)
+        self.assertEqual(pad.units, {"force": "N", "displacement": "m"})
+        self.assertEqual(np.asarray(pad.force)[0, 1].tolist(), [100.0, 110.0, 120.0])
+        np.testing.assert_allclose(np.asarray(pad.displacement)[0, 1], [0.07, 0.08, 0.09], rtol=1e-6)
+        # 19 electrodes, of which the tenth is not the second, and 3 values of pac; the unit of the
+        # stamps follows from their steps: 10,000 us are 100 Hz.
+        text, finger = self.draft(["stamp", "pdc", *(f"pac{k}" for k in range(1, 4)), *(f"ele{k}" for k in range(1, 20))], "biotac_sp", ("5", "10005", "20005"))
+        self.assertIn("time: {column: stamp, unit: us}  # 100 Hz", text)
+        self.assertEqual(np.asarray(finger.electrodes)[0].tolist(), [50.0 + 10 * k for k in range(19)])
+        self.assertEqual(np.asarray(finger.pac).shape, (3, 3))
+        # An array of one axis.
+        text, array = self.draft(["timestamp", *(f"channel{k}" for k in range(16))], "taxels", ("134559", "134587", "134615"))
+        self.assertIn("unit: ms}  # 35.71 Hz", text)
+        self.assertEqual(np.asarray(array.signal).shape, (3, 16))
+        # One unit without a number.
+        self.assertEqual(np.asarray(self.draft(["t", "fx", "fy", "fz"], "taxels")[1].force).shape, (3, 1, 3))
+
+    def test_what_cannot_be_drafted_is_explained(self):
+        path = self.write("a.csv", table())
+        for words, message in (
+            ((path, "--draft", "papillaray"), "did you mean 'papillarray'? found: biotac_sp, magnetic_skin, myrmex, papillarray, piezo_skin, taxels"),
+            ((path, "--draft", "magnetic_skin"), "a.csv:1: no columns were found for x, y and z of field of a magnetic_skin, such as x0, y0, z0, x1, ...; found: t, f1, f2"),
+            ((path, "--draft", "taxels", "--map", "xela_ros"), "--draft writes a map; expected only -o FILE.yaml next to it"),
+            ((self.write("b.bag", "x"), "--draft", "taxels"), "b.bag: --draft reads tables of text"),
+            ((path,), "--draft TYPE writes a map of a table"),
+        ):
+            with self.subTest(message):
+                done = subprocess.run([PROGRAM, "import", *words], check=False, capture_output=True, text=True)
+                self.assertEqual((done.returncode, done.stdout), (2, ""))
+                self.assertIn(message, " ".join(done.stderr.split()))
 
 
 class Arrays(ImportTest):

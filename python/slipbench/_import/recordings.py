@@ -330,11 +330,12 @@ def _without_baseline(
     if times[-1] - times[0] <= length + rounding:
         channel.fail(f"{where}, but {source.path} lasts only {duration_text(float(times[-1] - times[0]))}; shorten it", "baseline")
     count = int(np.count_nonzero(times - times[0] < length - rounding))
-    contact = np.flatnonzero(np.isin(states[:count], CONTACT)) if states is not None else np.empty(0, int)
+    labels = np.zeros(count, np.uint8) if states is None else states[:count]
+    contact = np.flatnonzero(np.isin(labels, CONTACT))
     if contact.size:
         row = int(contact[0])
         channel.fail(
-            f"{where}, but {source.place(int(kept[row]))} is labelled as {CONTACT_NAMES[int(states[row])]} {duration_text(float(times[row] - times[0]))} after "
+            f"{where}, but {source.place(int(kept[row]))} is labelled as {CONTACT_NAMES[int(labels[row])]} {duration_text(float(times[row] - times[0]))} after "
             "the beginning; expected no contact in that time: shorten or remove it",
             "baseline",
         )

@@ -268,7 +268,8 @@ TEST(Frames, UnitsAreLevelsAndRatesOfEachUnitsForce) {
 }
 
 // Without a unit in the description a force is in N and a displacement in m, as every simulated
-// sensor has them; other channels have any unit unless the description states one.
+// sensor has them, and a channel of a simulated sensor has the unit of that sensor. Other channels
+// have any unit unless the description states one.
 TEST(Frames, RefuseAChannelInAnotherUnit) {
   const auto read = [](const std::string& channel, const std::string& trained, const std::string& found) {
     Input input = input_of({{channel, {}, trained}});
@@ -281,6 +282,18 @@ TEST(Frames, RefuseAChannelInAnotherUnit) {
   EXPECT_THAT(refusal_of([&] { read("force", "", "mN"); }), mentions({"'force'", "'N'", "'mN'"}));
   EXPECT_THAT(refusal_of([&] { read("displacement", "", "mm"); }), mentions({"'displacement'", "'m'", "'mm'"}));
   EXPECT_THAT(refusal_of([&] { read("signal", "counts", "V"); }), mentions({"'signal'", "'counts'", "'V'"}));
+  const auto read_by = [](const std::string& sensor, const std::string& channel, const std::string& found) {
+    Input input = input_of({{channel, {}}});
+    input.sensor = sensor;
+    const std::vector<Channel> channels{{channel, found, {1, 3}, {}}};
+    Frames(input, input.sensor, input.rate, channels);
+  };
+  EXPECT_NO_THROW(read_by("magnetic_skin", "field", "uT"));
+  EXPECT_THAT(refusal_of([&] { read_by("magnetic_skin", "field", "counts"); }),
+              mentions({"'field'", "'uT'", "'counts'", "what one count is, for example scale: 0.01 uT"}));
+  EXPECT_THAT(refusal_of([&] { read_by("biotac_sp", "electrodes", "V"); }), mentions({"'counts'", "'V'"}));
+  EXPECT_THAT(refusal_of([&] { read_by("piezo_skin", "signal", "V"); }), mentions({"'counts'", "'V'"}));
+  EXPECT_NO_THROW(read_by("taxels", "signal", "V")) << "the scene chooses its unit";
 }
 
 TEST(Frames, APixelOfSpectraIsTheirMeanBinByBin) {
@@ -339,7 +352,9 @@ TEST(Frames, SayWhatDoesNotFitTheSensor) {
   EXPECT_THAT(refusal(good, "papillarray", 500.0), mentions({"1 kHz", "500 Hz", "1 %"}));
   EXPECT_THAT(refusal(good, "papillarray", 989.0), mentions({"1 kHz", "989 Hz"}));
   EXPECT_THAT(refusal(good, "papillarray", 1011.0), mentions({"1 kHz", "1011 Hz"}));
-  EXPECT_THAT(refusal(input_of({{"forces", {}}})), mentions({"forces", "force"}));
+  EXPECT_THAT(refusal(input_of({{"forces", {}}})), mentions({"forces", "force", "force_ratio reads forces", "deviation"}));
+  // What a recording lacks is reported before its rate, which `eval --resample` can change.
+  EXPECT_THAT(refusal(input_of({{"displacement", {}}}), "papillarray", 100.0), mentions({"'displacement'", "force"}));
   EXPECT_THAT(refusal(input_of({{"force", {6}}})), mentions({"force", "6", "0", "5"}));
   Input input = good;
   input.offset = {1.0, 2.0};

@@ -1,6 +1,7 @@
 // The scenes shipped with the program.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -52,6 +53,9 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
     EXPECT_EQ(scene.sensors[0].parameters.number("rate"), 1000.0);
     EXPECT_EQ(scene.sensors[0].parameters.integer("bristles"), 6);
     EXPECT_EQ(scene.sensors[0].parameters.choice("profile"), "hexapod");
+    // Coupling was measured on another device (docs/concepts/trust.md).
+    EXPECT_EQ(std::ranges::count(scene.sensors[0].electronics, "coupling", &Named::name), 0);
+    EXPECT_EQ(std::ranges::count(scene.sensors[0].electronics, "gain", &Named::name), 1);
     EXPECT_EQ(motion.number("start"), 2.0);
     const bool slides = motion.number("speed") > 0.0;
     const bool turns = motion.number("rotation") != 0.0;

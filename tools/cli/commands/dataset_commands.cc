@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -26,6 +27,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/json.h"
 #include "tools/doctor/doctor.h"
+#include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/plugin/plugin_builds.h"
 #include "tools/registry/program_catalogues.h"
@@ -250,13 +252,16 @@ states become recorded labels, which `slipbench eval` uses (--labels recorded).
 times, labels and objects. It reads tables (.csv, .tsv, .txt, .dat), Parquet, .npz, .npy, MCAP and
 bags of ROS 1 and ROS 2. MAP is a YAML file or one of the included maps:
 {}.
+--draft TYPE writes a map for a table of text: it finds the columns by their titles, and marks what
+you should check. TYPE is the type of the sensor: papillarray, magnetic_skin, biotac_sp, taxels, ...
 
 Formats without a map:
 {}
 Examples:
   slipbench import logs --format papillarray-csv -o recorded.h5
   slipbench import training --format training-csv -o published.h5 --seed 3
-  slipbench import mine --map columns.yaml -o mine.h5)",
+  slipbench import log.csv --draft magnetic_skin -o skin.yaml
+  slipbench import log.csv --map skin.yaml -o mine.h5)",
                               "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
   arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments
@@ -264,6 +269,7 @@ Examples:
             [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); })
       .offers(import_format_names);
   arguments.input("--map MAP", options.map, "Description of the recordings: a YAML file, or the name of an included map");
+  arguments.text("--draft TYPE", draft, "Write a map of SOURCE for this type of sensor to the file of -o, instead of importing");
   arguments.quantity("--rate RATE", options.rate,
                      "Resample at this rate, e.g. '100 Hz', by linear interpolation without a filter (default: as recorded)",
                      Quantity::frequency);
@@ -271,9 +277,13 @@ Examples:
   arguments.flag("-v,--verbose", options.verbose, "Print all warnings, not only the first ten (formats without --map)");
   arguments.number("--seed N", options.seed, "Seed of the split into train, valid and test (default: 1)", 0);
   arguments.then([this] {
-    if (options.format == nullptr && options.map.empty())
-      reject("import: give --map MAP, a description of the recordings, or --format NAME; names: {}",
-             fmt::join(import_format_names(), ", "));
+    if (!draft.empty() && (options.format != nullptr || !options.map.empty() || options.rate || json))
+      reject("import: --draft writes a map; expected only -o FILE.yaml next to it");
+    if (draft.empty() && options.format == nullptr && options.map.empty())
+      reject(
+          "import: give --map MAP, a description of the recordings, or --format NAME; names: {}; --draft TYPE writes a map of a "
+          "table, where TYPE is the type of the sensor, such as papillarray",
+          fmt::join(import_format_names(), ", "));
     if (options.format != nullptr && !options.map.empty())
       reject("import: --map {}: the format {} has no map; give either --map or --format", options.map,
              format_name(*options.format));
@@ -281,6 +291,7 @@ Examples:
 }
 
 int ImportCommand::run() {
+  if (!draft.empty()) draft_map();
   if (options.format == nullptr) import_by_map();
   const ImportSummary summary = [this] {
     const InterruptGuard guard("stopping; nothing is kept");
@@ -304,6 +315,42 @@ void ImportCommand::import_by_map() {
   take_stdout_back();
   module.start(request_text(request));
 }
+
+// Python reads the table.
+void ImportCommand::draft_map() {
+  const PythonModule module("slipbench._import.draft", "import --draft", "import");
+  const Json request{{"sources", options.sources}, {"type", draft}, {"output", options.output}, {"install", module.install()}};
+  take_stdout_back();
+  module.start(request_text(request));
+}
+
+namespace {
+
+// Returns a detector that reads these channels of a sensor: an included network, force_ratio or
+// deviation, which reads any channel.
+std::string detector_for(const std::string& type, const std::set<std::string>& channels) {
+  struct Network {
+    const char* type;
+    const char* channel;
+    const char* file;
+  };
+  static constexpr std::array<Network, 6> networks{{{"biotac_sp", "electrodes", "scenes/learn/biotac_slip.onnx"},
+                                                    {"gel_markers", "displacement", "scenes/learn/gel_slip.onnx"},
+                                                    {"magnetic_skin", "field", "scenes/learn/magnetic_skin_slip.onnx"},
+                                                    {"nib_pad", "si", "scenes/learn/nib_slip.onnx"},
+                                                    {"papillarray", "displacement", "scenes/learn/papillarray_slip.onnx"},
+                                                    {"piezo_skin", "signal", "scenes/learn/piezo_slip.onnx"}}};
+  for (const Network& network : networks) {
+    if (type != network.type || !channels.contains(network.channel)) continue;
+    try {
+      return shell_word(project_file(network.file));
+    } catch (const InputError&) {  // not installed
+    }
+  }
+  return channels.contains("force") ? "force_ratio" : "deviation";
+}
+
+}  // namespace
 
 void print_import(const ImportSummary& summary, const ImportOptions& options, bool json) {
   const std::size_t shown = options.verbose ? summary.warnings.size() : std::min(summary.warnings.size(), most_import_warnings);
@@ -334,6 +381,10 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
     say(stderr, "slipbench: nothing was written\n");
   } else {
     print_next("slipbench verify " + shell_word(summary.files.front()));
+    if (!options.map.empty() && summary.channels.size() == 1) {
+      const auto& [type, channels] = *summary.channels.begin();
+      print_next("slipbench detect " + detector_for(type, channels) + " " + shell_word(summary.files.front()));
+    }
   }
 }
 

@@ -37,9 +37,11 @@ struct ImportCommand final : Command {
   int run() override;
 
   ImportOptions options;
+  std::string draft;  // type of the sensor of which a map is drafted; empty: import
 
  private:
   [[noreturn]] void import_by_map();
+  [[noreturn]] void draft_map();
 };
 
 // Prints the result of an import on stdout, as one JSON object with `json`, and its warnings on

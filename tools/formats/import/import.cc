@@ -225,6 +225,7 @@ void RecordingWriter::add(TrialRecord record, const std::string& path, std::size
   record.seed = options_.seed;
   for (std::size_t k = 0; k < record.sensors.size(); ++k) {
     const SensorRecord& sensor = record.sensors[k];
+    for (const SensorColumn& channel : sensor.channels) summary_.channels[sensor.type].insert(channel.name);
     // The sensors of a table share its stamps, which are reported once.
     if (k == 0 || sensor.time != record.sensors.front().time)
       warn_of_timing(sensor, time_units.empty() ? 1.0 : time_units[k], path,

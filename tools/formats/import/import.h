@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ struct ImportSummary {
   std::size_t repeated_rows = 0;               // omitted rows that repeat the previous row exactly
   std::map<std::string, std::size_t> objects;  // number of recordings of each; empty: the format names no objects
   std::vector<std::string> files;              // written
+  // Names of the channels of the sensors of each type.
+  std::map<std::string, std::set<std::string>> channels;
   // For each recording's file: steps that vary by more than 1 % (steps_vary()), a rate that
   // suggests times in another unit, and samples interpolated in gaps.
   std::vector<Warning> warnings;
