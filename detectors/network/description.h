@@ -21,8 +21,8 @@ struct ChannelPick {
   std::string unit = {};            // in which it was trained: "N"; empty: unit_of_pick() has the conventional one
 };
 
-// Physical unit in which the network reads the channel of a `sensor` (its type): of the description;
-// without one the unit of the simulated sensors, which is N for every force and m for every
+// Physical unit in which the network reads the channel of a sensor of the type `sensor`. Without a
+// unit in the description it is the unit of the simulated sensor, N for every force and m for every
 // displacement; empty: unknown, any unit fits.
 std::string unit_of_pick(const ChannelPick& pick, std::string_view sensor);
 

@@ -16,7 +16,7 @@ _WHOLE: dict[str, Any] = {"type": "integer", "minimum": 1, "maximum": LARGEST}
 # A number that YAML 1.1 reads as text, such as 1e-3.
 _DECIMAL = r"(?=[0.]*[1-9])(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": f"^[+-]?{_DECIMAL}$"}]}
-# What one unit of a cell is: a number and a unit, separated by a blank.
+# A number, or a number and a unit that are separated by a blank.
 _FACTOR: dict[str, Any] = {
     "anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": rf"^[+-]?{_DECIMAL}([ ]+[^\s].*)?$"}]
 }

@@ -353,7 +353,7 @@ TEST(Frames, SayWhatDoesNotFitTheSensor) {
   EXPECT_THAT(refusal(good, "papillarray", 989.0), mentions({"1 kHz", "989 Hz"}));
   EXPECT_THAT(refusal(good, "papillarray", 1011.0), mentions({"1 kHz", "1011 Hz"}));
   EXPECT_THAT(refusal(input_of({{"forces", {}}})), mentions({"forces", "force", "force_ratio reads forces", "deviation"}));
-  // What a recording lacks is reported before its rate, which `eval --resample` can change.
+  // A missing channel is reported before the rate, which resampling can change.
   EXPECT_THAT(refusal(input_of({{"displacement", {}}}), "papillarray", 100.0), mentions({"'displacement'", "force"}));
   EXPECT_THAT(refusal(input_of({{"force", {6}}})), mentions({"force", "6", "0", "5"}));
   Input input = good;
