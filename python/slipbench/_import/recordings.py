@@ -344,8 +344,8 @@ def _without_baseline(
     if unknown.size:
         channel.fail(f"{where}, but value {int(unknown[0]) + 1} of {source.path} is missing throughout it", "baseline")
     sums = np.where(known[:count], values[:count], 0.0).sum(axis=0)
-    level: np.ndarray = sums / np.maximum(known[:count].sum(axis=0), 1)
-    return values - level
+    moved: np.ndarray = values - sums / np.maximum(known[:count].sum(axis=0), 1)
+    return moved
 
 
 def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | None]:
