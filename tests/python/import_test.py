@@ -1063,6 +1063,10 @@ class Drafts(ImportTest):
         text, array = self.draft(["timestamp", *(f"channel{k}" for k in range(16))], "taxels", ("134559", "134587", "134615"))
         self.assertIn("unit: ms}  # 35.71 Hz", text)
         self.assertEqual(np.asarray(array.signal).shape, (3, 16))
+        # A title such as t_1 is not a time.
+        text, array = self.draft(["elapsed [ms]", "t_1", "t_2"], "taxels", ("0", "10", "20"))
+        self.assertIn('time: {column: "elapsed [ms]", unit: ms}  # 100 Hz', text)
+        self.assertIn("time: {rate: 100 Hz}  # Check: the rate", self.draft(["t_0", "t_1", "t_2"], "taxels")[0])
         # One unit without a number.
         self.assertEqual(np.asarray(self.draft(["t", "fx", "fy", "fz"], "taxels")[1].force).shape, (3, 1, 3))
 
@@ -1071,6 +1075,7 @@ class Drafts(ImportTest):
         for words, message in (
             ((path, "--draft", "papillaray"), "did you mean 'papillarray'? found: biotac_sp, magnetic_skin, myrmex, papillarray, piezo_skin, taxels"),
             ((path, "--draft", "magnetic_skin"), "a.csv:1: no columns were found for x, y and z of field of a magnetic_skin, such as x0, y0, z0, x1, ...; found: t, f1, f2"),
+            ((self.write("n.csv", "0,1,2,3\n1,2,3,4\n"), "--draft", "papillarray"), "a table without titles needs header: false"),
             ((path, "--draft", "taxels", "--map", "xela_ros"), "--draft writes a map; expected only -o FILE.yaml next to it"),
             ((self.write("b.bag", "x"), "--draft", "taxels"), "b.bag: --draft reads tables of text"),
             ((path,), "--draft TYPE writes a map of a table"),

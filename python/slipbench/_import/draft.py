@@ -135,7 +135,7 @@ def assigned(type: str, groups: list[Group]) -> list[tuple[Wanted, Group]]:
 
 def time_key(table: TextTable) -> tuple[str, str, str]:
     """The column of times; the value of the map's key `time`; a comment."""
-    words = r"(?i)(.*(time|stamp).*|t|ts|t[ _(\[].*|.*\b(sec|secs|seconds|msec|usec))"
+    words = r"(?i).*(time|stamp|elapsed|seconds).*|ts?|(t|sec|secs|msec|usec)?([ _(\[]+(s|ms|us|ns|sec)[)\]]?)?"
     title = next((title for title in table.titles if re.fullmatch(words, title)), "")
     if not title:
         return "", "{rate: 100 Hz}", "Check: the rate, because no column is called time"
@@ -178,6 +178,7 @@ def drafted(table: TextTable, type: str) -> str:
         raise InputError(
             f"{table.title_place()}: no columns were found for {needed} of a {type}, such as "
             f"{'x0, y0, z0, x1, ...' if WANTED[type][0].axes else 'e1, e2, ...'}; found: {', '.join(table.titles[:10])}; write the map by hand"
+            f"{table.title_hint()}"
         )
     lines = [
         f"# Drafted by `slipbench import --draft {type}` from the titles of {Path(table.path).name}.",
