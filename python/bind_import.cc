@@ -122,7 +122,8 @@ void bind_import(nb::module_& module) {
     const SiUnit si = si_unit_of(unit);
     return std::pair(si.symbol, si.factor);
   });
-  module.def("other_unit_remedy", &other_unit_remedy);
+  module.def("other_unit_remedy",
+             [](const std::string& found, const std::string& needed) { return other_unit_remedy(found, needed); });
   nb::class_<MappedImport>(module, "MappedImport")
       .def(nb::init<std::vector<std::string>, std::string, std::string, std::uint64_t, std::optional<double>,
                     const std::string&>(),

@@ -1029,6 +1029,7 @@ class Drafts(ImportTest):
         rows = [[time, *(f"{(10 * k + row) * step}" for k in range(1, len(titles)))] for row, time in enumerate(times)]
         path = self.write("a.csv", table(titles=titles, rows=rows))
         map = self.folder / "drafted.yaml"
+        map.unlink(missing_ok=True)
         done = subprocess.run([PROGRAM, "import", path, "--draft", type, "-o", map], check=False, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn(f"import {path} --map {map} -o {self.folder}/drafted.h5", done.stdout)
@@ -1078,6 +1079,7 @@ class Drafts(ImportTest):
             ((self.write("n.csv", "0,1,2,3\n1,2,3,4\n"), "--draft", "papillarray"), "a table without titles needs header: false"),
             ((path, "--draft", "taxels", "--map", "xela_ros"), "--draft writes a map; expected only -o FILE.yaml next to it"),
             ((self.write("b.bag", "x"), "--draft", "taxels"), "b.bag: --draft reads tables of text"),
+            ((path, "--draft", "taxels", "-o", self.write("kept.yaml", "x")), "kept.yaml: exists already, and may have been edited"),
             ((path,), "--draft TYPE writes a map of a table"),
         ):
             with self.subTest(message):

@@ -209,6 +209,8 @@ def run(sources: list[str], type: str, output: str) -> int:
     path = list_files(sources)[0].path
     if Path(path).is_dir() or Path(path).suffix not in TABLES:
         raise InputError(f"{path}: --draft reads tables of text, {', '.join(TABLES)}; write the map by hand, or use an included map for bags")
+    if output and Path(output).exists():
+        raise InputError(f"{output}: exists already, and may have been edited; give another file, or remove it")
     text = drafted(TextTable(path), type)
     if not output:
         return write_result(lambda: print(text, end=""))

@@ -260,8 +260,8 @@ Formats without a map:
 Examples:
   slipbench import logs --format papillarray-csv -o recorded.h5
   slipbench import training --format training-csv -o published.h5 --seed 3
-  slipbench import log.csv --draft magnetic_skin -o skin.yaml
-  slipbench import log.csv --map skin.yaml -o mine.h5)",
+  slipbench import mine/press.csv --draft taxels -o columns.yaml
+  slipbench import mine --map columns.yaml -o mine.h5)",
                               "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
   arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments

@@ -40,8 +40,6 @@ void check_examples(std::initializer_list<const char*> commands) {
   std::filesystem::copy(SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_ptfe.yaml", folder / "scenes/grasp/check_ptfe.yaml");
   std::filesystem::create_directories(folder / "mine");
   std::ofstream(folder / "mine/press.csv") << "t,load\n0,0.1\n0.01,0.2\n0.02,0.3\n";
-  std::ofstream(folder / "columns.yaml")
-      << "{sensor: skin, type: taxels, time: {column: t}, channels: {load: {unit: N, columns: [load]}}}\n";
   const std::string whole = bytes_of(scenes + "hexapod.yaml");
   ASSERT_NE(shortened(whole), whole);
   std::ofstream(folder / "scenes/papillarray/hexapod.yaml") << shortened(whole);
