@@ -1071,6 +1071,20 @@ class Drafts(ImportTest):
         # One unit without a number.
         self.assertEqual(np.asarray(self.draft(["t", "fx", "fy", "fz"], "taxels")[1].force).shape, (3, 1, 3))
 
+    def test_import_names_a_detector_that_reads_the_channels(self):
+        for type, channel, detector in (
+            ("magnetic_skin", "field: {unit: uT, components: 3", "scenes/learn/magnetic_skin_slip.onnx"),
+            ("magnetic_skin", "raw: {unit: counts", "deviation"),
+            ("papillarray", "force: {unit: N, components: 3", "force_ratio"),
+            ("biotac_sp", "electrodes: {unit: counts", "deviation"),
+        ):
+            with self.subTest(type):
+                map = self.write("map.yaml", f"{{sensor: pad, type: {type}, time: {{column: t}}, channels: {{{channel}, columns: [x, y, z]}}}}}}")
+                rows = [[f"{0.01 * k:.2f}", "1", "2", "3"] for k in range(3)]
+                path = self.write("a.csv", table(rows=rows, titles=("t", "x", "y", "z")))
+                done = subprocess.run([PROGRAM, "import", path, "--map", map, "-o", self.folder / "out.h5"], check=True, capture_output=True, text=True)
+                self.assertRegex(done.stdout.splitlines()[-1], rf"^next: \S+ detect (\S+/)?{detector} {self.folder}/out.h5$")
+
     def test_what_cannot_be_drafted_is_explained(self):
         path = self.write("a.csv", table())
         for words, message in (
