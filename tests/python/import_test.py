@@ -1090,6 +1090,7 @@ class Drafts(ImportTest):
         for words, message in (
             ((path, "--draft", "papillaray"), "did you mean 'papillarray'? found: biotac_sp, magnetic_skin, myrmex, papillarray, piezo_skin, taxels"),
             ((path, "--draft", "magnetic_skin"), "a.csv:1: no columns were found for x, y and z of field of a magnetic_skin, such as x0, y0, z0, x1, ...; found: t, f1, f2"),
+            ((self.write("v.csv", "T_us,S0_P0_DX\n1,2\n"), "--draft", "papillarray"), "needs no map; import it with --format papillarray-csv"),
             ((self.write("n.csv", "0,1,2,3\n1,2,3,4\n"), "--draft", "papillarray"), "a table without titles needs header: false"),
             ((path, "--draft", "taxels", "--map", "xela_ros"), "--draft writes a map; expected only -o FILE.yaml next to it"),
             ((self.write("b.bag", "x"), "--draft", "taxels"), "b.bag: --draft reads tables of text"),

@@ -170,6 +170,8 @@ def drafted(table: TextTable, type: str) -> str:
     Raises:
         InputError: no columns fit a channel of this type.
     """
+    if type == "papillarray" and "S0_P0_DX" in table.titles:
+        raise InputError(f"{table.title_place()}: is a log of the vendor's software, which needs no map; import it with --format papillarray-csv")
     title, time, comment = time_key(table)
     groups = groups_of([one for one in table.titles if one != title])
     channels = assigned(type, groups)

@@ -150,7 +150,7 @@ def vibration_amplitude(options: Options) -> float:
         InputError: the trial fails
     """
     travel, start = 10e-3, 0.4  # mm, s
-    changes = {"sensors.pad.electronics": FILTER, "friction": "{static: 20, kinetic: 20}", "time_step": "0.05 ms", "duration": "0.53 s",
+    changes = {"sensors.pad.electronics": FILTER, "friction": "{static: 20, kinetic: 20}", "time_step": "0.01 ms", "duration": "0.53 s",
                "motion": f"{{kind: stage, compression: 1 mm, start: {start} s, speed: {2.0 * travel * VIBRATION} mm/s, travel: {travel} mm, strokes: 100, "
                          "acceleration: inf}"}
     [[(force, _)]] = run_grid([Cell("vibration", "scenes/papillarray/stage.yaml", changes)], replace(options, jobs=1), _readings)
