@@ -639,7 +639,8 @@ class Layouts(ImportTest):
         # acceleration, and remains, as do unknown units.
         for unit, si, factor in (("N", "N", 1.0), ("mN", "N", 1e-3), ("kN", "N", 1e3), ("uN", "N", 1e-6), ("\u00b5N", "N", 1e-6), ("\u03bcN", "N", 1e-6), ("mV", "V", 1e-3), ("gf", "N", 9.80665e-3), ("kgf", "N", 9.80665),
                                  ("mm", "m", 1e-3), ("um", "m", 1e-6), ("\u00b5m", "m", 1e-6), ("mm/s", "m/s", 1e-3), ("kPa", "Pa", 1e3),
-                                 ("deg", "rad", np.pi / 180), ("g", "g", 1.0), ("counts", "counts", 1.0), ("1", "1", 1.0), ("%", "%", 1.0), ("count", "counts", 1.0)):
+                                 ("deg", "rad", np.pi / 180), ("g", "g", 1.0), ("counts", "counts", 1.0), ("1", "1", 1.0), ("%", "%", 1.0), ("count", "counts", 1.0),
+                                 ("uT", "uT", 1.0), ("\u00b5T", "uT", 1.0), ("mT", "uT", 1e3), ("T", "uT", 1e6), ("nT", "uT", 1e-3)):
             with self.subTest(unit=unit):
                 source = self.write("a.csv", table())
                 pad = self.read(f"{{sensor: pad, type: own, time: {{column: t}}, channels: {{force: {{unit: {json.dumps(unit)}, scale: 2, columns: [f1]}}}}}}", source)[0][0].sensors["pad"]

@@ -19,7 +19,12 @@ SiUnit si_unit_of(const std::string& unit) {
                                                      {"uV", {"V", 1e-6}},
                                                      {"\u00b5V", {"V", 1e-6}},
                                                      {"\u03bcV", {"V", 1e-6}},
-                                                     {"count", {"counts", 1.0}}};
+                                                     {"count", {"counts", 1.0}},
+                                                     {"T", {"uT", 1e6}},
+                                                     {"mT", {"uT", 1e3}},
+                                                     {"\u00b5T", {"uT", 1.0}},
+                                                     {"\u03bcT", {"uT", 1.0}},
+                                                     {"nT", {"uT", 1e-3}}};
   if (const auto known = further.find(unit); known != further.end()) return known->second;
   try {
     const std::string one = "1 " + unit;

@@ -11,9 +11,9 @@ struct SiUnit {
 };
 
 // Returns the SI unit of the quantity to which `unit` belongs: "N" and 1e-3 for "mN". Knows the
-// units of scenes, and uN, gf and kgf. A `count` is stored in `counts`, as sensors name it. A unit
-// that it does not know, such as counts, remains with the factor 1. So does a unit of mass or a percentage: `g` may mean the mass, the force or the
-// acceleration.
+// units of scenes, and uN, gf and kgf. A `count` is stored in `counts` and a magnetic field in uT,
+// as the simulated sensors have them. A unit that it does not know remains with the factor 1. So does
+// a unit of mass or a percentage: `g` may mean the mass, the force or the acceleration.
 SiUnit si_unit_of(const std::string& unit);
 
 }  // namespace slipbench
