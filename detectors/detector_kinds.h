@@ -9,6 +9,14 @@
 
 namespace slipbench {
 
+// Spacing of frames that a detector can read.
+enum class FrameSpacing {
+  any,     // each estimate depends on one frame alone
+  evened,  // counts frames; those of a recording with jitter and gaps are resampled first (resampling.h)
+  own,     // resamples them itself, to the rate that it reads
+  even,    // counts frames as they are, and refuses others
+};
+
 struct DetectorKind {
   Entry about;
   // `parameters`: all parameters that `about` declares. Throws SceneValueError at detector.sensor
@@ -16,7 +24,7 @@ struct DetectorKind {
   // detector.window if it is not a whole number of frames.
   std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);
   void (*check_run)(const Parameters& parameters, std::uint64_t trials) = nullptr;  // null: no requirements
-  bool counts_frames = true;  // assumes evenly spaced frames; false: each estimate depends on one frame alone
+  FrameSpacing spacing = FrameSpacing::even;
 };
 
 // Makes a detector from its parameters and source.

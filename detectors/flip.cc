@@ -38,6 +38,7 @@ class Flipped final : public Detector {
 
   [[nodiscard]] const std::vector<Feature>& features() const override { return detector_->features(); }
   [[nodiscard]] SampleListener* listener() override { return detector_->listener(); }
+  [[nodiscard]] std::string notice() const override { return detector_->notice(); }
   void finish() override { detector_->finish(); }
 
  private:

@@ -47,7 +47,7 @@ DetectorKind force_ratio_detector() {
                       touch_spec()}},
       created<ForceRatio>,
       nullptr,
-      false};
+      FrameSpacing::any};
 }
 
 }  // namespace slipbench

@@ -96,7 +96,7 @@ DetectorKind marker_deviation_detector() {
                       indentation_spec()}},
       created<MarkerDetector<by_deviation>>,
       nullptr,
-      false};
+      FrameSpacing::any};
 }
 
 DetectorKind marker_entropy_detector() {
@@ -115,7 +115,7 @@ DetectorKind marker_entropy_detector() {
                       indentation_spec()}},
       created<MarkerDetector<by_entropy>>,
       nullptr,
-      false};
+      FrameSpacing::any};
 }
 
 }  // namespace slipbench

@@ -101,7 +101,9 @@ DetectorKind shear_rate_detector() {
                         "A slipping unit sticks again when f_t/f_n falls below this share of its value when the slip was found.",
                         "assumed"),
             least_friction_spec(), touch_spec()}},
-      created<ShearRate>};
+      created<ShearRate>,
+      nullptr,
+      FrameSpacing::evened};
 }
 
 }  // namespace slipbench

@@ -99,7 +99,9 @@ DetectorKind stuck_fraction_detector() {
             number_spec("friction_share", Quantity::none, "0.9", positive_up_to(1.0),
                         "Share of the last measured friction above which a pillar slips while no tip moves.", "assumed"),
             least_friction_spec(), touch_spec()}},
-      created<StuckFraction>};
+      created<StuckFraction>,
+      nullptr,
+      FrameSpacing::evened};
 }
 
 }  // namespace slipbench

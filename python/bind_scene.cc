@@ -332,13 +332,14 @@ class Scene {
 };
 
 std::string evaluate(const std::string& type, const Pairs& parameters, const std::string& dataset, const std::string& labels,
-                     const std::string& sensor, const std::string& split, bool all) {
+                     const std::string& sensor, const std::string& split, bool all, bool resample) {
   eval::Options options;
   options.detector = eval::chosen_detector(type, overrides_of(parameters));
   options.dataset = dataset;
   options.sensor = sensor;
   options.split = split;
   options.all = all;
+  options.resample = resample;
   options.trained = eval::training_of(options.detector);
   if (!labels.empty()) options.labels = eval::parse_label_rule(labels);
   const nb::gil_scoped_release release;
@@ -349,11 +350,12 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
 // Returns the result and the written files. `output` empty: no files.
 std::pair<std::string, std::vector<std::string>> detect(const std::string& type, const Pairs& parameters,
                                                         const std::vector<std::string>& recordings, const std::string& sensor,
-                                                        const std::string& output) {
+                                                        const std::string& output, bool resample) {
   eval::DetectOptions options;
   options.detector = eval::chosen_detector(type, overrides_of(parameters));
   options.recordings = recordings;
   options.sensor = sensor;
+  options.resample = resample;
   const nb::gil_scoped_release release;
   const std::lock_guard alone(hdf5_in_use);
   if (!output.empty()) eval::check_detect_output(output);

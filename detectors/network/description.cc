@@ -45,6 +45,8 @@ constexpr std::array<std::pair<const char*, std::size_t Alarm::*>, 3> alarm_keys
 
 bool is_spectrum(Transform transform) { return transform == Transform::log_psd || transform == Transform::amplitude; }
 
+bool reads_single_samples(const Input& input) { return input.window == 1 && input.median == 1; }
+
 template <class Words>
 auto word_of(const Words& words, typename Words::value_type::second_type value) {
   return std::string(std::ranges::find(words, value, &Words::value_type::second)->first);
@@ -339,6 +341,18 @@ std::string unit_of_pick(const ChannelPick& pick, std::string_view sensor) {
   const auto* known =
       std::ranges::find_if(others, [&](const Known& one) { return one.sensor == sensor && one.channel == pick.name; });
   return known == others.end() ? "" : known->unit;
+}
+
+double rate_read(const Input& input) {
+  return reads_single_samples(input) ? input.rate / static_cast<double>(input.stride) : input.rate;
+}
+
+Input at_rate_read(const Input& input) {
+  Input same = input;
+  if (!reads_single_samples(input)) return same;
+  same.rate = rate_read(input);
+  same.stride = 1;
+  return same;
 }
 
 std::size_t frame_size(const Input& input, std::size_t values) {

@@ -128,6 +128,12 @@ struct Description {
   std::string trained = "{}";  // JSON object: training data, for people and for `eval`
 };
 
+// Rate at which the network reads its sensor [Hz]: `rate` over `stride` if each frame is one sample,
+// otherwise `rate`, because windows, medians and spectra need every sample.
+double rate_read(const Input& input);
+// The same input for samples at rate_read().
+Input at_rate_read(const Input& input);
+
 // Number of values in a frame made by Frames, if a sample has `values` picked ones.
 std::size_t frame_size(const Input& input, std::size_t values);
 

@@ -1,6 +1,7 @@
 #include "detectors/detector_kinds.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 
 #include "detectors/network/engine.h"
 #include "detectors/network/frames.h"
+#include "detectors/resampling.h"
 #include "sim/core/counted.h"
 #include "sim/core/error.h"
 
@@ -109,11 +111,18 @@ std::unique_ptr<Detector> make_network(const Parameters& parameters, const Frame
   if (model == no_network) throw SceneValueError("detector.model", "no network is given; expected the path of an ONNX file");
   try {
     std::unique_ptr<network::Engine> engine = network::load_engine(model);
-    network::check_channels(engine->description().input, source.type,
-                            source.channels);  // before the rate, which users can change
-    network::Frames frames(engine->description().input, source.type, source.rate, source.channels);
-    return std::make_unique<NetworkDetector>(std::move(engine), std::move(frames), source, parameters.number("threshold"),
-                                             parameters.number("latency"));
+    network::Input input = engine->description().input;
+    network::check_channels(input, source.type, source.channels);  // before the rate, which users can change
+    Resampling resampling;
+    // Frames reports another type of sensor.
+    if (source.type == input.sensor && (!network::rate_fits(input, source.rate) || !source.uneven_times.empty())) {
+      resampling = resampling_of(source, network::rate_read(input), "the network");
+      input = network::at_rate_read(input);
+    }
+    network::Frames frames(input, source.type, resampling.needed() ? resampling.rate : source.rate, source.channels);
+    return resampled(std::make_unique<NetworkDetector>(std::move(engine), std::move(frames), source,
+                                                       parameters.number("threshold"), parameters.number("latency")),
+                     resampling, source, resampling_text(resampling, source, std::filesystem::path(model).filename().string()));
   } catch (const InputError& error) {
     const std::string what = error.what();
     throw SceneValueError("detector.model", what.starts_with(model) ? what : model + ": " + what);
@@ -142,7 +151,9 @@ DetectorKind network_detector() {
                       number_spec("threshold", Quantity::none, "0", fraction,
                                   "Probability p above which the pad slips; 0: the threshold in the file.",
                                   "set for each scene")}},
-      make_network};
+      make_network,
+      nullptr,
+      FrameSpacing::own};
 }
 
 }  // namespace slipbench

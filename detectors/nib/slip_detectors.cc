@@ -91,7 +91,9 @@ DetectorKind nib_linear_slip_detector() {
                 "ratio", "counts", {"forces", "counts"},
                 "Quantities of the ratio F_S,y/F_N: forces: newtons by normal_gain and shear_gain; counts: raw changes of capacitance.",
                 "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances")})},
-      created<nib::LinearSlip>};
+      created<nib::LinearSlip>,
+      nullptr,
+      FrameSpacing::evened};
 }
 
 namespace nib {
@@ -158,7 +160,9 @@ DetectorKind nib_slip_kind_detector() {
                         "assumed: the noise at rest never reaches it, and the ramp of a pull seldom does"),
             number_spec("curl", Quantity::none, "0.93", positive_up_to(2.13), "|curl| above which a slip is rotational.",
                         "assumed: half the curl of a rigid rotation about the centre taxel")})},
-      created<nib::SlipKindDetector>};
+      created<nib::SlipKindDetector>,
+      nullptr,
+      FrameSpacing::evened};
 }
 
 }  // namespace slipbench

@@ -96,7 +96,9 @@ DetectorKind band_energy_detector() {
                 "assumed: 1.65 times the typical noise of the piezo_skin in the band, 24.2 counts, whose rms varies by 14 % from window to window"),
             number_spec("release", Quantity::none, "0.7", positive_up_to(1.0), "Share of the threshold below which a slip ends.",
                         "assumed")}},
-      created<BandEnergy>};
+      created<BandEnergy>,
+      nullptr,
+      FrameSpacing::evened};
 }
 
 }  // namespace slipbench

@@ -132,7 +132,9 @@ DetectorKind yardstick(const std::string& name, const std::string& summary, cons
            .source = "a yardstick for trained detectors, whose value must be above that of one number",
            .parameters = {number_spec("threshold", Quantity::none, threshold, positive,
                                       "Value of s from which the pad slips, " + unit + ".", source)}},
-          created<Yardstick<law>>};
+          created<Yardstick<law>>,
+          nullptr,
+          FrameSpacing::evened};
 }
 
 }  // namespace

@@ -457,7 +457,7 @@ def list_names() -> dict[str, Any]:
 
 
 def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapping[str, Any] | None = None, labels: str = "", sensor: str = "",
-             split: str = "", all_trials: bool = False) -> dict[str, Any]:
+             split: str = "", all_trials: bool = False, resample: bool = False) -> dict[str, Any]:
     """Evaluates a detector on the trials of the file `dataset`. Returns the output of `slipbench
     eval DETECTOR DATASET --json`.
 
@@ -467,9 +467,10 @@ def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapp
     paper, latched, has_slipped or recorded (the labels of imported recordings); empty: recorded for
     recordings, else the rule of a network's training, or strict. `sensor`: the one that it reads;
     empty: the only one. `split`: "train", "valid" or "test" of the dataset's masks; empty: all
-    trials. `all_trials`: includes trials that the detector was trained on. The recording is read,
-    and the detector run, in a child process.
+    trials. `all_trials`: includes trials that the detector was trained on. `resample`: interpolates
+    recordings that are slower than the detector reads, and across gaps of more than 0.1 s. The
+    recording is read, and the detector run, in a child process.
     """
     pairs = overrides_of(parameters)
-    result: dict[str, Any] = json.loads(_core.evaluate(detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials))
+    result: dict[str, Any] = json.loads(_core.evaluate(detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials, resample))
     return result

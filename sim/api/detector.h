@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,6 +49,11 @@ struct FrameSource {
   // Relative tolerance within which a duration counts as a whole number of frames: the rounding of
   // decimals, or the clock error of a recording.
   double rate_rounding = 1e-9;
+  // s, stamps of all frames of a recording that are not evenly spaced; empty: they are.
+  std::span<const double> uneven_times{};
+  // The user accepts estimates of interpolated frames, at a rate below the detector's and in gaps of
+  // any length.
+  bool interpolate = false;
 };
 
 // Name of the detector in a scene that stands for the truth
@@ -70,6 +76,9 @@ class Detector {
   // Returns the part of the detector that receives the samples of all sensors, before the update()
   // of the same instant. Null (the usual case): no part does.
   [[nodiscard]] virtual SampleListener* listener() { return nullptr; }
+  // Returns one sentence for the user if the detector reads other frames than its sensor's, such as
+  // resampled ones; empty: it does not. Never changes.
+  [[nodiscard]] virtual std::string notice() const { return {}; }
   // Called once after the last update(). Throws InputError if the detector's backend fails as it
   // ends.
   virtual void finish() {}

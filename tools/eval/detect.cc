@@ -98,12 +98,15 @@ std::string detected(const DetectOptions& options) {
   const Catalogues catalogues = program_catalogues();
   const TruthRule simulated = learnt_labels(training_of(options.detector));
   Json trials = Json::array(), sensor;
+  Notices notices;
   check_given_once(options.recordings, "recording");
   for (const std::string& recording : options.recordings) {
     const DatasetReader reader = whole_dataset(recording);
     for (const std::size_t number : reader.trials()) {
       try {
-        const RecordedTrial trial = recorded_trial(reader, number, options.detector, options.sensor, catalogues);
+        const RecordedTrial trial =
+            recorded_trial(reader, number, options.detector, options.sensor, catalogues, options.resample);
+        notices.add(trial.replayed.notice);
         const SensorRecord& read = trial.sensor();
         if (sensor.is_null()) sensor = {{"name", read.name}, {"type", read.type}, {"rate_hz", read.rate}};
         trials.push_back(detected_trial(recording, trial, simulated));
@@ -116,7 +119,10 @@ std::string detected(const DetectOptions& options) {
   Json json = {{detect_key, 1},
                {"detector", {{"type", options.detector.type}, {"parameters", parameters_json(options.detector.parameters)}}},
                {"sensor", std::move(sensor)},
+               {"notice", notices.text()},
                {"worst", worst_of(trials)}};
+  if (const std::unique_ptr<network::Engine> network = network_of(options.detector))
+    json["reads_hz"] = network::rate_read(network->description().input);
   json["trials"] = std::move(trials);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -14,6 +14,7 @@ struct DetectOptions {
   DetectorScene detector;
   std::vector<std::string> recordings;  // datasets, by their first files
   std::string sensor;                   // name in the scene; empty: the only one
+  bool resample = false;                // as in eval::Options
 };
 
 inline constexpr const char* detect_key = "slipbench_detect";
@@ -22,6 +23,7 @@ inline constexpr const char* detect_key = "slipbench_detect";
 // same. Returns the object that --json prints; its first key is detect_key: 1.
 // - detector: {type, parameters}
 // - sensor: {name, type, rate_hz} of the first trial
+// - notice, reads_hz: as of evaluate()
 // - trials: [{recording, trial, object, duration_s, alarms: [{begin_s, end_s, probability}],
 //   alarms_per_minute, labels, wrong_share, samples: {time_s, state, probability, label}}]. An
 //   alarm lasts from the first estimate of slip to the first sample without; its `probability` is

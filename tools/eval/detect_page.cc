@@ -99,6 +99,7 @@ std::string detect_page(const Json& result) {
   std::vector<std::string> notes{fmt::format("sensor {} ({}), {}, {}", sensor.at("name").get<std::string>(),
                                              sensor.at("type").get<std::string>(), counted(trials.size(), "trial"),
                                              alarms_text(alarms))};
+  std::ranges::move(frame_notes(result), std::back_inserter(notes));
   notes.emplace_back(labelled
                          ? "Alarms are shaded."
                          : "Alarms are shaded. The recordings have no labels, so alarms cannot be classified as right or wrong.");

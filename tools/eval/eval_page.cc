@@ -277,7 +277,8 @@ std::string worst_timelines(const Json& result, const std::string& dataset_path,
   const Json& all = result.at("worst");
   for (std::size_t place = 0; place < std::min(drawn_trials, all.size()); ++place) {
     const Json& worst = all[place];
-    const RecordedTrial trial = recorded_trial(reader, worst.at("trial").get<std::size_t>(), detector, sensor, catalogues);
+    const RecordedTrial trial = recorded_trial(reader, worst.at("trial").get<std::size_t>(), detector, sensor, catalogues,
+                                               result.at("resample").get<bool>());
     html += page::section_html(fmt::format("Trial {}", trial.record.trial), worst.at("why").get<std::string>(),
                                page::timeline_html(trial.sensor(), marks_of(trial, rule), drawn_channels));
   }
@@ -303,6 +304,7 @@ std::string eval_page(const Json& result, const std::string& dataset_path, const
                                              text(result.at("sensor").at("type")), text(result.at("labels")),
                                              counted(count("trials"), "trial"), counted(count("frames"), "sample"))};
   if (const std::string note = truth_note(result); !note.empty()) notes.push_back(note);
+  std::ranges::move(frame_notes(result), std::back_inserter(notes));
   for (const Json& warning : result.at("warnings")) notes.push_back("warning: " + text(warning));
   std::string body =
       page::head_html(page_kind.generator, name + " on " + dataset, notes, text(result.at("command"))) + headline(all);

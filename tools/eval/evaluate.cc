@@ -12,6 +12,8 @@
 #include "detectors/hd/memory_files.h"
 #include "sim/core/counted.h"
 #include "sim/core/math.h"
+#include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/content_check.h"
 #include "tools/dataset/reader.h"
@@ -50,6 +52,7 @@ struct Judged {
   std::vector<std::size_t> named;  // number of samples by the class that a network chooses
   Json sensor;                     // name, type, rate
   double origin = 0.0;             // s, page::time_origin()
+  std::string notice;              // of the detector
 };
 
 // Thresholds of a probability, from almost everything called slip to almost nothing.
@@ -121,7 +124,7 @@ Facts facts_of(const Scene* scene, const TrialRecord& record, const SensorRecord
 
 Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, TruthRule labels,
                     const Catalogues& catalogues, const network::Alarm& alarm, YardstickScores& yardsticks) {
-  const RecordedTrial recorded = recorded_trial(reader, trial, options.detector, options.sensor, catalogues);
+  const RecordedTrial recorded = recorded_trial(reader, trial, options.detector, options.sensor, catalogues, options.resample);
   const TrialRecord& record = recorded.record;
   const SensorRecord& sensor = recorded.sensor();
   const Replayed& replayed = recorded.replayed;
@@ -142,6 +145,7 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
   result.facts = facts_of(recorded.scene ? &*recorded.scene : nullptr, record, sensor);
   result.grasp = record.outcome.grasp;
   result.origin = page::time_origin(sensor.time);
+  result.notice = replayed.notice;
   result.sensor = {{"name", sensor.name}, {"type", sensor.type}, {"rate_hz", sensor.rate}};
   if (record.control && !record.control->detector.empty() && record.control->sensor == sensor.name) {
     result.loop_detector = record.control->detector;
@@ -458,7 +462,11 @@ std::string evaluated(const Options& options) {
   const JudgedTrials found = judged_trials(reader, options, labels, network.get());
   const auto& [trials, left_out, learnt, scores] = found;
   std::vector<Judgement> judgements;
-  for (const Judged& trial : trials) judgements.push_back(trial.judgement);
+  Notices notices;
+  for (const Judged& trial : trials) {
+    judgements.push_back(trial.judgement);
+    notices.add(trial.notice);
+  }
   Json json = {{result_key, 1},
                {"detector", {{"type", options.detector.type}, {"parameters", parameters_json(options.detector.parameters)}}},
                {"dataset", options.dataset},
@@ -467,10 +475,13 @@ std::string evaluated(const Options& options) {
                {"truth", reader.header().truth},
                {"split", options.split.empty() ? "all" : options.split},
                {"left_out", left_out},
+               {"notice", notices.text()},
+               {"resample", options.resample},
                {"warnings", training_warnings(options, learnt, trials.size())},
                {"all", summary_json(summarised(judgements))},
                {"by", breakdowns(trials, left_out.empty())},
                {"failed", reader.failed().size()}};
+  if (network) json["reads_hz"] = network::rate_read(network->description().input);
   add_curves(json, trials);
   if (Json yardstick = yardstick_json(reader, options, labels, found); !yardstick.is_null())
     json["yardstick"] = std::move(yardstick);
@@ -534,6 +545,14 @@ std::string detector_name(const Json& detector) {
   if (type == "network") return type + " " + parameters.value("model", "");
   const std::string memories = parameters.value("memories", "");
   return type + (memories.empty() ? "" : " with the memories " + memories);
+}
+
+std::vector<std::string> frame_notes(const Json& result) {
+  std::vector<std::string> notes;
+  if (result.contains("reads_hz"))
+    notes.push_back("the network reads " + readable_quantity(result.at("reads_hz").get<double>(), Quantity::frequency));
+  if (std::string notice = result.value("notice", ""); !notice.empty()) notes.push_back(std::move(notice));
+  return notes;
 }
 
 std::string truth_note(const Json& result) {

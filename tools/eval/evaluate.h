@@ -19,6 +19,7 @@ struct Options {
   // `sha256_seen` are left out, unless `all`.
   std::string trained = "{}";
   bool all = false;
+  bool resample = false;  // interpolate recordings that are slower than the detector reads, or have long gaps
 };
 
 // Training record of a detector, JSON: the metadata `trained` of a network; {"trained",
@@ -40,6 +41,9 @@ inline constexpr const char* result_key = "slipbench_eval";
 // - truth: empty; for imported recordings "none: imported from bts3v2", where the set's own labels
 //   are the reference
 // - left_out: trials that the detector was trained on, which are not judged
+// - notice: how samples were resampled for the detector, of all trials; empty: they were not
+// - reads_hz: rate at which a network reads its sensor (network::rate_read())
+// - resample: as in Options
 // - warnings: texts about a trained detector that does not record its trials, and about judged
 //   trials on which it was trained (`all`)
 // - all: summary_json() of the judged trials
@@ -75,6 +79,10 @@ std::string detector_name(const Json& detector);
 
 // Maximum number of trials, and of channels of each, that a page draws over time.
 inline constexpr std::size_t drawn_trials = 12, drawn_channels = 4;
+
+// Notes on the frames that the detector read, from a result of evaluate() or detect(): the rate of a
+// network, and how samples were resampled.
+std::vector<std::string> frame_notes(const Json& result);
 
 // Note on the labels if `truth` is not empty; else empty.
 std::string truth_note(const Json& result);

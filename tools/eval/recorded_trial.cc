@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/trial/recorded_scene.h"
 
@@ -54,16 +55,26 @@ std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::s
 Truth RecordedTrial::truth(TruthRule rule) const { return truth_of(scene ? &*scene : nullptr, record, sensor(), rule); }
 
 RecordedTrial recorded_trial(const DatasetReader& reader, std::size_t trial, const DetectorScene& detector,
-                             const std::string& sensor, const Catalogues& catalogues) {
+                             const std::string& sensor, const Catalogues& catalogues, bool interpolate) {
   reader.check_recorded(trial);
   RecordedTrial result;
   result.record = reader.read_trial(trial);
   const std::vector<std::string> names = ordered_sensors(reader, trial);
   result.read = chosen_sensor(names, sensor);
   result.sensors = in_order(result.record, names);
-  result.replayed = replay(detector, result.sensors, result.read, result.record.seed, trial);
+  result.replayed = replay(detector, result.sensors, result.read, result.record.seed, trial, interpolate);
   if (has_scene(reader)) result.scene = recorded_scene(recorded_file(reader), result.record, catalogues);
   return result;
+}
+
+void Notices::add(const std::string& notice) {
+  if (notice.empty()) return;
+  if (first_.empty()) first_ = notice;
+  others_ += notice == first_ ? 0 : 1;
+}
+
+std::string Notices::text() const {
+  return others_ == 0 ? first_ : fmt::format("{}; {} in a similar way", first_, counted(others_, "other trial"));
 }
 
 Json parameters_json(const Parameters& parameters) {

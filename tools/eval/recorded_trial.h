@@ -29,9 +29,22 @@ struct RecordedTrial {
 
 // Reads a trial and runs the detector on it. `sensor`: name in the scene; empty: the only one.
 // Throws InputError for a trial with its outcome alone, for an unknown sensor, and as replay()
-// does.
+// does. `interpolate`: as in replay().
 RecordedTrial recorded_trial(const DatasetReader& reader, std::size_t trial, const DetectorScene& detector,
-                             const std::string& sensor, const Catalogues& catalogues);
+                             const std::string& sensor, const Catalogues& catalogues, bool interpolate = false);
+
+// What a detector says about its frames (Detector::notice()), in one line for all trials.
+class Notices {
+ public:
+  // `notice`: of the next trial; empty: none.
+  void add(const std::string& notice);
+  // The first notice, with the number of trials that have another one. Empty: none.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::string first_;
+  std::size_t others_ = 0;
+};
 
 // Parameters by name, for results.
 Json parameters_json(const Parameters& parameters);

@@ -11,6 +11,7 @@
 
 #include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
+#include "detectors/resampling.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
 #include "tools/registry/program_catalogues.h"
@@ -138,7 +139,7 @@ std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
 }  // namespace
 
 Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sensors, std::size_t sensor, std::uint64_t seed,
-                std::uint64_t trial) {
+                std::uint64_t trial, bool interpolate) {
   std::vector<SensorSource> sources;
   double duration = 0.0;
   for (const SensorRecord& record : sensors) {
@@ -152,8 +153,19 @@ Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sen
     check_no_missing_value(sensors[sensor]);
     source.rate_rounding = rate_tolerance;
   }
-  if (counts_frames(detector.type)) check_evenly_spaced(sensors[sensor]);
-  return replay(make_detector(detector, source), sensors, sensor);
+  source.interpolate = interpolate;
+  const FrameSpacing spacing = frame_spacing(detector.type);
+  if (spacing == FrameSpacing::any || evenly_spaced(sensors[sensor]))
+    return replay(make_detector(detector, source), sensors, sensor);
+  if (spacing == FrameSpacing::even) check_evenly_spaced(sensors[sensor]);
+  source.uneven_times = sensors[sensor].time;
+  if (spacing == FrameSpacing::own) return replay(make_detector(detector, source), sensors, sensor);
+  const Resampling evened = resampling_of(source, timing_of(source.uneven_times, 0.0).median_rate, detector.type);
+  FrameSource even = source;
+  even.rate = evened.rate;
+  even.uneven_times = {};
+  return replay(resampled(make_detector(detector, even), evened, source, resampling_text(evened, source, detector.type)), sensors,
+                sensor);
 }
 
 Replayed replay(std::unique_ptr<Detector> detector, std::span<const SensorRecord> sensors, std::size_t sensor) {
@@ -177,7 +189,9 @@ Replayed replay(std::unique_ptr<Detector> detector, std::span<const SensorRecord
     if (frame) rows.add(*frame);
   }
   delayed.finish();
-  return rows.take();
+  Replayed replayed = rows.take();
+  replayed.notice = delayed.notice();
+  return replayed;
 }
 
 DetectorScene chosen_detector(const std::string& text, const std::vector<Override>& parameters) {

@@ -30,6 +30,7 @@ struct Replayed {
   std::vector<double>
       probability;            // of slip, in the first row that sees an estimate; NaN elsewhere, and if the detector has none
   std::vector<double> named;  // number of the class, likewise
+  std::string notice;         // Detector::notice()
 };
 
 // Feeds a trial's samples to a detector made for it (make_detector), as the loop does: all channels
@@ -39,9 +40,10 @@ struct Replayed {
 // detector reads number `sensor`. `seed` and `trial` are the dataset's. The trial lasts until its
 // last sample. Throws InputError as make_detector() and the detector do, for a sensor without
 // samples, for an invalid probability, and for samples that are not evenly_spaced() if the detector
-// counts_frames(). The clock of a recording may be off by rate_tolerance.
+// has FrameSpacing::even. The clock of a recording may be off by rate_tolerance. `interpolate`: as in
+// FrameSource.
 Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sensors, std::size_t sensor, std::uint64_t seed,
-                std::uint64_t trial);
+                std::uint64_t trial, bool interpolate = false);
 // As above with a detector made for that sensor.
 Replayed replay(std::unique_ptr<Detector> detector, std::span<const SensorRecord> sensors, std::size_t sensor);
 

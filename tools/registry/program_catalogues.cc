@@ -297,10 +297,10 @@ std::vector<Entry> detector_entries() {
   return entries;
 }
 
-bool counts_frames(const std::string& type) {
+FrameSpacing frame_spacing(const std::string& type) {
   const auto found = std::ranges::find(detector_catalogue(), type,
                                        [](const DetectorKind& kind) -> const std::string& { return kind.about.name; });
-  return found == detector_catalogue().end() || found->counts_frames;
+  return found == detector_catalogue().end() ? FrameSpacing::even : found->spacing;
 }
 
 void register_detector(const Entry& about, DetectorMaker make) {

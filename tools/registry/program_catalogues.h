@@ -20,6 +20,8 @@
 
 namespace slipbench {
 
+enum class FrameSpacing;  // detectors/detector_kinds.h
+
 Catalogues program_catalogues();
 // The same without types registered in this process: those of the command line.
 Catalogues command_line_catalogues();
@@ -67,9 +69,8 @@ void register_detector(const Entry& about, DetectorMaker make);
 // flip.
 std::vector<Entry> detector_entries();
 
-// True if a detector of this type assumes evenly spaced frames (DetectorKind::counts_frames), as
-// those of register_detector() may.
-bool counts_frames(const std::string& type);
+// DetectorKind::spacing of a detector of this type; `even` for those of register_detector().
+FrameSpacing frame_spacing(const std::string& type);
 
 // Creates the detector that `scene` describes for the frames of `source`, with the flips that the
 // scene asks for. Only the oracle reads `simulation`, which must outlive it. Throws InputError for

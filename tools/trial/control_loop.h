@@ -27,6 +27,7 @@ class DelayedDetector {
 
   [[nodiscard]] const std::vector<Feature>& features() const { return detector_->features(); }
   [[nodiscard]] SampleListener* listener() { return detector_->listener(); }
+  [[nodiscard]] std::string notice() const { return detector_->notice(); }
   void finish() { detector_->finish(); }
 
   // Passes the next frame of its sensor. Throws std::logic_error if the detector's estimate is

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "detectors/detector_kinds.h"
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
@@ -47,14 +48,11 @@ std::vector<SensorSource> sources_of(const Scene& scene, const Sensors& sensors)
   return sources;
 }
 
-DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene& scene, const Sensors& sensors,
-                                      const Simulation& simulation, std::uint64_t trial) {
+FrameSource frame_source(const DetectorScene& detector, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
   const SensorScene& about = scene.sensors[detector.sensor];
   const Sensor& sensor = *sensors[detector.sensor];
-  return DelayedDetector(make_detector(
-      detector,
-      {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration, scene.seed, sources_of(scene, sensors)},
-      simulation));
+  return {about.name, about.type,     sensor.rate(), sensor.channels(),
+          trial,      scene.duration, scene.seed,    sources_of(scene, sensors)};
 }
 
 ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial,
@@ -65,7 +63,8 @@ ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& si
         "duration", "ends before the box is lifted; allowed: more than " + format_quantity(box->lift_start(), Quantity::time));
   }
   std::optional<DelayedDetector> detector;
-  if (scene.detector) detector = make_delayed_detector(*scene.detector, scene, sensors, simulation, trial);
+  if (scene.detector)
+    detector.emplace(make_detector(*scene.detector, frame_source(*scene.detector, scene, sensors, trial), simulation));
   std::unique_ptr<Controller> controller;
   if (scene.controller || in_place) {
     const GripSource source{.channels = sensors.front()->channels(),
@@ -132,6 +131,11 @@ PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial) {
   const double each = scene.fidelity != "field" ? pillar_step : alone ? field_step : body_step;
   steps.seconds = steps.count * each;
   return steps;
+}
+
+std::string detector_notice(const Scene& scene, std::uint64_t trial) {
+  if (!scene.detector || frame_spacing(scene.detector->type) != FrameSpacing::own) return "";
+  return make_detector(*scene.detector, frame_source(*scene.detector, scene, make_sensors(scene, trial), trial))->notice();
 }
 
 TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,

@@ -67,4 +67,8 @@ struct PlannedSteps {
 // Builds the trial to count its steps. Throws as check_trial().
 PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial);
 
+// Detector::notice() of the scene's detector in this trial, if it resamples the samples of its sensor
+// (FrameSpacing::own); else empty. Throws InputError as make_detector().
+std::string detector_notice(const Scene& scene, std::uint64_t trial);
+
 }  // namespace slipbench

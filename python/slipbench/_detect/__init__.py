@@ -21,6 +21,7 @@ def detect(
     *,
     parameters: Mapping[str, Any] | None = None,
     sensor: str = "",
+    resample: bool = False,
 ) -> dict[str, Any]:
     """Runs a detector on recordings, with or without labels, like `slipbench detect`.
 
@@ -33,6 +34,8 @@ def detect(
         output: FILE.csv, FILE.parquet, FILE.json or FILE.html; empty: no file
         parameters: parameters of the detector, by name
         sensor: the sensor that it reads; empty: the only one
+        resample: interpolates recordings that are slower than the detector reads, and across gaps
+            of more than 0.1 s
 
     Returns:
         The output of `slipbench detect --json`. "trials" has for each trial its "alarms", a list of
@@ -50,7 +53,7 @@ def detect(
     parquet = target.endswith(".parquet")
     if parquet:
         import pyarrow  # noqa: F401  # fails before the work if it is missing
-    text, written = _core.detect(detector, overrides_of(parameters), files, sensor, "" if parquet else target)
+    text, written = _core.detect(detector, overrides_of(parameters), files, sensor, "" if parquet else target, resample)
     result: dict[str, Any] = json.loads(text)
     result["files"] = write_parquet(target, result) if parquet else written
     return result

@@ -18,7 +18,7 @@ def run(request: dict[str, Any]) -> int:
     interrupt = Interrupt("stopping; nothing is kept")
     import pyarrow  # noqa: F401  # fails before the work if it is missing
 
-    result, _ = _core.detect(request["detector"], list(request["parameters"].items()), request["recordings"], request["sensor"], "")
+    result, _ = _core.detect(request["detector"], list(request["parameters"].items()), request["recordings"], request["sensor"], "", request["resample"])
     interrupt.check()
     files = write_parquet(request["output"], json.loads(result))
     return write_result(lambda: _core.print_detection(result, files, request["json"]))

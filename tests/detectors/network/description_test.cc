@@ -158,5 +158,21 @@ TEST(Description, ADeepNestIsRefusedBeforeItIsFollowed) {
   EXPECT_THAT(refusal(std::string(1'000'000, '[')), mentions({"nested", "32"}));
 }
 
+// A plain stride skips samples; a window, a median or a spectrum reads all of them.
+TEST(Description, SaysTheRateThatIsRead) {
+  Input input;
+  input.rate = 1000.0;
+  input.stride = 10;
+  EXPECT_EQ(rate_read(input), 100.0);
+  EXPECT_EQ(at_rate_read(input).rate, 100.0);
+  EXPECT_EQ(at_rate_read(input).stride, 1u);
+  for (const auto& change : {+[](Input& one) { one.window = 2; }, +[](Input& one) { one.median = 3; }}) {
+    Input every = input;
+    change(every);
+    EXPECT_EQ(rate_read(every), 1000.0);
+    EXPECT_EQ(at_rate_read(every).stride, 10u);
+  }
+}
+
 }  // namespace
 }  // namespace slipbench::network

@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,33 @@ TEST(NetworkDetector, SaysWhatItsNetworkSaysOfTheLastFrames) {
   EXPECT_GT(changes, 5);
 }
 
+// mlp13.onnx reads one sample in five of 1 kHz. The same samples at 200 Hz, and every second one of
+// 400 Hz, give the same bits.
+TEST(NetworkDetector, ReadsItsSamplesAtAnyMultipleOfTheRateThatItReads) {
+  const auto own = network_detector().create(parameters(shipped("mlp13.onnx")), papillarray());
+  const auto slow = network_detector().create(parameters(shipped("mlp13.onnx")), papillarray(200.0));
+  const auto fast = network_detector().create(parameters(shipped("mlp13.onnx")), papillarray(400.0));
+  EXPECT_EQ(own->notice(), "");
+  EXPECT_EQ(slow->notice(), "");
+  EXPECT_EQ(fast->notice(), "resampled from 400 Hz to 200 Hz for mlp13.onnx");
+  for (int n = 0; n < 100; ++n) {
+    const std::vector<float> read = sample(n), other(27, 7.0F);
+    SlipEstimate said;
+    for (int k = 0; k < 5; ++k) said = own->update({.time = 5e-3 * n + 1e-3 * k, .values = k == 0 ? read : other});
+    const SlipEstimate& at_200 = slow->update({.time = 5e-3 * n, .values = read});
+    SlipEstimate at_400 = fast->update({.time = 5e-3 * n, .values = read});
+    EXPECT_EQ(at_400.time, n < 1 ? -std::numeric_limits<double>::infinity() : 5e-3 * n);
+    at_400 = fast->update({.time = 5e-3 * n + 2.5e-3, .values = other});
+    for (const SlipEstimate& one : {at_200, at_400}) {
+      ASSERT_EQ(one.state, said.state) << n;
+      ASSERT_EQ(one.time, said.time) << n;
+      if (n > 0) {
+        ASSERT_EQ(one.features, said.features) << n;
+      }
+    }
+  }
+}
+
 TEST(NetworkDetector, CarriesItsStateAndBeginsATrialWithoutOne) {
   for (int trial = 0; trial < 2; ++trial) {
     const auto detector = network_detector().create(parameters(shipped("gru21.onnx")), papillarray());
@@ -160,7 +188,8 @@ TEST(NetworkDetector, NamesTheSceneWhereItsNetworkFails) {
 TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {
   EXPECT_THAT(refusal(parameters("none"), papillarray()), mentions({"detector.model", "no network"}));
   EXPECT_THAT(refusal(parameters("/nowhere.onnx"), papillarray()), mentions({"detector.model", "/nowhere.onnx", "opened"}));
-  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), papillarray(500.0)), mentions({"mlp13.onnx", "1 kHz", "500 Hz"}));
+  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), papillarray(150.0)),
+              mentions({"mlp13.onnx", "150 Hz", "200 Hz", "1.3 times"}));
   FrameSource other = papillarray();
   other.type = "biotac_sp";
   EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), other), mentions({"mlp13.onnx", "papillarray", "biotac_sp"}));

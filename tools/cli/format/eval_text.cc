@@ -157,6 +157,7 @@ std::string eval_text(const Json& result, const Style& style) {
   if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {
     text += fmt::format("  {} of the detector's training left out; --all includes them\n", counted(left_out, "trial"));
   }
+  for (const std::string& note : eval::frame_notes(result)) text += fmt::format("  {}\n", printable(note));
   for (const Json& warning : result.at("warnings")) text += fmt::format("  warning: {}\n", printable(warning.get<std::string>()));
   if (const std::size_t failed = result.at("failed").get<std::size_t>(); failed > 0)
     text += fmt::format("  {} failed and not evaluated\n", counted(failed, "trial"));

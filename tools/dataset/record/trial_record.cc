@@ -8,11 +8,18 @@
 
 namespace slipbench {
 
+namespace {
+
+double resolution_of(const SensorRecord& sensor) { return sensor.timing ? sensor.timing->resolution : 0.0; }
+
+}  // namespace
+
+bool evenly_spaced(const SensorRecord& sensor) { return evenly_spaced(sensor.time, resolution_of(sensor)); }
+
 void check_evenly_spaced(const SensorRecord& sensor) {
-  const double resolution = sensor.timing ? sensor.timing->resolution : 0.0;
-  if (evenly_spaced(sensor.time, resolution)) return;
+  if (evenly_spaced(sensor)) return;
   reject("sensor {}: its samples are not evenly spaced ({}); resample them with `slipbench import --rate RATE`", sensor.name,
-         timing_text(timing_of(sensor.time, resolution), sensor.time.front()));
+         timing_text(timing_of(sensor.time, resolution_of(sensor)), sensor.time.front()));
 }
 
 std::size_t SensorColumn::row_size() const {

@@ -84,6 +84,8 @@ struct SensorRecord {
   }
 };
 
+// True if the samples of a sensor are evenly_spaced(), by the resolution of its stamps.
+bool evenly_spaced(const SensorRecord& sensor);
 // Throws InputError with mean rate, median rate and longest step if the samples of a recorded
 // sensor are not evenly_spaced().
 void check_evenly_spaced(const SensorRecord& sensor);

@@ -210,12 +210,18 @@ void RecordingWriter::warn_of_timing(const SensorRecord& sensor, double unit, co
 // Resamples a recording and states it in its params.
 void RecordingWriter::resample_and_note(TrialRecord& record, const std::string& path) {
   const double rate = *options_.rate;
-  const std::size_t in_gaps = resample(record, rate, path);
+  const NewSamples made = resample(record, rate, path);
   Json params = Json::parse(record.params);
-  params["resampled"] = {{"rate_hz", rate}, {"samples_in_gaps", in_gaps}};
+  params["resampled"] = {{"rate_hz", rate}, {"samples_in_gaps", made.in_gaps}};
+  if (made.made_up > 0) params["resampled"]["samples_made_up"] = made.made_up;
   record.params = params.dump();
-  if (in_gaps > 0)
-    warn(path, fmt::format("interpolated linearly in gaps of the recording: {} of {} at {}", in_gaps,
+  if (made.made_up > 0)
+    warn(path, fmt::format("--rate {} is above the {:.6g} Hz of the recording: {} of {} lie between recorded ones, made up by "
+                           "linear interpolation, so they show nothing above {:.4g} Hz",
+                           format_quantity(rate, Quantity::frequency), made.recorded_rate, made.made_up,
+                           counted(record.num_samples(), "sample"), 0.5 * made.recorded_rate));
+  if (made.in_gaps > 0)
+    warn(path, fmt::format("interpolated linearly in gaps of the recording: {} of {} at {}", made.in_gaps,
                            counted(record.num_samples(), "sample"), format_quantity(rate, Quantity::frequency)));
 }
 

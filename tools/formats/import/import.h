@@ -38,7 +38,7 @@ struct ImportSummary {
   // Names of the channels of the sensors of each type.
   std::map<std::string, std::set<std::string>> channels;
   // For each recording's file: steps that vary by more than 1 % (steps_vary()), a rate that
-  // suggests times in another unit, and samples interpolated in gaps.
+  // suggests times in another unit, and samples interpolated in gaps or above the recording's rate.
   std::vector<Warning> warnings;
 };
 

@@ -69,22 +69,17 @@ std::vector<double> instants_of(const SensorRecord& sensor, double rate, const s
   return instants;
 }
 
-// Returns the number of new samples in gaps.
-std::size_t resample_sensor(SensorRecord& sensor, double rate, const std::string& place) {
+NewSamples resample_sensor(SensorRecord& sensor, double rate, const std::string& place) {
   if (sensor.time.size() < 2) reject("{}: has one sample; --rate needs recordings of two samples or more", place);
   const SampleTiming timing = sensor.timing ? *sensor.timing : timing_of(sensor.time, 0.0);
   const double most = std::max(timing.mean_rate, timing.median_rate);
-  if (rate > most && !same_rate(rate, most)) {
-    reject("{}: --rate {} must not exceed the rate of the recording, {:.6g} Hz, by more than 1 %", place,
-           format_quantity(rate, Quantity::frequency), most);
-  }
   std::vector<double> instants = instants_of(sensor, rate, place);
   const std::vector<Spot> spots = spots_of(sensor.time, instants);
   const double gap = gap_steps / timing.median_rate + timing.resolution;
-  const auto in_gap = [&](const Spot& spot) {
-    return spot.share > 0.0 && spot.share < 1.0 && sensor.time[spot.row + 1] - sensor.time[spot.row] > gap;
-  };
-  const auto in_gaps = static_cast<std::size_t>(std::ranges::count_if(spots, in_gap));
+  const auto between = [](const Spot& spot) { return spot.share > 0.0 && spot.share < 1.0; };
+  const auto in_gap = [&](const Spot& spot) { return between(spot) && sensor.time[spot.row + 1] - sensor.time[spot.row] > gap; };
+  NewSamples made{.in_gaps = static_cast<std::size_t>(std::ranges::count_if(spots, in_gap)), .recorded_rate = most};
+  if (rate > most && !same_rate(rate, most)) made.made_up = static_cast<std::size_t>(std::ranges::count_if(spots, between));
   for (SensorColumn& channel : sensor.channels) channel.values = interpolated(channel, spots);
   if (!sensor.labels.state_paper.empty()) {
     std::vector<std::uint8_t> states;
@@ -95,16 +90,22 @@ std::size_t resample_sensor(SensorRecord& sensor, double rate, const std::string
   sensor.rate = rate;
   sensor.timing = timing;
   sensor.timing->resolution = 0.0;
-  return in_gaps;
+  return made;
 }
 
 }  // namespace
 
-std::size_t resample(TrialRecord& record, double rate, const std::string& place) {
-  std::size_t in_gaps = 0;
-  for (SensorRecord& sensor : record.sensors) in_gaps = std::max(in_gaps, resample_sensor(sensor, rate, place));
+NewSamples resample(TrialRecord& record, double rate, const std::string& place) {
+  NewSamples most;
+  for (SensorRecord& sensor : record.sensors) {
+    const NewSamples made = resample_sensor(sensor, rate, place);
+    most.in_gaps = std::max(most.in_gaps, made.in_gaps);
+    if (made.made_up <= most.made_up) continue;
+    most.made_up = made.made_up;
+    most.recorded_rate = made.recorded_rate;
+  }
   record.body_time = record.sensors.front().time;
-  return in_gaps;
+  return most;
 }
 
 }  // namespace slipbench

@@ -232,6 +232,10 @@ void look_at_steps(const Scene& scene, std::size_t trial, Collector& found) {
                         long_time_text(steps.seconds), scene.time_step ? "; auto chooses the longest accurate step" : ""));
 }
 
+void look_at_detector(const Scene& scene, std::size_t trial, Collector& found) {
+  if (const std::string notice = detector_notice(scene, trial); !notice.empty()) found.add(trial, "detector.model", notice);
+}
+
 void count(const TrialOutcome& outcome, const std::string& sensor, const StateCounts& states,
            std::map<std::string, ConverterUse>& sensors) {
   ConverterUse& use = sensors[sensor];
@@ -255,7 +259,9 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
       look_at_motion(scene, trial, found);
       look_at_texture(scene, trial, found);
       look_at_material(values, plan, trial, found);
-      if (std::ranges::find(built, i) != built.end()) look_at_steps(scene, trial, found);
+      if (std::ranges::find(built, i) == built.end()) continue;
+      look_at_steps(scene, trial, found);
+      look_at_detector(scene, trial, found);
     } catch (const InputError&) {
       continue;
     }

@@ -35,7 +35,7 @@ struct Warning {
 //   box, the grip or the motion
 // - a material from --set together with coefficients of friction in the scene, which override it
 // - with `build`, which reads the files that the scene names: a step of `time_step: auto` so short
-//   that a trial would take more than ten minutes
+//   that a trial would take more than ten minutes, and of samples that are resampled for a network
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build);
 // Warns if a dataset of these trials would have an empty part that should not be empty: too few
 // materials, or other groups of its `split`. Examines an evenly spaced subset of many trials.

@@ -23,6 +23,7 @@ std::string detect_command_text(const DetectCommand& command) {
   for (const std::string& recording : command.options.recordings) text += " " + shell_word(recording);
   for (const Override& change : command.parameters) text += " --set " + shell_word(change.path + "=" + change.value);
   if (!command.options.sensor.empty()) text += " --sensor " + shell_word(command.options.sensor);
+  if (command.options.resample) text += " --resample";
   return text;
 }
 
@@ -40,6 +41,7 @@ void print_detection(Json result, const std::vector<std::string>& files, bool js
                                                printable(sensor.at("name").get<std::string>()),
                                                printable(sensor.at("type").get<std::string>()))) +
                      "\n";
+  for (const std::string& note : eval::frame_notes(result)) text += fmt::format("  {}\n", printable(note));
   Table table(eval::detections_table(result, most_trials_shown));
   text += table.text(style);
   if (const std::size_t trials = result.at("trials").size(); trials > most_trials_shown)
@@ -70,6 +72,7 @@ Examples:
   arguments.inputs("RECORDING ...", options.recordings, "Datasets (HDF5) with the sensor of the detector", ".h5").required();
   arguments.sets(parameters, "Set a parameter of the detector, e.g. ratio=0.35");
   arguments.text("--sensor NAME", options.sensor, "Name of the sensor in the recordings (default: the only one)");
+  arguments.flag("--resample", options.resample, resample_help);
   arguments.output("-o,--output FILE", output, "Write a .csv, .parquet, .json or .html file", ".csv");
 }
 
@@ -90,9 +93,13 @@ void DetectCommand::detect_in_python() {
   const PythonModule module("slipbench._detect", "detect -o FILE.parquet", "export");
   Json set = Json::object();
   for (const Override& change : parameters) set[change.path] = change.value;
-  const Json request{{"detector", detector},       {"recordings", options.recordings},
-                     {"parameters", set},          {"sensor", options.sensor},
-                     {"output", output},           {"json", json},
+  const Json request{{"detector", detector},
+                     {"recordings", options.recordings},
+                     {"parameters", set},
+                     {"sensor", options.sensor},
+                     {"resample", options.resample},
+                     {"output", output},
+                     {"json", json},
                      {"install", module.install()}};
   take_stdout_back();
   module.start(request_text(request));

@@ -53,6 +53,10 @@ struct TrainCommand final : Command {
   bool all_ = false, resume_ = false;
 };
 
+// Help of the option --resample of `eval` and `detect`.
+inline constexpr const char* resample_help =
+    "Interpolate recordings that are slower than the detector reads, and across gaps of more than 0.1 s";
+
 // `eval` evaluates slip detectors on datasets.
 struct EvalCommand final : Command {
   void declare(Arguments& arguments) override;

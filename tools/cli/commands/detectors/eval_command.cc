@@ -41,6 +41,7 @@ std::string eval_command_text(const EvalCommand& command, const std::string& lab
   if (!command.options.sensor.empty()) text += " --sensor " + shell_word(command.options.sensor);
   if (!command.options.split.empty()) text += " --split " + command.options.split;
   if (command.options.all) text += " --all";
+  if (command.options.resample) text += " --resample";
   return text;
 }
 
@@ -133,6 +134,7 @@ Examples:
   arguments.text("--sensor NAME", options.sensor, "Name of the sensor in the scene (default: the only one)");
   arguments.word("--split PART", options.split, "Trials to evaluate, by the dataset's masks: {} (default: all)", splits);
   arguments.flag("--all", options.all, "Include trials that the detector was trained on");
+  arguments.flag("--resample", options.resample, resample_help);
   arguments.output("-o,--output FILE.html", output,
                    "Write a page with figures, curves and the worst trials over time, and FILE.json; -: only the page");
 }

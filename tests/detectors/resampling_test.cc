@@ -1,0 +1,185 @@
+// Even frames at another rate against closed forms: straight lines, sines, white noise.
+#include "detectors/resampling.h"
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "sim/core/random.h"
+#include "tests/expect.h"
+
+namespace slipbench {
+namespace {
+
+struct Made {
+  double time = 0.0;       // s, of the frame
+  double available = 0.0;  // s, time of the sample with which it came
+  std::vector<float> values;
+};
+
+// Keeps the frames that it gets.
+class Keeper final : public Detector {
+ public:
+  explicit Keeper(std::vector<Made>& made) : made_(&made) {}
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    made_->push_back({frame.time, 0.0, {frame.values.begin(), frame.values.end()}});
+    return estimate_ = {frame.time, 0.0, PadState::gross};
+  }
+
+ private:
+  std::vector<Made>* made_;
+  SlipEstimate estimate_;
+};
+
+FrameSource source_at(double rate, std::span<const double> uneven = {}, bool interpolate = false) {
+  return {.sensor = "pad",
+          .type = "skin",
+          .rate = rate,
+          .channels = {{"force", "N", {2}, {}}},
+          .uneven_times = uneven,
+          .interpolate = interpolate};
+}
+
+// The frames at `wanted` [Hz] from samples at `times` with the values {signal(t), -signal(t)}.
+std::vector<Made> made_from(const FrameSource& source, const std::vector<double>& times, double wanted,
+                            const std::function<double(double)>& signal) {
+  std::vector<Made> made;
+  const Resampling resampling = resampling_of(source, wanted, "the reader");
+  const auto detector = resampled(std::make_unique<Keeper>(made), resampling, source, "told");
+  EXPECT_EQ(detector->notice(), "told");
+  for (const double time : times) {
+    const auto value = static_cast<float>(signal(time));
+    const std::vector<float> values{value, -value};
+    const std::size_t before = made.size();
+    const SlipEstimate& said = detector->update({time, values});
+    for (std::size_t k = before; k < made.size(); ++k) made[k].available = time;
+    if (made.size() > before) {
+      EXPECT_EQ(said.time, time) << "of the newest sample that was used";
+    }
+  }
+  return made;
+}
+
+std::vector<double> clock(double rate, std::size_t count) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k < count; ++k) times.push_back(5.0 + static_cast<double>(k) / rate);
+  return times;
+}
+
+// A straight line is exact at every ratio, and no frame comes more than 1.5 samples late, or before
+// its time.
+TEST(Resampling, OfAStraightLineIsExactAndCausal) {
+  for (const double rate : {150.0, 137.0, 101.5, 1000.0, 1234.5}) {
+    const auto made = made_from(source_at(rate), clock(rate, 400), 100.0, [](double t) { return 3.0 * t - 14.0; });
+    ASSERT_GE(static_cast<double>(made.size()), std::floor(398.5 / rate * 100.0)) << rate;
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      const double time = 5.0 + 0.01 * static_cast<double>(k);
+      EXPECT_NEAR(made[k].time, time, 1e-9) << rate;
+      EXPECT_NEAR(made[k].values[0], 3.0 * time - 14.0, 1e-5) << rate << " Hz, frame " << k;
+      EXPECT_EQ(made[k].values[1], -made[k].values[0]);
+      EXPECT_GE(made[k].available, made[k].time - 1e-9);
+      EXPECT_LE(made[k].available, made[k].time + 1.5 / rate + 1e-9);
+    }
+  }
+}
+
+// At 1.5 times the rate every second frame is a sample s(t) = sin(w t), and the next lies x = half a
+// step h after the nearest sample n, the earlier of two: s_n + x (s_{n+1} - s_{n-1})/2
+// = sin(w t_n) + x sin(w h) cos(w t_n).
+TEST(Resampling, OfASineIsTheNearestSampleMovedAlongTheSlope) {
+  const double w = 2.0 * std::numbers::pi * 20.0, step = 1.0 / 150.0;
+  const auto made = made_from(source_at(150.0), clock(150.0, 100), 100.0, [w](double t) { return std::sin(w * (t - 5.0)); });
+  ASSERT_GE(made.size(), 60U);
+  for (std::size_t k = 2; k < made.size(); ++k) {
+    const double at = 1.5 * static_cast<double>(k), nearest = std::floor(at), x = at - nearest, phase = w * nearest * step;
+    EXPECT_NEAR(made[k].values[0], std::sin(phase) + x * std::sin(w * step) * std::cos(phase), 1e-5) << k;
+  }
+}
+
+// White noise of variance 1. The weights of a frame at x steps from its nearest sample are 1, x/2
+// and -x/2, so its variance is 1 + x^2/2: at 1.5 times the rate x is 0 or 1/2, on average 1 + 1/16;
+// at 1.37 times x is uniform in -1/2 to 1/2, 1 + 1/24; at whole multiples 1. Interpolation between
+// two samples would give 3/4 and 2/3, a mean over 10 samples 1/10. The variance of n values has a
+// standard deviation of sqrt(2/n), here .8 %.
+TEST(Resampling, KeepsTheVarianceOfWhiteNoise) {
+  for (const auto& [ratio, variance] : {std::pair{1.5, 1.0 + 1.0 / 16.0}, {1.37, 1.0 + 1.0 / 24.0}, {10.0, 1.0}}) {
+    RandomStream random(7, 0, "noise");
+    const double rate = 100.0 * ratio;
+    const auto made = made_from(source_at(rate), clock(rate, static_cast<std::size_t>(30'000.0 * ratio)), 100.0,
+                                [&](double) { return random.normal(); });
+    double sum = 0.0;
+    for (const Made& one : made) sum += double{one.values[0]} * double{one.values[0]};
+    EXPECT_NEAR(sum / static_cast<double>(made.size()), variance, 0.03) << ratio;
+  }
+}
+
+TEST(Resampling, TakesTheSamplesThemselvesAtAMultiple) {
+  for (const double rate : {1000.0, 1004.0}) {  // a clock that is off by less than 1 %
+    const auto made = made_from(source_at(rate), clock(rate, 95), 100.0, [](double t) { return std::sin(40.0 * t); });
+    ASSERT_EQ(made.size(), 10U);
+    for (std::size_t k = 0; k < made.size(); ++k)
+      EXPECT_EQ(made[k].values[0], static_cast<float>(std::sin(40.0 * (5.0 + static_cast<double>(10 * k) / rate))));
+  }
+  EXPECT_FALSE(resampling_of(source_at(100.5), 100.0, "the reader").needed());
+}
+
+// Every 10 ms with a jitter of 1 %; after sample 40 a step of 15.9 ms. A straight line is exact but
+// for 5 % of a step, within which a stamp counts as the frame's time.
+TEST(Resampling, BridgesAShortGap) {
+  RandomStream random(3, 0, "jitter");
+  std::vector<double> times;
+  for (int k = 0; k < 100; ++k) times.push_back(0.01 * k + 1e-4 * (random.uniform() - 0.5) + (k > 40 ? 0.0059 : 0.0));
+  times.front() = 0.0;
+  const FrameSource source = source_at(99.4, times);
+  const auto made = made_from(source, times, 100.0, [](double t) { return 2.0 * t; });
+  ASSERT_GE(made.size(), 99U);
+  for (std::size_t k = 0; k < made.size(); ++k) {
+    EXPECT_NEAR(made[k].values[0], 2.0 * 0.01 * static_cast<double>(k), 2.0 * 0.0006) << k;
+    EXPECT_LE(made[k].time, made[k].available);
+  }
+  EXPECT_THAT(resampling_text(resampling_of(source, 100.0, "x"), source, "net.onnx"),
+              mentions({"100 Hz", "net.onnx", "1 gap", "15.9"}));
+}
+
+TEST(Resampling, RefusesWithTheRemedy) {
+  const auto refusal = [](const FrameSource& source) { return refusal_of([&] { resampling_of(source, 100.0, "the network"); }); };
+  EXPECT_THAT(refusal(source_at(37.0)), mentions({"37 Hz", "100 Hz", "2.7 times", "--resample"}));
+  std::vector<double> gap = clock(100.0, 200), packets;
+  for (std::size_t k = 100; k < 200; ++k) gap[k] += 0.3;
+  EXPECT_THAT(refusal(source_at(80.0, gap)), mentions({"310 ms", "990 ms", "0.1 s", "--resample", "import --rate"}));
+  for (std::size_t k = 0; k < 200; ++k)
+    packets.push_back(0.1 * static_cast<double>(k / 10) + 0.001 * static_cast<double>(k % 10));
+  // 19 steps of 91 ms in 1.909 s
+  EXPECT_THAT(refusal(source_at(104.0, packets)), mentions({"19 gaps", "91 %", "--resample", "import --rate"}));
+  for (const auto& times : {gap, packets}) {
+    EXPECT_NO_THROW(resampling_of(source_at(100.0, times, true), 100.0, "the network"));
+  }
+}
+
+// Below the rate, frames lie on the straight lines between samples: 40 Hz to 100 Hz, k/2.5 samples.
+TEST(Resampling, InterpolatesASlowSensorWhenAsked) {
+  const FrameSource source = source_at(40.0, {}, true);
+  const auto parabola = [](double t) { return (t - 5.0) * (t - 5.0); };
+  const auto made = made_from(source, clock(40.0, 41), 100.0, parabola);
+  ASSERT_EQ(made.size(), 101U);
+  for (std::size_t k = 0; k < made.size(); ++k) {
+    const double at = static_cast<double>(k) / 2.5, low = std::floor(at + 1e-9), share = at - low;
+    const double expected = (1.0 - share) * parabola(5.0 + low / 40.0) + share * parabola(5.0 + (low + 1.0) / 40.0);
+    EXPECT_NEAR(made[k].values[0], expected, 1e-6) << k;
+  }
+  EXPECT_THAT(resampling_text(resampling_of(source, 100.0, "x"), source, "net.onnx"),
+              mentions({"interpolated", "40 Hz", "100 Hz", "figures"}));
+}
+
+// A channel that is new in every third sample keeps the value of the latest sample at its time.
+TEST(Resampling, HoldsASlowChannel) {
+  FrameSource source = source_at(150.0);
+  source.channels.front().every = 3;
+  const auto made = made_from(source, clock(150.0, 90), 100.0, [](double t) { return std::round((t - 5.0) * 150.0); });
+  for (std::size_t k = 0; k < made.size(); ++k) EXPECT_EQ(made[k].values[0], std::floor(1.5F * static_cast<float>(k))) << k;
+}
+
+}  // namespace
+}  // namespace slipbench
