@@ -31,14 +31,17 @@ double median_step(std::span<const double> times) {
 }
 
 // Counts the gaps in frames of `period` [s].
-void count_gaps(std::span<const double> times, double period, bool any, Resampling& resampling) {
+void count_gaps(const FrameSource& source, double period, Resampling& resampling) {
+  const std::span<const double> times = source.uneven_times;
+  const bool any = source.interpolate;
+  const std::string sensor = "sensor " + quote(source.sensor) + ": ";
   const double longest = std::max(longest_gap, longest_gap_frames * period);
   double together = 0.0;
   for (std::size_t k = 1; k < times.size(); ++k) {
     const double step = times[k] - times[k - 1];
     if (step <= gap_frames * period) continue;
     if (step > longest && !any) {
-      throw InputError("a step of " + seconds(step) + ", " + seconds(times[k - 1] - times.front()) +
+      throw InputError(sensor + "a step of " + seconds(step) + ", " + seconds(times[k - 1] - times.front()) +
                        " after the first sample, is longer than " + seconds(longest) +
                        ", the longest gap that is bridged; cut the recording there, or interpolate across it with " +
                        interpolating + " or with `import --rate`");
@@ -49,7 +52,7 @@ void count_gaps(std::span<const double> times, double period, bool any, Resampli
   }
   const double share = together / (times.back() - times.front());
   if (share > largest_gap_share && !any) {
-    throw InputError("its samples are not evenly spaced: " + counted(resampling.gaps, "gap") + " of more than " +
+    throw InputError(sensor + "its samples are not evenly spaced: " + counted(resampling.gaps, "gap") + " of more than " +
                      seconds(gap_frames * period) + " are " + std::to_string(std::lround(100.0 * share)) +
                      " % of the recording; allowed: " + std::to_string(std::lround(100.0 * largest_gap_share)) +
                      " %; interpolate with " + interpolating + " or with `import --rate`");
@@ -180,7 +183,7 @@ Resampling resampling_of(const FrameSource& source, double rate, const std::stri
                      ", " + times_text(1.0 / ratio) + " times more; allowed: " + hertz(rate) + " or more; " + interpolating +
                      " interpolates a slower recording");
   }
-  if (!even) count_gaps(source.uneven_times, 1.0 / resampling.rate, source.interpolate, resampling);
+  if (!even) count_gaps(source, 1.0 / resampling.rate, resampling);
   return resampling;
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@
 
 #include "detectors/detector_kinds.h"
 #include "detectors/network/engine.h"
+#include "sim/core/quantity.h"
+#include "sim/core/readable_quantity.h"
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
 #include "tests/files.h"
@@ -193,6 +196,24 @@ TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {
   FrameSource other = papillarray();
   other.type = "biotac_sp";
   EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), other), mentions({"mlp13.onnx", "papillarray", "biotac_sp"}));
+}
+
+// The table of scenes/learn names each shipped file with the rate that it reads.
+TEST(ShippedNetworks, ReadAtTheRateOfTheirTable) {
+  const std::filesystem::path folder = SLIPBENCH_SOURCE_DIR "/scenes/learn";
+  std::istringstream table(bytes_of((folder / "README.md").string()));
+  std::size_t files = 0;
+  for (std::string line; std::getline(table, line);) {
+    if (!line.starts_with("| ") || line.find(".onnx` |") == std::string::npos) continue;
+    for (const char* kind : {"_slip.onnx", "_grasp.onnx"}) {
+      const std::size_t end = line.find(kind), first = line.rfind('`', end) + 1;
+      const std::string name = line.substr(first, end - first) + kind;
+      const Input input = load_engine((folder / name).string())->description().input;
+      EXPECT_THAT(line, HasSubstr(" | " + readable_quantity(rate_read(input), Quantity::frequency) + " | ")) << name;
+      ++files;
+    }
+  }
+  EXPECT_EQ(files, 14U);
 }
 
 }  // namespace

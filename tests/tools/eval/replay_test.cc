@@ -162,6 +162,30 @@ TEST(Replay, TakesAProbabilityOnceAnEstimate) {
   EXPECT_THROW(replay(std::make_unique<Probable>(0.75), std::span(&sensor, 1), 0), InputError) << "1.5 at 0.2 s exceeds 1";
 }
 
+// `deviation` counts the frames of 0.5 s, here 50. Values of a straight line, 1 each 10 ms, with one
+// sample lost: the line through the gap keeps the standard deviation sqrt((50^2 - 1)/12).
+TEST(Replay, EvensOutALostSampleForDetectorsThatCountFrames) {
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.type = "skin";
+  sensor.rate = 99.3;
+  sensor.labels.truth = false;
+  std::vector<float> values;
+  for (int k = 0; k < 140; ++k) {
+    if (k == 70) continue;
+    sensor.time.push_back(0.01 * k);
+    values.push_back(static_cast<float>(k));
+  }
+  sensor.channels.push_back({"signal", "counts", {1}, values});
+  const double s = std::sqrt((50.0 * 50.0 - 1.0) / 12.0);
+  const Replayed replayed = replay(chosen_detector("deviation", {{"threshold", "10"}}), std::span(&sensor, 1), 0, 1, 0);
+  EXPECT_THAT(replayed.notice, mentions({"deviation", "100 Hz", "1 gap", "20 ms"}));
+  ASSERT_EQ(replayed.probability.size(), sensor.time.size());
+  for (std::size_t row = 60; row < sensor.time.size(); ++row) EXPECT_NEAR(replayed.probability[row], s / (s + 10.0), 1e-5) << row;
+  EXPECT_THAT(refusal_of([&] { replay(chosen_detector("gst_hd", {}), std::span(&sensor, 1), 0, 1, 0); }),
+              mentions({"sensor pad", "import --rate"}));
+}
+
 TEST(Replay, RefusesWhatTheLoopRefuses) {
   const Scene scene = parsed(stage("{type: force_ratio}"));
   TrialRecord record = run_trial(scene, 0, Recording::full).record;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "detectors/network/engine.h"
 #include "tests/expect.h"
 #include "tests/tools/dataset/record/test_records.h"
 #include "tools/registry/program_catalogues.h"
@@ -44,6 +45,16 @@ TEST_F(Warnings, MotionThatBeginsAtTheEndOrLater) {
               ElementsAre("s.yaml:3: motion.start: 4 s is not before the end of the trial, 4 s, so the motion never starts"));
   EXPECT_THAT(warning_texts("motion: {start: 3.9 s}\n"), IsEmpty());
   EXPECT_THAT(warning_texts("motion: {start: 4 s, speed: 0}\n"), IsEmpty());  // a pad that is only pressed
+}
+
+// mlp13.onnx reads one sample in five of 1 kHz.
+TEST_F(Warnings, SamplesThatAreResampledForANetwork) {
+  if (!network::engine_available()) GTEST_SKIP() << "built without networks";
+  const std::string detector =
+      "detector: {type: network, model: " SLIPBENCH_SOURCE_DIR "/tests/detectors/network/data/mlp13.onnx}\n";
+  EXPECT_THAT(warning_texts(detector, {{"sensors.pad.rate", "250 Hz"}}),
+              ElementsAre("s.yaml:3: detector.model: resampled from 250 Hz to 200 Hz for mlp13.onnx"));
+  EXPECT_THAT(warning_texts(detector, {{"sensors.pad.rate", "1 kHz"}}), IsEmpty());
 }
 
 // 4.2 mm by the vendor's data sheet.
