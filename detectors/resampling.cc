@@ -40,6 +40,7 @@ void count_gaps(const FrameSource& source, double period, Resampling& resampling
   for (std::size_t k = 1; k < times.size(); ++k) {
     const double step = times[k] - times[k - 1];
     if (step <= gap_frames * period) continue;
+    if (step > longest) resampling.made_up = true;
     if (step > longest && !any) {
       throw InputError(sensor + "a step of " + seconds(step) + ", " + seconds(times[k - 1] - times.front()) +
                        " after the first sample, is longer than " + seconds(longest) +
@@ -51,6 +52,7 @@ void count_gaps(const FrameSource& source, double period, Resampling& resampling
     together += step;
   }
   const double share = together / (times.back() - times.front());
+  if (share > largest_gap_share) resampling.made_up = true;
   if (share > largest_gap_share && !any) {
     throw InputError(sensor + "its samples are not evenly spaced: " + counted(resampling.gaps, "gap") + " of more than " +
                      seconds(gap_frames * period) + " are " + std::to_string(std::lround(100.0 * share)) +
@@ -168,7 +170,7 @@ class Resampled final : public Detector {
 
 }  // namespace
 
-Resampling resampling_of(const FrameSource& source, double rate, const std::string& reader) {
+Resampling resampling_of(const FrameSource& source, double rate, const std::string& reader, double least) {
   Resampling resampling{.wanted = rate};
   const bool even = source.uneven_times.size() < 2;
   if (!even) resampling.step = median_step(source.uneven_times);
@@ -178,12 +180,14 @@ Resampling resampling_of(const FrameSource& source, double rate, const std::stri
   resampling.stride = multiple ? whole : ratio;
   resampling.rate = sampled / resampling.stride;
   resampling.slow = !multiple && ratio < 1.0;
-  if (resampling.slow && !source.interpolate) {
-    throw InputError("sensor " + quote(source.sensor) + " has " + hertz(sampled) + ", but " + reader + " reads " + hertz(rate) +
-                     ", " + times_text(1.0 / ratio) + " times more; allowed: " + hertz(rate) + " or more; " + interpolating +
-                     " interpolates a slower recording");
+  const double needed = least > 0.0 ? std::min(least, rate) : rate;
+  resampling.made_up = resampling.slow && sampled < (1.0 - equal_rates) * needed;
+  if (resampling.made_up && !source.interpolate) {
+    throw InputError("sensor " + quote(source.sensor) + " has " + hertz(sampled) + ", but " + reader + " reads " + hertz(needed) +
+                     (needed < rate ? " or more, " : ", ") + times_text(needed / sampled) + " times more; allowed: " +
+                     hertz(needed) + " or more; " + interpolating + " interpolates a slower recording");
   }
-  if (!even) count_gaps(source, 1.0 / resampling.rate, resampling);
+  if (!even) count_gaps(source, std::max(1.0 / resampling.rate, resampling.step), resampling);
   return resampling;
 }
 
@@ -195,8 +199,7 @@ std::string resampling_text(const Resampling& resampling, const FrameSource& sou
   text += " for " + reader;
   if (resampling.gaps > 0)
     text += "; " + counted(resampling.gaps, "gap") + " of at most " + seconds(resampling.largest_gap) + " bridged";
-  if (resampling.slow || resampling.largest_gap > std::max(longest_gap, longest_gap_frames / resampling.rate))
-    text += "; the figures are of interpolated data";
+  if (resampling.made_up) text += "; the figures are of interpolated data";
   return text;
 }
 

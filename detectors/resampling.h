@@ -29,6 +29,7 @@ struct Resampling {
   double stride = 1.0;     // sensor's frames (typical steps between their stamps) from one of these frames to the next
   double step = 0.0;       // s, the typical step; 0: the sensor's frames are evenly spaced
   bool slow = false;       // the sensor is slower than the detector needs
+  bool made_up = false;    // it is also slower than the detector is made for, or gaps are too long
   std::size_t gaps = 0;    // bridged
   double largest_gap = 0;  // s, the largest of them
 
@@ -36,11 +37,12 @@ struct Resampling {
   [[nodiscard]] bool needed() const { return stride != 1.0 || step != 0.0; }
 };
 
-// `rate`: that of the frames that the detector needs [Hz]. A sensor within 1 % of a whole multiple
+// `rate`: that of the frames that the detector needs [Hz]. `least`: lowest rate of a sensor for whose
+// interpolated samples the detector is made [Hz]; 0: `rate`. A sensor within 1 % of a whole multiple
 // n of it is read at every n-th sample, by its own clock. `reader`: its name in messages ("the
 // network"). Throws InputError, with the remedy, for a slower sensor and for gaps that are not
 // bridged, unless the source has `interpolate`.
-Resampling resampling_of(const FrameSource& source, double rate, const std::string& reader);
+Resampling resampling_of(const FrameSource& source, double rate, const std::string& reader, double least = 0.0);
 
 // "resampled from 1.5 kHz to 1 kHz for file.onnx"; empty if it is not needed(). `reader`: as above.
 std::string resampling_text(const Resampling& resampling, const FrameSource& source, const std::string& reader);

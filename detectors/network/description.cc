@@ -250,7 +250,7 @@ void parse_spectrum(const Object& object, Input& input) {
 Input parse_input(const Json& json, const std::string& subject) {
   const Object object(json, subject, "input",
                       {"sensor", "rate", "channels", "median", "window", "stride", "centre", "transform", "low", "high", "hann",
-                       "floor", "spans", "pixels", "offset", "scale", "history"});
+                       "floor", "spans", "pixels", "offset", "scale", "history", "rates"});
   Input input;
   input.sensor = object.text("sensor");
   input.rate = object.number(
@@ -274,6 +274,13 @@ Input parse_input(const Json& json, const std::string& subject) {
   input.offset = object.numbers("offset");
   input.scale = object.numbers("scale");
   input.history = object.count("history", 1, most_samples);
+  if (object.has("rates")) {
+    const std::vector<double> rates = object.numbers("rates");
+    if (rates.size() != 2 || !(rates[0] > 0.0) || rates[1] < rates[0] || rates[1] > most_rate)
+      object.refuse("rates", "expected the lowest and the highest rate in Hz, above 0, to 1e9");
+    input.slowest = rates[0];
+    input.fastest = rates[1];
+  }
   return input;
 }
 
@@ -355,6 +362,10 @@ Input at_rate_read(const Input& input) {
   return same;
 }
 
+double least_rate(const Input& input) {
+  return input.slowest > 0.0 ? std::min(input.slowest, rate_read(input)) : rate_read(input);
+}
+
 std::size_t frame_size(const Input& input, std::size_t values) {
   const std::size_t lines = input.pixels.empty() ? values : input.pixels.size();
   if (input.transform == Transform::samples) return input.window * lines;
@@ -418,6 +429,7 @@ std::string description_text(const Description& description) {
   if (!input.offset.empty()) in["offset"] = input.offset;
   if (!input.scale.empty()) in["scale"] = input.scale;
   in["history"] = input.history;
+  if (input.fastest > 0.0) in["rates"] = {input.slowest, input.fastest};
 
   Json json;
   json["format"] = 1;

@@ -70,6 +70,9 @@ struct Input {
   std::vector<double> offset,
       scale;  // a feature x becomes (x - offset) scale; one for all, or one for each feature of a frame; empty: 0, 1
   std::size_t history = 1;  // frames
+  // Hz, range of the rates of the sensors for which it was trained; 0: `rate` alone. Slower samples than
+  // rate_read() are interpolated, as they were in training.
+  double slowest = 0.0, fastest = 0.0;
 };
 
 // A recurrent state: an output that is fed to an input with the next frame; zero at the beginning
@@ -133,6 +136,9 @@ struct Description {
 double rate_read(const Input& input);
 // The same input for samples at rate_read().
 Input at_rate_read(const Input& input);
+// Lowest rate of a sensor that the network reads [Hz]: rate_read(), or the lower one for which it was
+// trained.
+double least_rate(const Input& input);
 
 // Number of values in a frame made by Frames, if a sample has `values` picked ones.
 std::size_t frame_size(const Input& input, std::size_t values);

@@ -116,7 +116,7 @@ std::unique_ptr<Detector> make_network(const Parameters& parameters, const Frame
     Resampling resampling;
     // Frames reports another type of sensor.
     if (source.type == input.sensor && (!network::rate_fits(input, source.rate) || !source.uneven_times.empty())) {
-      resampling = resampling_of(source, network::rate_read(input), "the network");
+      resampling = resampling_of(source, network::rate_read(input), "the network", network::least_rate(input));
       input = network::at_rate_read(input);
     }
     network::Frames frames(input, source.type, resampling.needed() ? resampling.rate : source.rate, source.channels);

@@ -36,6 +36,7 @@ class Request:
         seed: for weights and draws
         steps: number of training steps; None: the recipe's
         turned: number of copies with turned images; None: the recipe's
+        rates: Hz, lowest and highest rate of the sensors; None: the recipe's rate alone
         alarms: tolerated false alarms per minute; None: not given
         by_score: True: choose the operating point with the greatest score
         specificity: with `by_score`: least share of trials without slip that raise no alarm; None:
@@ -58,6 +59,7 @@ class Request:
     seed: int = 1
     steps: int | None = None
     turned: int | None = None
+    rates: list[float] | None = None
     alarms: float | None = None
     by_score: bool = False
     specificity: float | None = None
@@ -181,6 +183,7 @@ def run(request: Request) -> int:
     with naming_options():
         trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
                         held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned,
+                        rates=None if request.rates is None else (request.rates[0], request.rates[1]),
                         alarms=math.inf if request.frame_by_frame else request.alarms, by_score=request.by_score,
                         specificity=request.specificity, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
     return write_result(lambda: print_trained(request, trained))

@@ -173,6 +173,20 @@ TEST(Resampling, InterpolatesASlowSensorWhenAsked) {
               mentions({"interpolated", "40 Hz", "100 Hz", "figures"}));
 }
 
+// A detector that is made for sensors of 40 Hz or more reads them without being asked.
+TEST(Resampling, InterpolatesTheRatesThatADetectorIsMadeFor) {
+  const Resampling made_for = resampling_of(source_at(50.0), 100.0, "the network", 40.0);
+  EXPECT_EQ(made_for.rate, 100.0);
+  EXPECT_EQ(made_for.stride, 0.5);
+  EXPECT_EQ(resampling_text(made_for, source_at(50.0), "net.onnx"), "interpolated from 50 Hz to 100 Hz for net.onnx");
+  EXPECT_THAT(refusal_of([] { resampling_of(source_at(20.0), 100.0, "the network", 40.0); }),
+              mentions({"20 Hz", "40 Hz or more", "2 times"}));
+  // Its steps of 20 ms are no gaps.
+  std::vector<double> times = clock(50.0, 100);
+  for (std::size_t k = 50; k < times.size(); ++k) times[k] += 0.012;
+  EXPECT_EQ(resampling_of(source_at(49.7, times), 100.0, "the network", 40.0).gaps, 1U);
+}
+
 // A channel that is new in every third sample keeps the value of the latest sample at its time.
 TEST(Resampling, HoldsASlowChannel) {
   FrameSource source = source_at(150.0);

@@ -122,7 +122,7 @@ std::string detected(const DetectOptions& options) {
                {"notice", notices.text()},
                {"worst", worst_of(trials)}};
   if (const std::unique_ptr<network::Engine> network = network_of(options.detector))
-    json["reads_hz"] = network::rate_read(network->description().input);
+    json["reads_hz"] = reads_json(network->description().input);
   json["trials"] = std::move(trials);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -481,7 +481,7 @@ std::string evaluated(const Options& options) {
                {"all", summary_json(summarised(judgements))},
                {"by", breakdowns(trials, left_out.empty())},
                {"failed", reader.failed().size()}};
-  if (network) json["reads_hz"] = network::rate_read(network->description().input);
+  if (network) json["reads_hz"] = reads_json(network->description().input);
   add_curves(json, trials);
   if (Json yardstick = yardstick_json(reader, options, labels, found); !yardstick.is_null())
     json["yardstick"] = std::move(yardstick);
@@ -547,10 +547,19 @@ std::string detector_name(const Json& detector) {
   return type + (memories.empty() ? "" : " with the memories " + memories);
 }
 
+Json reads_json(const network::Input& input) {
+  return {{"frames", network::rate_read(input)}, {"least", network::least_rate(input)}};
+}
+
 std::vector<std::string> frame_notes(const Json& result) {
   std::vector<std::string> notes;
   if (result.contains("reads_hz"))
-    notes.push_back("the network reads " + readable_quantity(result.at("reads_hz").get<double>(), Quantity::frequency));
+    notes.push_back(
+        "the network reads " + readable_quantity(result.at("reads_hz").at("frames").get<double>(), Quantity::frequency) +
+        (result.at("reads_hz").at("least") == result.at("reads_hz").at("frames")
+             ? ""
+             : ", from sensors of " + readable_quantity(result.at("reads_hz").at("least").get<double>(), Quantity::frequency) +
+                   " or more"));
   if (std::string notice = result.value("notice", ""); !notice.empty()) notes.push_back(std::move(notice));
   return notes;
 }

@@ -42,7 +42,7 @@ inline constexpr const char* result_key = "slipbench_eval";
 //   are the reference
 // - left_out: trials that the detector was trained on, which are not judged
 // - notice: how samples were resampled for the detector, of all trials; empty: they were not
-// - reads_hz: rate at which a network reads its sensor (network::rate_read())
+// - reads_hz: of a network: {frames, least}, network::rate_read() and network::least_rate()
 // - resample: as in Options
 // - warnings: texts about a trained detector that does not record its trials, and about judged
 //   trials on which it was trained (`all`)
@@ -80,6 +80,8 @@ std::string detector_name(const Json& detector);
 // Maximum number of trials, and of channels of each, that a page draws over time.
 inline constexpr std::size_t drawn_trials = 12, drawn_channels = 4;
 
+// reads_hz of a result.
+Json reads_json(const network::Input& input);
 // Notes on the frames that the detector read, from a result of evaluate() or detect(): the rate of a
 // network, and how samples were resampled.
 std::vector<std::string> frame_notes(const Json& result);

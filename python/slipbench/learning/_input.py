@@ -41,6 +41,8 @@ class Input:
             sensor's unit
         spans: samples, of spreads, levels and units
         pixels: for each pixel of an image, the values to average; empty: the values themselves
+        rates: Hz, lowest and highest rate of the sensors for which the network is trained; the rate of
+            each trial is drawn between them, and up to `rate`; None: `rate` alone
         units: physical unit of channels by name, such as {"signal": "counts"}; default: N for force
             and m for displacement; other channels: that of the first sensor that is read
     """
@@ -59,6 +61,7 @@ class Input:
     floor: float = 0.0
     spans: Sequence[int] = ()
     pixels: Sequence[Sequence[int]] = ()
+    rates: tuple[float, float] | None = None
     units: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -81,6 +84,8 @@ class Input:
             all_keys["spans"] = list(self.spans)
         if len(self.pixels):
             all_keys["pixels"] = [list(pixel) for pixel in self.pixels]
+        if self.rates is not None:
+            all_keys["rates"] = [float(rate) for rate in self.rates]
         return all_keys
 
     def text(self) -> str:

@@ -104,7 +104,7 @@ def alarms_per_minute(alarms: str | float) -> float:
 def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *, output: str | os.PathLike[str], recipe: str | Recipe = "slip_gru",
           network: nn.Module | Callable[[int, int], nn.Module] | None = None, sensor: str = "", labels: str | None = None, split: str | None = None,
           held_out: float | None = None, every_trial: bool = False, seed: int = 1, steps: int | None = None, turned: int | None = None,
-          alarms: str | float | None = None, by_score: bool = False, specificity: float | None = None, resume: bool = False, log: str | os.PathLike[str] | None = None,
+          rates: tuple[float, float] | None = None, alarms: str | float | None = None, by_score: bool = False, specificity: float | None = None, resume: bool = False, log: str | os.PathLike[str] | None = None,
           progress: Callable[[int, Report], object] | None = None, reading: Callable[[int, int], object] | None = None,
           before_step: Callable[[], None] | None = None) -> Trained:
     """Trains a slip detector on datasets and writes its ONNX file for scenes, `eval` and `replay`.
@@ -133,6 +133,9 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         seed: seed of weights and draws, 0 to 2^64 - 1
         steps: number of training steps, 1 or more; None: the recipe's
         turned: copies of each trial of a myrmex with turned images, 0 or more; None: the recipe's
+        rates: Hz, range of the rates of the sensors for which the network is trained: the rate of each
+            trial is drawn from it, up to that of the dataset; the file then reads recordings from
+            the lower rate on; None: the recipe's rate alone
         alarms: tolerated false alarms on the validation trials, as "1/min"; None: 1/min; math.inf:
             no limit; each frame is then classified on its own, with the threshold of the greatest
             balanced accuracy
@@ -186,6 +189,8 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     writer = _log_writer(log)
     if chosen.input.transform == "units":
         chosen = replace(chosen, input=fit_units(chosen.input, paths[0], sensor))
+    if rates is not None:
+        chosen = replace(chosen, input=replace(chosen.input, rates=_range_of(rates)))
     share = 0.2 if held_out is None else float(held_out)
     examples = read_examples(paths, chosen.input, labels=chosen.labels, classes=chosen.classes, sensor=sensor, turned=chosen.turned, at_most=chosen.at_most,
                              seed=seed, split=chosen.split, held_out=share, divide_anew=every_trial, progress=reading)
@@ -288,6 +293,17 @@ def _whole_number(value: Any, key: str, least: int, most: int | None = None) -> 
     return number
 
 
+def _range_of(rates: Any) -> tuple[float, float]:
+    """A range of rates in Hz. Raises InputError for anything else."""
+    try:
+        low, high = (float(one) for one in rates)
+    except (TypeError, ValueError):
+        low = high = math.nan
+    if not 0 < low <= high < math.inf:
+        raise _core.InputError(f"{named('rates', rates)}: expected the lowest and the highest rate in Hz, above 0")
+    return low, high
+
+
 def _recipe(recipe: str | Recipe, network: nn.Module | Callable[[int, int], nn.Module] | None, labels: str | None, split: str | None, steps: int | None,
             turned: int | None) -> Recipe:
     """The recipe with the requested changes."""
@@ -384,7 +400,7 @@ def _identity(recipe: Recipe, module: nn.Module, examples: Examples, sensor: str
     training = {key: value for key, value in vars(recipe.training).items() if key != "augment"}
     return json.dumps({"recipe": recipe.name, "network": str(module), "data": examples.sha256, "sensor": sensor, "labels": recipe.labels,
                        "split": recipe.split, "all": every_trial, "held_out": held_out, "seed": seed, "member": member, "turned": recipe.turned,
-                       "training": training, "torch": torch.__version__})
+                       "rates": recipe.input.rates, "training": training, "torch": torch.__version__})
 
 
 def _probabilities(members: Sequence[nn.Module], features: Floats) -> Floats:

@@ -158,6 +158,21 @@ TEST(Description, ADeepNestIsRefusedBeforeItIsFollowed) {
   EXPECT_THAT(refusal(std::string(1'000'000, '[')), mentions({"nested", "32"}));
 }
 
+TEST(Description, SaysTheRatesOfTheSensorsOfItsTraining) {
+  const std::string ranged = with("\"history\": 4", "\"history\": 4, \"rates\": [2000, 20000]");
+  const Input input = parse_description(ranged, "net.onnx").input;
+  EXPECT_EQ(least_rate(input), 2000.0);
+  EXPECT_EQ(rate_read(input), 10000.0);
+  EXPECT_EQ(least_rate(parse_description(full, "net.onnx").input), 10000.0);
+  const Description again = parse_description(description_text(parse_description(ranged, "net.onnx")), "net.onnx");
+  EXPECT_EQ(again.input.slowest, 2000.0);
+  EXPECT_EQ(again.input.fastest, 20000.0);
+  for (const char* rates : {"[1]", "[2, 1]", "[0, 1]", "[1, 2, 3]", "[1, 2e9]"}) {
+    EXPECT_THAT(refusal(with("\"history\": 4", "\"history\": 4, \"rates\": " + std::string(rates))),
+                refused_at("net.onnx: input.rates", {"lowest", "highest"}));
+  }
+}
+
 // A plain stride skips samples; a window, a median or a spectrum reads all of them.
 TEST(Description, SaysTheRateThatIsRead) {
   Input input;

@@ -201,8 +201,8 @@ void RecordingWriter::warn_of_timing(const SensorRecord& sensor, double unit, co
   if (evenly_spaced(sensor.time, sensor.timing->resolution)) {
     warn(path, fmt::format("{}the time between samples varies: {}", subject, timing));
   } else {
-    warn(path, fmt::format("{}its samples are not evenly spaced: {}; for detectors that count samples, import it "
-                           "with --rate RATE",
+    warn(path, fmt::format("{}its samples are not evenly spaced: {}; `detect` and `eval` bridge steps of up to 0.1 s, "
+                           "--rate RATE resamples it for all detectors",
                            subject, timing));
   }
 }

@@ -14,9 +14,11 @@
 #include <fmt/ranges.h>
 
 #include "detectors/network/frames.h"
+#include "detectors/resampling.h"
 #include "sim/api/contact_frame.h"
 #include "sim/core/choice.h"
 #include "sim/core/counted.h"
+#include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/content_check.h"
@@ -357,6 +359,52 @@ std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels) {
   return {};
 }
 
+namespace {
+
+// Keeps the frames of a network.
+class FrameKeeper final : public Detector {
+ public:
+  FrameKeeper(network::Frames& frames, std::vector<float>& features) : frames_(&frames), features_(&features) {}
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    if (frames_->push(frame.values)) features_->insert(features_->end(), frames_->latest().begin(), frames_->latest().end());
+    return estimate_;
+  }
+
+ private:
+  network::Frames* frames_;
+  std::vector<float>* features_;
+  SlipEstimate estimate_;
+};
+
+// How the samples of a trial become those that a network reads: directly, or, for a range of rates,
+// first at a rate drawn from the range, as if the sensor had it, and then as the detector does.
+struct TrialRate {
+  TrialRate(const network::Input& input, const FrameSource& sensor, std::uint64_t seed, std::size_t trial)
+      : source(sensor), slower(sensor), read(input) {
+    drawn.rate = kept.rate = sensor.rate;
+    if (input.fastest == 0.0) return;
+    if (sensor.rate < input.slowest)
+      reject("sensor {}: has {} Hz, but the range of rates begins at {} Hz", sensor.sensor, sensor.rate, input.slowest);
+    RandomStream random(seed, trial, "rate");
+    const double span = math::log(std::min(input.fastest, sensor.rate) / input.slowest);
+    drawn = resampling_of(source, input.slowest * math::exp(span * random.uniform()), "the training");
+    slower.rate = drawn.rate;
+    kept = resampling_of(slower, network::rate_read(input), "the network", input.slowest);
+    read = network::at_rate_read(input);
+  }
+
+  [[nodiscard]] std::unique_ptr<Detector> wrapped(std::unique_ptr<Detector> reader) const {
+    return resampled(resampled(std::move(reader), kept, slower, ""), drawn, source, "");
+  }
+
+  FrameSource source, slower;  // the sensor; the same at the drawn rate
+  network::Input read;
+  Resampling drawn, kept;
+};
+
+}  // namespace
+
 Example example_of(const TrialRecord& record, const SensorRecord& sensor, const ExampleOptions& options, std::size_t turn) {
   Example example;
   const SweptFacts facts = swept_facts(record.params);
@@ -371,7 +419,8 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   if (turn != 0) check_turnable(sensor);
   check_evenly_spaced(sensor);
   RecordedSamples samples(sensor);
-  network::Frames frames(options.input, sensor.type, sensor.rate, samples.channels());
+  const TrialRate rate(options.input, {sensor.name, sensor.type, sensor.rate, samples.channels()}, options.seed, record.trial);
+  network::Frames frames(rate.read, sensor.type, rate.kept.rate, samples.channels());
   const std::vector<std::uint8_t> labels = labels_of(record, sensor, options.labels, options.classes);
   const std::vector<std::uint8_t>& truth = options.labels == LabelRule::strict ? sensor.labels.state : sensor.labels.state_micro;
   const std::vector<double>& onsets =
@@ -386,13 +435,13 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   std::vector<float> sample;
   std::vector<std::size_t> ends;
   std::vector<float> features;
+  const std::unique_ptr<Detector> reader = rate.wrapped(std::make_unique<FrameKeeper>(frames, features));
   for (std::size_t row = 0; row < sensor.time.size(); ++row) {
     const SensorFrame taken = samples.take();
     sample.assign(taken.values.begin(), taken.values.end());
     if (turn != 0) turn_taxels(sample, sensor.channels.front().shape[0], sensor.channels.front().shape[1], turn);
-    if (!frames.push(sample)) continue;
-    ends.push_back(row);
-    features.insert(features.end(), frames.latest().begin(), frames.latest().end());
+    reader->update({taken.time, sample});
+    ends.resize(features.size() / frames.size(), row);  // interpolated frames share their last sample
   }
   if (ends.empty()) {
     reject("sensor {}: {}, fewer than a frame of {}", sensor.name, counted(sensor.time.size(), "sample"), options.input.window);

@@ -92,7 +92,9 @@ struct Example {
 using ReadingProgress = std::function<void(std::size_t read, std::size_t trials)>;
 
 struct ExampleOptions {
-  network::Input input;  // offset and scale are ignored
+  // Offset and scale are ignored. With a range of rates, the rate of each trial is drawn from it (its
+  // logarithm uniformly, up to the sensor's): RandomStream(seed, trial, "rate").
+  network::Input input;
   LabelRule labels = LabelRule::micro;
   ClassRule classes = ClassRule::slip;
   std::string sensor;  // empty: every sensor of the input's type and rate (network::rate_fits) whose values fit its picks

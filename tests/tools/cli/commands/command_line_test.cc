@@ -187,10 +187,10 @@ TEST(CommandLine, TrainTakesEverything) {
 }
 
 TEST(CommandLine, TrainTakesARecipe) {
-  const TrainCommand& command =
-      parsed<TrainCommand>({"train",   "a.h5",    "-o",       "d.onnx",  "--recipe", "piezo_fft_gru", "--labels",
-                            "latched", "--split", "object",   "--steps", "100",      "--held-out",    "25",
-                            "--seed",  "3",       "--sensor", "pad",     "--alarms", "30/h",          "--resume"});
+  const TrainCommand& command = parsed<TrainCommand>(
+      {"train",    "a.h5",    "-o",       "d.onnx",     "--recipe",   "piezo_fft_gru", "--labels", "latched",  "--split",
+       "object",   "--steps", "100",      "--held-out", "25",         "--seed",        "3",        "--sensor", "pad",
+       "--alarms", "30/h",    "--resume", "--rates",    "0.05..1 kHz"});
   EXPECT_EQ(command.request["datasets"], Json::array({"a.h5"}));
   EXPECT_EQ(command.request["output"], "d.onnx");
   EXPECT_EQ(command.request["sensor"], "pad");
@@ -201,10 +201,11 @@ TEST(CommandLine, TrainTakesARecipe) {
   EXPECT_EQ(command.request["labels"], "latched");
   EXPECT_EQ(command.request["split"], "object");
   EXPECT_EQ(command.request["steps"], 100);
+  EXPECT_EQ(command.request["rates"], Json::array({50.0, 1000.0}));
   // Options that are not given are null: Python then uses the value of the recipe or the default of
   // train().
   const TrainCommand& plain = parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru"});
-  for (const char* key : {"labels", "split", "held_out", "steps", "turned", "alarms"})
+  for (const char* key : {"labels", "split", "held_out", "steps", "turned", "rates", "alarms"})
     EXPECT_TRUE(plain.request[key].is_null()) << key;
   const TrainCommand& hd =
       parsed<TrainCommand>({"train", "a.h5", "-o", "m", "--recipe", "gst_hd", "--with", "b.h5", "--alarms", "30/h"});
@@ -229,6 +230,11 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
     EXPECT_THAT(refusal({"train", "a.h5", "-o", "m.onnx", "--recipe", "piezo_mlp", "--alarms", rate}),
                 mentions({"--alarms", rate, "1/min"}));
   }
+  for (const char* rates : {"50 Hz", "1 kHz..50 Hz", "0 Hz..1 kHz", "50 mm..1 m", "..", "50 Hz.."}) {
+    EXPECT_THAT(refusal({"train", "a.h5", "-o", "m.onnx", "--recipe", "piezo_mlp", "--rates", rates}),
+                mentions({"--rates", rates, "50 Hz..1 kHz"}));
+  }
+  EXPECT_THAT(refused({"--rates", "50 Hz..1 kHz"}), mentions({"--rates", "networks"}));
   EXPECT_THAT(refused({"--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
   EXPECT_THAT(refused({"--recipe", "slip_gru", "--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
   EXPECT_THAT(refused({"--specificity", "90"}), mentions({"--specificity", "--score"}));

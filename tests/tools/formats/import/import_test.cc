@@ -169,7 +169,7 @@ TEST_F(Import, LogHasItsPillarsItsRateAndTheDevicesOwnSlip) {
   EXPECT_EQ(
       summary.warnings[0].text,
       file +
-          ": its samples are not evenly spaced: 333.333 Hz on average, 500 Hz by the median step, the longest step is 0.005 s, 0.004 s after the first sample; for detectors that count samples, import it with --rate RATE");
+          ": its samples are not evenly spaced: 333.333 Hz on average, 500 Hz by the median step, the longest step is 0.005 s, 0.004 s after the first sample; `detect` and `eval` bridge steps of up to 0.1 s, --rate RATE resamples it for all detectors");
   EXPECT_THAT(sensor.time, ElementsAre(1.0, 1.002, 1.004, 1.009));
   ASSERT_THAT(sensor.channels, SizeIs(2));
   EXPECT_EQ(sensor.channels[0].name, "force");

@@ -97,6 +97,43 @@ TEST(Example, LabelsAFrameByItsEnd) {
 
 // Slip from 150 to 250, then rest, contact lost from 380 on, touched again from 390 on: the frames
 // end in slip, in rest, and in a new contact.
+// The network reads 100 Hz. At a rate drawn from 20 Hz to 10 kHz a straight line remains one, with a
+// frame each 10 ms; a frame comes with a later sample, at most one and a half steps of the drawn rate
+// and of the sensor later. Over 40 trials more than half of the drawn logarithm lies below 500 Hz, and
+// some draws below 100 Hz, whose frames come up to 50 ms late.
+TEST(Example, HasADrawnRate) {
+  SensorRecord sensor = skin(5000);
+  for (std::size_t i = 0; i < 5000; ++i) sensor.channels[0].values[i] = static_cast<float>(i);
+  ExampleOptions options;
+  options.input = signal_frames();
+  options.labels = LabelRule::strict;
+  options.input.slowest = 20.0;
+  options.input.fastest = 20e3;
+  std::set<double> latest;
+  for (std::size_t trial = 0; trial < 40; ++trial) {
+    TrialRecord record;
+    record.trial = trial;
+    const Example one = example_of(record, sensor, options);
+    EXPECT_EQ(one.time, example_of(record, sensor, options).time) << "the same draw";
+    ASSERT_GE(one.time.size(), 44U);
+    EXPECT_EQ(one.frames.label.size(), one.time.size());
+    double late = 0.0;
+    for (std::size_t k = 0; k < one.time.size(); ++k) {
+      const double due = 0.01 * static_cast<double>(k);
+      // By the drawn clock, which is within 1 % of a multiple of 100 Hz or exact.
+      EXPECT_NEAR(one.frames.features[k], 1e4 * due, 1e4 * (0.01 * due + 1e-4)) << trial << ", frame " << k;
+      EXPECT_GE(one.time[k], due * 0.99 - 1e-9);
+      late = std::max(late, one.time[k] - due);
+    }
+    EXPECT_LE(late, 0.05 + 1.5 / rate + 1e-9);
+    latest.insert(late);
+  }
+  EXPECT_GT(*latest.rbegin(), 0.011);
+  EXPECT_LT(*latest.begin(), 0.002);
+  options.input.slowest = 15e3;
+  EXPECT_THAT(refusal_of([&] { example_of({}, sensor, options); }), mentions({"sensor skin", "10000 Hz", "15000 Hz"}));
+}
+
 TEST(Example, LatchesOrMasksRestAfterASlip) {
   SensorRecord sensor = skin();
   set(sensor.labels.state_micro, 150, 250, PadState::incipient);

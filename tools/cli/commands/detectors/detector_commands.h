@@ -49,6 +49,7 @@ struct TrainCommand final : Command {
   std::string alarms_;
   bool score_ = false;
   std::optional<std::size_t> specificity_;  // percent
+  std::string rates_;
   std::vector<std::string> with_;
   bool all_ = false, resume_ = false;
 };

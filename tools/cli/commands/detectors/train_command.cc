@@ -2,6 +2,7 @@
 #include "tools/cli/commands/detectors/detector_commands.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <span>
@@ -12,6 +13,7 @@
 
 #include "detectors/hd/words.h"
 #include "sim/core/choice.h"
+#include "sim/core/quantity.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/format/describe.h"
 #include "tools/cli/terminal.h"
@@ -33,6 +35,25 @@ double alarms_a_minute(const std::string& text) {
     if (unit == "/h") return rate / 60.0;
   }
   reject("train: --alarms is {}; expected a rate of 0 or more with its unit, such as 1/min or 10/h", quote(text));
+}
+
+// Returns lowest and highest rate [Hz] of a text such as "50 Hz..1 kHz", or "50..1000 Hz" with one unit
+// for both.
+std::array<double, 2> range_of_rates(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  if (dots != std::string::npos) {
+    const std::string high = text.substr(dots + 2);
+    std::string low = text.substr(0, dots);
+    if (low.find_first_not_of("0123456789. ") == std::string::npos)
+      low += " " + high.substr(std::min(high.size(), high.find_first_not_of("0123456789. ")));
+    try {
+      const std::array rates{parse_quantity(low, Quantity::frequency), parse_quantity(high, Quantity::frequency)};
+      if (rates[0] > 0.0 && rates[0] <= rates[1] && std::isfinite(rates[1])) return rates;
+    } catch (const std::invalid_argument&) {
+      // Reported below.
+    }
+  }
+  reject("train: --rates is {}; expected the lowest and the highest rate, such as 50 Hz..1 kHz", quote(text));
 }
 
 // Returns `given`. Throws InputError unless it is one of `names`.
@@ -119,6 +140,8 @@ Examples:
   arguments.number("--steps N", steps_, "Network: training steps (default: of the recipe)", 1, 10'000'000);
   arguments.number("--turned N", turned_, "Network of a Myrmex: copies of each trial with rotated images, 0 to 11 (default: 0)",
                    0, 11);
+  arguments.text("--rates LOW..HIGH", rates_,
+                 "Network: draw the rate of each trial from this range, e.g. '50 Hz..1 kHz' (default: rate of the recipe)");
   arguments.text("--alarms RATE", alarms_,
                  "Maximum rate of false alarms on the validation trials (default: 1/min; gst_hd: no operating point is chosen)");
   arguments.flag("--score", score_, "Instead of --alarms: operating point with the highest score of open recordings");
@@ -153,6 +176,7 @@ void TrainCommand::read_hd() {
                                     {held_out_.has_value(), "--held-out"},
                                     {steps_.has_value(), "--steps"},
                                     {turned_.has_value(), "--turned"},
+                                    {!rates_.empty(), "--rates"},
                                     {resume_, "--resume"}}) {
     if (given) reject("train: {} applies only to networks, that is to recipes other than gst_hd", name);
   }
@@ -201,6 +225,7 @@ void TrainCommand::read_network() {
                  {"seed", options.seed},
                  {"steps", or_null(steps_)},
                  {"turned", or_null(turned_)},
+                 {"rates", rates_.empty() ? Json() : Json(range_of_rates(rates_))},
                  {"alarms", Json()},
                  {"by_score", score_},
                  {"specificity", Json()},
