@@ -141,7 +141,7 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
     ++result.named[static_cast<std::size_t>(number)];
   }
   result.judgement.twin = truth_sha256(sensor.labels);
-  yardsticks.add(recorded, truth, result.judgement.twin);
+  yardsticks.add(recorded, truth, result.judgement.twin, options.resample);
   result.facts = facts_of(recorded.scene ? &*recorded.scene : nullptr, record, sensor);
   result.grasp = record.outcome.grasp;
   result.origin = page::time_origin(sensor.time);
@@ -436,7 +436,7 @@ Json yardstick_json(const DatasetReader& reader, const Options& options, TruthRu
   for (std::size_t k = 0; k < judged_trials.trials.size(); ++k) {
     const Judgement& own = judged_trials.trials[k].judgement;
     const DetectorScene detector = with_yardstick_threshold(best->detector, best->thresholds.at(best->part.at(k)));
-    const RecordedTrial trial = recorded_trial(reader, own.trial, detector, options.sensor, catalogues);
+    const RecordedTrial trial = recorded_trial(reader, own.trial, detector, options.sensor, catalogues, options.resample);
     judgements.push_back(judged(own.trial, trial.truth(labels), trial.replayed));
     judgements.back().twin = own.twin;
   }

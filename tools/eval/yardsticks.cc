@@ -70,15 +70,16 @@ DetectorScene with_yardstick_threshold(DetectorScene yardstick, double threshold
   return yardstick;
 }
 
-void YardstickScores::add(const RecordedTrial& trial, const Truth& truth, const std::string& twin) {
+void YardstickScores::add(const RecordedTrial& trial, const Truth& truth, const std::string& twin, bool interpolate) {
   if (scores_.empty()) {
     for (DetectorScene& detector : yardsticks()) scores_.push_back({.detector = std::move(detector)});
   }
   for (Scores& scores : scores_) {
     if (!scores.refused.empty()) continue;
     try {
-      scores.trials.push_back(judged(trial.record.trial, truth,
-                                     replay(scores.detector, trial.sensors, trial.read, trial.record.seed, trial.record.trial)));
+      scores.trials.push_back(
+          judged(trial.record.trial, truth,
+                 replay(scores.detector, trial.sensors, trial.read, trial.record.seed, trial.record.trial, interpolate)));
       scores.trials.back().twin = twin;
     } catch (const InputError& error) {
       scores.refused = error.what();

@@ -43,8 +43,8 @@ struct ChosenYardstick {
 class YardstickScores {
  public:
   // Runs each yardstick on the samples of `trial`. One that cannot read the sensor in a trial is
-  // left out from then on. `twin`: as Judgement::twin.
-  void add(const RecordedTrial& trial, const Truth& truth, const std::string& twin);
+  // left out from then on. `twin`: as Judgement::twin. `interpolate`: as in replay().
+  void add(const RecordedTrial& trial, const Truth& truth, const std::string& twin, bool interpolate = false);
 
   // Returns the yardstick with the greatest area under the ROC curve. Its thresholds have the
   // greatest balanced accuracy by samples. Every second experiment (a trial and its twins) belongs to
