@@ -1,6 +1,6 @@
-// Bindings for tools/studies: result pages, replay of recorded trials by detectors, timing of the
-// hyperdimensional engines, cross-validation of hyperdimensional detectors, positions of
-// electrodes.
+// Bindings for tools/studies: result pages, replay of recorded trials by detectors, figures of
+// answers, timing of the hyperdimensional engines, cross-validation of hyperdimensional detectors,
+// positions of electrodes.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -29,6 +29,7 @@
 #include "tools/dataset/record/json.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/doctor/doctor.h"
+#include "tools/eval/metrics.h"
 #include "tools/eval/replay.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
@@ -207,6 +208,46 @@ class HdSequences {
   TrainingData data_;
 };
 
+template <class T>
+using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+// Answers of a detector in labelled recordings, judged as `slipbench eval` judges them.
+class Judgements {
+ public:
+  // One recording. `labels`: PadState or unknown_state of each sample. `rate` [Hz]. `seen`: PadState
+  // by the detector. `since` [s]: time at which its estimate was available. `probability`: NaN
+  // without a new estimate.
+  void add(const Row<double>& time, const Row<std::uint8_t>& labels, double rate, const Row<std::uint8_t>& seen,
+           const Row<double>& since, const Row<double>& probability) {
+    const std::size_t rows = time.size();
+    if (labels.size() != rows || seen.size() != rows || since.size() != rows || probability.size() != rows)
+      reject("recording {}: its arrays differ in length", all_.size());
+    SensorRecord sensor;
+    sensor.rate = rate;
+    sensor.time.assign(time.data(), time.data() + rows);
+    sensor.labels.truth = false;
+    sensor.labels.state_paper.assign(labels.data(), labels.data() + rows);
+    eval::Replayed replayed;
+    for (std::size_t row = 0; row < rows; ++row) replayed.seen.push_back(static_cast<PadState>(seen.data()[row]));
+    replayed.seen_since.assign(since.data(), since.data() + rows);
+    replayed.probability.assign(probability.data(), probability.data() + rows);
+    const eval::Truth truth = eval::truth_of(nullptr, TrialRecord{}, sensor, eval::TruthRule::recorded);
+    all_.push_back(eval::judged(all_.size(), truth, replayed));
+  }
+
+  // eval::summary_json() of the recordings, whose intervals treat recordings of one group as one
+  // experiment. `groups`: one per recording; an empty one is a group of its own.
+  [[nodiscard]] std::string summary(const std::vector<std::string>& groups) const {
+    if (groups.size() != all_.size()) reject("{} groups for {} recordings", groups.size(), all_.size());
+    std::vector<eval::Judgement> grouped = all_;
+    for (std::size_t k = 0; k < grouped.size(); ++k) grouped[k].twin = groups[k];
+    return eval::summary_json(eval::summarised(grouped)).dump();
+  }
+
+ private:
+  std::vector<eval::Judgement> all_;
+};
+
 }  // namespace
 
 void bind_studies(nb::module_& module) {
@@ -230,6 +271,11 @@ void bind_studies(nb::module_& module) {
   module.def("hd_time", &hd_time_of_levels, nb::arg("engine"), nb::arg("levels"), nb::arg("passes"));
   module.def("hd_time_from_displacements", &hd_time_of_displacements, nb::arg("engine"), nb::arg("displacements"),
              nb::arg("passes"));
+  nb::class_<Judgements>(module, "Judgements")
+      .def(nb::init<>())
+      .def("add", &Judgements::add, nb::arg("time"), nb::arg("labels"), nb::arg("rate"), nb::arg("seen"), nb::arg("since"),
+           nb::arg("probability"))
+      .def("summary", &Judgements::summary, nb::arg("groups"));
   nb::class_<HdSequences>(module, "HdSequences")
       .def(nb::init<const std::string&, const std::string&>(), nb::arg("path"), nb::arg("labels"))
       .def_prop_ro("command", &HdSequences::command)

@@ -475,8 +475,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     """Map-style dataset for `torch.utils.data.DataLoader`: windows [length, values] float32 and
     their labels, 0 hold, 1 slip.
 
-    A window's label is that of its last sample. Samples without contact are hold. No window spans
-    two trials. A trial is read once and cached: the chosen channels of all trials must fit into
+    A window's label is that of its last sample. Samples without contact are hold. Windows of a
+    recording whose last sample has an unknown label are left out. No window spans two trials. A trial is read once and cached: the chosen channels of all trials must fit into
     memory. Windows can be pickled: the copy opens the dataset again, by its path.
     """
 
@@ -499,7 +499,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         self._kept: dict[int, tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]] = {}
         samples = [self._samples(trial) for trial in self._trials]
         self._check_alike()
-        self._ends = np.cumsum([0] + [max(0, (count - length) // stride + 1) for count in samples]).tolist()
+        self._starts = [self._known_starts(trial, count) for trial, count in zip(self._trials, samples, strict=True)]
+        self._ends = np.cumsum([0] + [len(starts) for starts in self._starts]).tolist()
         short = [trial for trial, count in zip(self._trials, samples, strict=True) if count < length]
         if short and len(short) == len(samples):
             longest = int(np.argmax(samples))
@@ -537,6 +538,16 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             raise _core.InputError(f"trial {trial.trial}: labels {self._rule!r}: the {which} has {found}; "
                                    + (f"pass {' or '.join(f'labels={rule!r}' for rule in rules)}" if rules else "use a recording with labels"))
         return labels[rules[self._rule]]
+
+    def _known_starts(self, number: int, samples: int) -> range | NDArray[np.int64]:
+        """First samples of the windows of a trial whose label is known."""
+        starts = range(0, samples - self._length + 1, self._stride)
+        if self._rule not in RECORDED or not starts:
+            return starts
+        trial = self._dataset[number]
+        ends = np.asarray(self._states(trial, self._name(trial))[:])[self._length - 1 :: self._stride]
+        known = ends != _core.unknown_state
+        return starts if known.all() else np.asarray(starts, np.int64)[known]
 
     def _samples(self, number: int) -> int:
         trial = self._dataset[number]
@@ -590,7 +601,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             states = self._states(trial, name)
             samples = len(states)
             values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in self._chosen_channels(sensor)], axis=1)
-            slips = (np.asarray(states[:]) >= 2).astype(np.uint8)
+            codes = np.asarray(states[:])
+            slips = ((codes >= 2) & (codes != _core.unknown_state)).astype(np.uint8)
             self._kept[number] = values, slips, np.asarray(sensor["t"][:], np.float64)
         return self._kept[number]
 
@@ -607,7 +619,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         """Values, labels and times of the trial of window `index`, and the window's first
         sample."""
         place = self._place(index)
-        return *self._read(self._trials[place]), (index % len(self) - self._ends[place]) * self._stride
+        return *self._read(self._trials[place]), int(self._starts[place][index % len(self) - self._ends[place]])
 
     def _place(self, index: int) -> int:
         if not -len(self) <= index < len(self):
@@ -643,12 +655,13 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
                                    f"{_MOST_BYTES / 1e9:g} GB; use a greater stride, a shorter length or fewer channels")
         X, y = np.empty((len(self), self._length, columns), np.float32), np.empty(len(self), np.uint8)
         at = 0
-        for trial, count in zip(self._trials, counts, strict=True):
+        for trial, starts, count in zip(self._trials, self._starts, counts, strict=True):
             if not count:
                 continue
             values, slips, _ = self._read(trial)
-            X[at : at + count] = np.lib.stride_tricks.sliding_window_view(values, self._length, axis=0)[:: self._stride][:count].swapaxes(1, 2)
-            y[at : at + count] = slips[self._length - 1 :: self._stride][:count]
+            chosen = slice(0, starts.stop, starts.step) if isinstance(starts, range) else starts
+            X[at : at + count] = np.lib.stride_tricks.sliding_window_view(values, self._length, axis=0)[chosen].swapaxes(1, 2)
+            y[at : at + count] = slips[self._length - 1 :][chosen]
             at += count
         return X, y, np.repeat(np.asarray(self._trials, np.int64), counts)
 

@@ -317,7 +317,7 @@ WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& repla
   constexpr double rounding = 1e-6;  // of times at the border of a window
   std::map<long, Window> windows;
   for (std::size_t row = 0; row < truth.time.size(); ++row) {
-    if (!truth.masked.empty() && truth.masked[row]) continue;
+    if (!truth.judges(row)) continue;
     const double place = (truth.time[row] - truth.time.front()) / window_length;
     Window& window = windows[std::lround(std::floor(place + rounding))];
     window.slips = window.slips || slips(truth.state[row]);

@@ -281,7 +281,9 @@ struct DatasetReader::State {
     if (!exists(place)) return labels;
     labels.rule = hdf5::text_of(place, open_object(place), "rule");
     labels.state_paper = read_column<std::uint8_t>(place.below("state_paper"), rows, {});
-    static_cast<void>(count_states(place.below("state_paper"), labels.state_paper));
+    std::vector<std::uint8_t> known = labels.state_paper;
+    std::erase(known, static_cast<std::uint8_t>(unknown_state));
+    static_cast<void>(count_states(place.below("state_paper"), known));
     return labels;
   }
 

@@ -29,7 +29,8 @@ constexpr const char* samples_head = "recording,trial,object,time_s,state,slip,p
 
 Json words_of(const std::vector<PadState>& states) {
   Json words = Json::array();
-  for (const PadState state : states) words.push_back(state_words.at(static_cast<std::size_t>(state)));
+  for (const PadState state : states)
+    words.push_back(state == unknown_state ? Json() : Json(state_words.at(static_cast<std::size_t>(state))));
   return words;
 }
 
@@ -177,7 +178,7 @@ std::string samples_csv(const Json& result) {
       const std::string state = samples.at("state")[row].get<std::string>();
       text += before + fmt::format("{},{},{},{},{}\n", cell(samples.at("time_s")[row]), state,
                                    state == "incipient" || state == "gross" ? 1 : 0, cell(samples.at("probability")[row]),
-                                   label.is_null() ? "" : label[row].get<std::string>());
+                                   label.is_null() ? "" : cell(label[row]));
     }
   }
   return text;

@@ -25,6 +25,7 @@ struct Pool {
   Summary counts;
   std::vector<double> delays, distances;
   std::size_t before_gross_slip = 0, with_path = 0;  // trials with slip
+  std::vector<double> slip_delays;
   double stick_alarms = 0.0, stick_time = 0.0, air_alarms = 0.0, air_time = 0.0, stuck_error = 0.0, stuck_frames = 0.0;
 
   void add(const Judgement& trial) {
@@ -42,6 +43,9 @@ struct Pool {
     if (!std::isnan(trial.slip_distance)) distances.push_back(trial.slip_distance);
     if (trial.knows_distance && !std::isnan(trial.slip_time)) ++with_path;
     before_gross_slip += trial.before_gross_slip ? 1U : 0U;
+    counts.slips += trial.slips;
+    counts.slips_found += trial.slips_found;
+    slip_delays.insert(slip_delays.end(), trial.slip_delays.begin(), trial.slip_delays.end());
     stick_alarms += static_cast<double>(trial.stick_alarms);
     stick_time += trial.stick_time;
     air_alarms += static_cast<double>(trial.air_alarms);
@@ -75,6 +79,8 @@ std::vector<double> figures_of(const Pool& pool) {
   set("before_gross_slip", ratio(static_cast<double>(pool.before_gross_slip), static_cast<double>(pool.with_path)));
   set("early", ratio(static_cast<double>(pool.counts.early), slipping));
   set("missed", ratio(static_cast<double>(pool.counts.missed), slipping));
+  set("slips_found", ratio(static_cast<double>(pool.counts.slips_found), static_cast<double>(pool.counts.slips)));
+  set("slip_delay_median_s", median(pool.slip_delays));
   constexpr PadState stick = PadState::non_slip;
   set("false_alarm_share", share_of(samples_in(frames, stick, PadState::incipient) + samples_in(frames, stick, PadState::gross),
                                     samples_in(frames, stick)));
@@ -167,8 +173,10 @@ std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vect
   }
   std::vector<PadState> states;
   for (const std::uint8_t code : codes) {
-    if (code > static_cast<std::uint8_t>(PadState::gross)) reject("labels/{}: state {}; allowed: 0 to 3", sensor.name, code);
-    states.push_back(static_cast<PadState>(code));
+    const auto state = static_cast<PadState>(code);
+    const bool unlabelled = !sensor.labels.truth && state == unknown_state;
+    if (state > PadState::gross && !unlabelled) reject("labels/{}: state {}; allowed: 0 to 3", sensor.name, code);
+    states.push_back(state);
   }
   return states;
 }
@@ -252,6 +260,24 @@ std::vector<SeenAlarm> alarms_of(const std::vector<double>& time, const Replayed
   return alarms;
 }
 
+// Counts the slips and those that the detector finds.
+void judge_slips(const Truth& truth, const Replayed& replayed, Judgement& result) {
+  const std::size_t rows = truth.time.size();
+  for (std::size_t begin = 0, end = 0; begin < rows; begin = end + 1) {
+    const std::size_t before = end;  // the end of the slip before, whose alarm is not one of this slip
+    while (begin < rows && !slips(truth.state[begin])) ++begin;
+    for (end = begin; end < rows && slips(truth.state[end]);) ++end;
+    if (begin == rows || !truth.counts(truth.time[begin])) continue;
+    ++result.slips;
+    std::size_t row = begin;
+    while (row > before && truth.time[begin] - truth.time[row - 1] < slip_lead) --row;
+    while (row < end && !slips(replayed.seen[row])) ++row;
+    if (row == end) continue;
+    ++result.slips_found;
+    if (rows > 1) result.slip_delays.push_back(std::max(0.0, alarm_time(truth.time, replayed, row) - truth.time[begin]));
+  }
+}
+
 Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed, double grace) {
   const std::size_t rows = truth.time.size();
   if (truth.state.size() != rows || replayed.seen.size() != rows) throw std::logic_error("truth and answers differ in length");
@@ -259,11 +285,12 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   result.trial = trial;
   result.slip_time = truth.first_slip;
   result.knows_distance = !truth.slip_distance.empty();
+  judge_slips(truth, replayed, result);
   bool seen_before = false;
   for (std::size_t row = 0; row < rows; ++row) {
     const double time = truth.time[row];
     const PadState state = truth.state[row], seen = replayed.seen[row];
-    const bool judges = truth.masked.empty() || !truth.masked[row];
+    const bool known = state != unknown_state, judges = truth.judges(row);
     if (judges) count(result.frames, state, seen);
     if (const double value = replayed.probability[row]; judges && !std::isnan(value)) {
       (slips(state) ? result.positives : result.negatives).push_back(value);
@@ -275,9 +302,10 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
         ++result.stuck_frames;
       }
     }
-    const bool begins = !std::exchange(seen_before, slips(seen)) && slips(seen);
+    const bool begins = known && slips(seen) && !seen_before;
+    if (known || !slips(seen)) seen_before = slips(seen);
     const bool graced = time < truth.first_slip && in_time(truth, time, grace);
-    if (!truth.counts(time)) continue;
+    if (!known || !truth.counts(time)) continue;
     if (slips(seen) && std::isnan(result.alarm_time)) {
       // An alarm that began before alarms count is dated at the first sample that counts.
       result.alarm_time = alarm_time(truth.time, replayed, row);
@@ -359,6 +387,8 @@ Json summary_json(const Summary& summary) {
           {"early", summary.early},
           {"missed", summary.missed},
           {"false_alarms", summary.false_alarms},
+          {"slips", summary.slips},
+          {"slips_found", summary.slips_found},
           {"frames", frames},
           {"figures", std::move(values)},
           {"constant",
@@ -404,7 +434,7 @@ double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<
   const LabelRecord& labels = sensor.labels;
   if (labels.event_time.empty()) {
     for (std::size_t row = 0; row < states.size(); ++row) {
-      if (states[row] >= PadState::incipient && sensor.time[row] >= from) return sensor.time[row];
+      if (slips(states[row]) && sensor.time[row] >= from) return sensor.time[row];
     }
     return std::numeric_limits<double>::quiet_NaN();
   }

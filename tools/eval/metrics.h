@@ -34,7 +34,8 @@ std::string label_rule_name(TruthRule rule);
 // Name of the labels in drawings: "labels" for recordings, else "truth".
 std::string labels_title(TruthRule rule);
 
-// The pad's state in each sample of a sensor, [T]. `turning`: true if the motion turns the pad,
+// The pad's state in each sample of a sensor, [T]; unknown_state where the labels of a recording say
+// so. `turning`: true if the motion turns the pad,
 // which has_slipped needs. Throws InputError for has_slipped of another sensor, and for labels that
 // are invalid or not one per sample.
 std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, bool turning);
@@ -48,7 +49,7 @@ double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<
 
 struct Truth {
   std::vector<double> time;           // [T] s, samples of the sensor
-  std::vector<PadState> state;        // [T]
+  std::vector<PadState> state;        // [T]; samples of unknown_state are left out of every figure, as are alarms in them
   std::vector<bool> masked;           // [T] samples that are not judged, although alarms in them count; empty: none
   std::vector<float> stuck_fraction;  // [T], NaN without contact
   // [T] m, path slipped since the start: sum of the mean steps of the touching units. Empty:
@@ -65,6 +66,8 @@ struct Truth {
   // s, the first sample from first_slip on in which no touching unit sticks.
   double gross_slip = std::numeric_limits<double>::infinity();
 
+  // False for a sample that no figure counts.
+  [[nodiscard]] bool judges(std::size_t row) const { return state[row] != unknown_state && (masked.empty() || !masked[row]); }
   // True if an alarm at that time counts (tools/dataset/outcome.md, Detection).
   [[nodiscard]] bool counts(double t) const { return (!(t >= any_slip) || t >= judged_from) && !(t >= judged_until); }
 };
@@ -88,6 +91,10 @@ struct SeenAlarm {
 // All alarms of a trial in order. `time`: [T] s, samples of the sensor.
 std::vector<SeenAlarm> alarms_of(const std::vector<double>& time, const Replayed& replayed);
 
+// A slip is found if the detector reports slip in one of its samples or less than this [s] before
+// the first.
+inline constexpr double slip_lead = 0.5;
+
 // Result of a detector in one trial.
 struct Judgement {
   std::size_t trial = 0;
@@ -104,7 +111,12 @@ struct Judgement {
   // `seen`.
   double slip_distance = std::numeric_limits<double>::quiet_NaN();
   bool before_gross_slip = false;  // the alarm of a seen slip came before gross slip; false if paths are unknown
-  // Number of alarms that begin while the pad truly sticks, and while it has no contact.
+  // Slips of the trial that count: runs of slipping samples. `slip_delays` [s]: of the slips that are
+  // found, 0 for a report before the slip; it stays empty for a trial of one sample.
+  std::size_t slips = 0, slips_found = 0;
+  std::vector<double> slip_delays;
+  // Number of alarms that begin while the pad truly sticks, and while it has no contact. An alarm
+  // that begins in samples of unknown state begins with its first sample of known state.
   std::size_t stick_alarms = 0, air_alarms = 0;
   // s, time with stick, and without contact, in which alarms count. A trial of one sample has no
   // duration.
@@ -150,6 +162,8 @@ inline constexpr std::array figures{
     Figure{"before_gross_slip", "detected before gross slip (share of slipping trials)", Figure::Unit::share},
     Figure{"early", "early alarm (share of slipping trials)", Figure::Unit::share},
     Figure{"missed", "missed slip (share of slipping trials)", Figure::Unit::share},
+    Figure{"slips_found", "slips found, in the slip or up to 0.5 s before (share of all slips)", Figure::Unit::share},
+    Figure{"slip_delay_median_s", "median delay of the slips found", Figure::Unit::time},
     Figure{"false_alarms_per_minute", "false alarms per minute of true stick", Figure::Unit::rate},
     Figure{"false_alarm_share", "share of true stick classified as slip", Figure::Unit::share},
     Figure{"air_alarms_per_minute", "false alarms per minute without contact", Figure::Unit::rate},
@@ -163,6 +177,7 @@ inline constexpr std::array figures{
 // Summary of a set of trials.
 struct Summary {
   std::size_t trials = 0, slipping = 0, seen = 0, early = 0, missed = 0, false_alarms = 0;  // trials
+  std::size_t slips = 0, slips_found = 0;
   Confusion frames{};
   std::array<Estimate, figures.size()> estimates;  // in the order of `figures`; NaN: undefined
 };
@@ -176,7 +191,7 @@ inline constexpr std::uint64_t bootstrap_seed = 1;
 // Without `intervals`, neither intervals nor the AUC are computed.
 Summary summarised(std::span<const Judgement> trials, bool intervals = true);
 
-// {"trials", "slipping", "seen", "early", "missed", "false_alarms", "frames", "figures": {key:
+// {"trials", "slipping", "seen", "early", "missed", "false_alarms", "slips", "slips_found", "frames", "figures": {key:
 // {"value", "low", "high"}}, "constant": {"balanced_slip_accuracy", "balanced_accuracy",
 // "accuracy"} of the best constant answer, "called": {true state: {class: samples}}}. Undefined
 // values are null.

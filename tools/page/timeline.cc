@@ -106,7 +106,8 @@ std::vector<Run> runs_of(const TimeAxis& across, std::span<const double> times) 
   return runs;
 }
 
-// A state lasts until the next sample; the last one before a gap ends at its own time.
+// A state lasts until the next sample; the last one before a gap ends at its own time. Labels of
+// recordings may be of no state (unknown), which leaves the row blank.
 void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector<double>& time,
                  const std::vector<PadState>& states) {
   for (const Run& run : runs_of(across, time)) {
@@ -114,7 +115,8 @@ void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector
       std::size_t end = begin + 1;
       while (end < run.end && states[end] == states[begin]) ++end;
       const double from = across.at(time[begin]), to = across.at(time[std::min(end, run.end - 1)]);
-      svg.bar(state_looks.at(static_cast<std::size_t>(states[begin])).kind, from, top, std::max(to - from, 0.5), strip_height);
+      const auto look = static_cast<std::size_t>(states[begin]);
+      if (look < state_looks.size()) svg.bar(state_looks[look].kind, from, top, std::max(to - from, 0.5), strip_height);
       begin = end;
     }
   }

@@ -22,7 +22,7 @@ struct TimelineMarks {
   // [T] probability of slip; NaN: no new estimate; empty: no detector, or one without probability
   std::vector<double> probability = {};
   std::vector<PadState> seen = {};     // [T] by the detector; empty: no detector
-  std::vector<PadState> labels = {};   // [T] empty: no labels
+  std::vector<PadState> labels = {};   // [T]; empty: no labels; samples with another value than PadState has are left blank
   std::string labels_name = "labels";  // "truth" for simulated recordings
 };
 

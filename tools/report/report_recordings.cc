@@ -59,13 +59,15 @@ std::string longest_step(const SensorRecord& sensor) {
   return fmt::format("{:.4g}", 1.0 / sensor.rate);
 }
 
-// "12.5 %, from 1.1 s": share and start of the samples with slip by the recorded labels.
+// "12.5 %, from 1.1 s": share and start of the samples with slip by the recorded labels, of the
+// samples whose state is known.
 std::string labelled_slip(const SensorRecord& sensor) {
   const std::vector<PadState> states = labels_of(sensor);
-  if (states.empty()) return no_value;
+  const auto known = static_cast<double>(states.size()) - static_cast<double>(std::ranges::count(states, unknown_state));
+  if (known == 0.0) return no_value;
   const auto first = std::ranges::find_if(states, slips);
   if (first == states.end()) return "none";
-  const double share = static_cast<double>(std::ranges::count_if(states, slips)) / static_cast<double>(states.size());
+  const double share = static_cast<double>(std::ranges::count_if(states, slips)) / known;
   if (states.size() < 2) return "slip";
   const double from = sensor.time[static_cast<std::size_t>(first - states.begin())] - page::time_origin(sensor.time);
   return fmt::format("{:.1f} %, from {:.4g} s", 100.0 * share, from);

@@ -71,6 +71,7 @@ STUDIES = (
     Study("piezo-fft-gru/delay", "delay of the FFT-GRU from the position label and from the true first slip, and how early the label itself is", TRAINS),
     Study("piezo-fft-gru/slip_against_hold", "slip and hold distinguished by the power of one frame, against the motors' vibration, and the wrong frames",
           RUNS),
+    Study("real", "shipped detectors and yardsticks on public recordings of real sensors: AUC, slips found, false alarms", ("--recordings", "--only")),
     Study("realism", "published figures of real devices compared with those of the studies",
           ("--real", "--trials", "--only", "--full", "--seed", "--jobs")),
 )
@@ -108,7 +109,7 @@ def check_options(study: Study, options: Options) -> None:
         InputError: for an option that the study does not use, and for --resume without an output
             page, next to which networks are saved
     """
-    given = {"--data": options.data, "--real": options.real, "--full": options.full, "--seed": options.seed is not None, "--jobs": options.jobs,
+    given = {"--data": options.data, "--real": options.real, "--recordings": options.recordings, "--full": options.full, "--seed": options.seed is not None, "--jobs": options.jobs,
              "--resume": options.resume, "--synthesise": options.synthesise, "--trials": options.trials, "--only": options.only,
              "--memories": options.memories}
     for option, is_given in given.items():

@@ -122,6 +122,7 @@ class Options:
     Attributes:
         data: a dataset to use instead of a simulated one; empty: none
         real: a dataset of imported recordings for training and test; empty: none
+        recordings: folder with public recordings, not imported; empty: none
         seed: seed of datasets, item memories and draws; None: not given, 1
         jobs: threads; 0: one per core
         full: True: run at the paper's size
@@ -136,6 +137,7 @@ class Options:
 
     data: str = ""
     real: str = ""
+    recordings: str = ""
     seed: int | None = None
     jobs: int = 0
     full: bool = False

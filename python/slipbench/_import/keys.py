@@ -170,7 +170,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "values",
             "words",
             "0 to 3, or their names",
-            "the state of each text that is found: no_contact, non_slip, incipient, gross, 0 to 3, or unknown",
+            "the state of each text that is found: no_contact, non_slip, incipient, gross, 0 to 3, or unknown, which eval and train leave out",
         ),
         Key("rule", "text", "", "a sentence that defines the labels", required=True),
     ),

@@ -19,8 +19,6 @@ from slipbench.bin import _core
 
 PLACES = ("column", "value", "folder", "file", "table")
 UNKNOWN = "unknown"
-
-
 LONGEST_SEARCH = 1.0  # s
 
 
@@ -159,7 +157,7 @@ class States(Lookup):
         super().__init__(block)
         self._values: dict[str, str] | None = block.get("values")
         for text, state in (self._values or {}).items():
-            if self._number(state) is None and state != UNKNOWN:
+            if self._number(state) is None:
                 block.fail(
                     f"{block.path('values')}.{text}: expected {', '.join(STATES)}, 0, 1, 2, 3 or {UNKNOWN}, found {state!r}",
                     "values",
@@ -167,11 +165,13 @@ class States(Lookup):
 
     @staticmethod
     def _number(text: str) -> int | None:
+        if text == UNKNOWN:
+            return int(_core.unknown_state)
         if text in STATES:
             return STATES[text]
         return int(float(text)) if re.fullmatch(r"[0-3](\.0*)?", text) else None
 
-    def _state(self, text: str, place: str) -> int | None:
+    def _state(self, text: str, place: str) -> int:
         if self._values is not None:
             if text not in self._values and re.fullmatch(r"[+-]?\d+\.0*", text):
                 text = text.partition(".")[0]  # arrays of floating point hold 1 as 1.0
@@ -186,31 +186,23 @@ class States(Lookup):
                     + remedy
                 )
             text = self._values[text]
-        if text == UNKNOWN:
-            return None
         number = self._number(text)
         if number is None:
             raise InputError(
-                f"{place}: expected a label of 0, 1, 2, 3 or {', '.join(STATES)}, found {quoted(text)}"
+                f"{place}: expected a label of 0, 1, 2, 3, {', '.join(STATES)} or {UNKNOWN}, found {quoted(text)}"
                 f"; define texts in {self.block.path('values')}"
             )
         return number
 
-    def of_rows(self, file: File, source: Source, kept: np.ndarray) -> np.ndarray | None:
-        """The states of the rows `kept`, uint8; None: unknown in this file."""
+    def of_rows(self, file: File, source: Source, kept: np.ndarray) -> np.ndarray:
+        """The states of the rows `kept`, uint8; unknown_state where the label says so."""
         if self.column is None:
-            state = self._state(self.of_file(file), file.path)
-            return None if state is None else np.full(len(kept), state, np.uint8)
+            return np.full(len(kept), self._state(self.of_file(file), file.path), np.uint8)
         texts = source.texts(self.column)
         known: dict[str, int] = {}
         for row in kept.tolist():
             if texts[row] not in known:
-                state = self._state(texts[row], f"{source.place(row)}: column {self.column}")
-                if state is None:
-                    raise InputError(
-                        f"{source.place(row)}: the label {texts[row]!r} is unknown; each row needs a known label"
-                    )
-                known[texts[row]] = state
+                known[texts[row]] = self._state(texts[row], f"{source.place(row)}: column {self.column}")
         return np.array([known[texts[row]] for row in kept.tolist()], np.uint8)
 
 

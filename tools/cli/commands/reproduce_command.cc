@@ -25,19 +25,21 @@ continues with them.
 Examples:
   slipbench reproduce
   slipbench reproduce hd-papillarray/table1 --data hexapod.h5 -o table1.html
+  slipbench reproduce real --recordings downloads -o real.html
   slipbench reproduce hd-papillarray/table2 --trials 2 --only as_recorded,light,rubber,gst_hd,hold_preset)");
   arguments.text("PAPER/TABLE", name, "Table to reproduce (default: list all)");
   arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json");
   arguments.number("--trials N", trials, "Trials or recordings of each row (default: a number that takes a few minutes)", 1);
   arguments.texts(
       "--only NAME,...", only,
-      "Run only these: protocols, boxes, surfaces, loops (table2), loops (grasp_loop), sensors (scaling), studies (realism), networks (table1, table3, table4)");
+      "Run only these: protocols, boxes, surfaces, loops (table2), loops (grasp_loop), sensors (scaling), sets (real), studies (realism), networks (table1, table3, table4)");
   arguments.text("--memories DIR", memories, "table2: folder of the published classifier");
   arguments.flag("--full", full, "Run at the size of the paper, which takes hours");
   arguments.input("--data FILE.h5", data, "Use this dataset instead of simulating a new one", ".h5");
   arguments.input(
       "--real FILE.h5", real,
       "biotac-stability-slip: recordings from slipbench import: format biotacsp-dos for table3, bts3v2 for other tables");
+  arguments.text("--recordings DIR", recordings, "real: folder with public recordings, whose sets are found by their files");
   arguments.number("--seed N", seed, "Seed of dataset, item memories and draws (default: 1)", 0);
   arguments.jobs(jobs);
   arguments.flag("--resume", resume, "Continue with the networks of a killed or interrupted run of the same command");
@@ -55,6 +57,7 @@ int ReproduceCommand::run() {
                                  {"install", module.install()},
                                  {"data", data},
                                  {"real", real},
+                                 {"recordings", recordings},
                                  {"seed", or_null(seed)},
                                  {"jobs", jobs},
                                  {"full", full},

@@ -326,6 +326,7 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
                      arrays.push_back(view_of(labels + name, unit, rows, tail, column));
                      arrays.back().codes = codes_of(name);
                    });
+    if (!sensor.labels.truth && has_unknown(sensor.labels)) arrays.back().codes = codes_with_unknown;
     const std::size_t events = sensor.labels.event_time.size();
     for_each_event_column(sensor.labels, [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
       arrays.push_back(view_of(labels + name, unit, events, tail, column));

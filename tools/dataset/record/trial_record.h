@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/api/contact_frame.h"
+#include "sim/api/pad_state.h"
 #include "tools/dataset/record/sample_timing.h"
 #include "tools/dataset/record/trial_outcome.h"
 #include "tools/statistics/confusion.h"
@@ -29,6 +30,10 @@ struct SensorColumn {
   [[nodiscard]] std::size_t row_size() const;  // values of a row
 };
 
+// Label of a sample of an imported recording whose state nobody knows (state_paper only). Figures,
+// training and drawings leave such samples out.
+inline constexpr PadState unknown_state{4};
+
 // The truth about one pad's contact at its sensor's samples: L = T samples of N units. Meanings as
 // in ContactFrame. More than 25 members: one for each array of a dataset.
 struct LabelRecord {
@@ -39,7 +44,7 @@ struct LabelRecord {
   std::vector<float> force;               // [L,N,3] N
   std::vector<std::uint8_t> state;        // [L] PadState, rule strict
   std::vector<std::uint8_t> state_micro;  // [L] PadState, rule micro
-  std::vector<std::uint8_t> state_paper;  // [L] PadState, the rule of the sensor's paper
+  std::vector<std::uint8_t> state_paper;  // [L] PadState, the rule of the sensor's paper; of recordings also unknown_state
   std::vector<float> stuck_fraction;      // [L], NaN while nothing touches
   std::vector<float> slip_direction;      // [L] rad, NaN while nothing slips or the slip has no translation
   std::vector<float> slip_centre;         // [L,2] m, NaN while the slip has no rotation

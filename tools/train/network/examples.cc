@@ -216,6 +216,13 @@ std::vector<std::uint8_t> scored_labels(const TrialRecord& record, const SensorR
   return labels_by(states, record.outcome.grasp.has_value(), false, [](std::size_t) { return std::uint8_t{1}; });
 }
 
+// Masks the samples whose state nobody knows.
+void mask_unknown(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states) {
+  for (std::size_t row = 0; row < states.size(); ++row) {
+    if (states[row] == static_cast<std::uint8_t>(unknown_state)) labels[row] = masked;
+  }
+}
+
 // The class of every sample.
 std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecord& sensor, LabelRule rule, ClassRule classes) {
   std::vector<std::uint8_t> states = states_of(sensor, rule);
@@ -231,6 +238,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
       const bool neither = truth && (direction == 0 ? slides : !slipped && slips(sensor.labels.state[row]));
       labels.push_back(!contact || neither ? masked : slipped ? direction : std::uint8_t{0});
     }
+    mask_unknown(labels, states);
     return labels;
   }
   const std::vector<double> path = rule == LabelRule::moved ? slip_path(sensor.labels, states.size()) : std::vector<double>();
@@ -244,6 +252,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   labels =
       labels_by(states, clear, rule == LabelRule::latched, [&](std::size_t row) { return kind_of(sensor.labels, row, classes); });
   if (rule == LabelRule::moved) mask_beginnings(labels, states, path, !record.outcome.grasp);
+  mask_unknown(labels, states);
   return labels;
 }
 

@@ -1,0 +1,125 @@
+"""The public sets of recordings that the study knows: how their files are found and imported, and
+what is known of slip in them."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+CLASSES = ("n", "e", "s", "w", "cw", "aw", "t")  # folders of BioTacSP-DoS
+Params = Mapping[str, Any]
+
+
+def _first_line(path: Path) -> str:
+    with path.open(encoding="utf-8", errors="replace") as lines:
+        return lines.readline()
+
+
+def _folders_with(folder: Path, pattern: str, title: str, every: Sequence[str] = ()) -> list[Path]:
+    """Folders below `folder`, or itself, with a file that matches `pattern` and whose first line has
+    `title`, and with the files or folders `every`."""
+    found = sorted({path.parent for path in folder.rglob(pattern) if path.is_file() and title in _first_line(path)})
+    return [one for one in found if all((one / name).exists() for name in every)]
+
+
+def _direction_sets(folder: Path) -> list[Path]:
+    return sorted({one.parent for one in _folders_with(folder, "*.csv", "ff_e1,") if one.name in CLASSES})
+
+
+def _bags_of(message: str) -> Callable[[Path], list[Path]]:
+    def find(folder: Path) -> list[Path]:
+        from slipbench import InputError
+        from slipbench._import.bags import Bag
+
+        found = []
+        for path in sorted(folder.rglob("*.bag")):
+            bag = None
+            try:
+                bag = Bag(str(path), [])
+                bag.find("", message)
+                found.append(path)
+            except InputError:
+                pass  # a bag of other messages
+            finally:
+                if bag is not None:
+                    bag.close()
+        return found
+
+    return find
+
+
+def _file_stem(params: Params, _: list[Path]) -> str:
+    return re.sub(r"_finger[12]$", "", Path(str(params["file"])).stem)
+
+
+def _named_object(params: Params, _: list[Path]) -> str:
+    return str(params.get("object", ""))
+
+
+def _box_of(params: Params, folders: list[Path]) -> str:
+    """The box of a recording of uskin_boxes, by the table next to its files; empty without it."""
+    wanted = int(re.sub(r"\D", "", _file_stem(params, folders)))
+    for folder in folders:
+        table = folder / "recordings.csv"
+        if table.is_file():
+            with table.open(encoding="utf-8") as lines:
+                for row in csv.DictReader(lines):
+                    if int(row["recording"]) == wanted:
+                        return row["object"]
+    return ""
+
+
+@dataclass(frozen=True)
+class RealSet:
+    """A public set of recordings.
+
+    Attributes:
+        name: name on the page
+        repository: owner/name on GitHub
+        sensor: type of its sensor, as in a scene
+        find: files and folders of the set below a folder; empty: it is not there
+        reader: arguments of import_recordings()
+        layout: what is looked for, for the reader of the page
+        known: what is known of slip
+        recording: recording of a trial, by its params; fingers of one recording have the same
+        object: object of a trial, by its params and the folders found; empty: unknown
+    """
+
+    name: str
+    repository: str
+    sensor: str
+    find: Callable[[Path], list[Path]]
+    reader: Mapping[str, str]
+    layout: str
+    known: str
+    recording: Callable[[Params, list[Path]], str] = _file_stem
+    object: Callable[[Params, list[Path]], str] = _named_object
+
+
+def _file(params: Params, _: list[Path]) -> str:
+    return str(params["file"])
+
+
+SETS = (
+    RealSet("biotacsp-dos", "yayaneath/BioTacSP-DoS", "biotac_sp", _direction_sets, {"format": "biotacsp-dos"},
+            "folders n, e, s, w, cw, aw and t with OBJECT<number>.csv",
+            "by recording: the finger slips throughout, or touches throughout (t)", recording=_file),
+    RealSet("uskin-boxes", "imanlab/tactile_prediction_flat_dataset", "magnetic_skin",
+            lambda folder: _folders_with(folder, "r*_finger*.csv", "x0,y0,z0,"), {"map": "uskin_boxes"}, "r<number>_finger<number>.csv with the column state",
+            "by sample, from a marker on the box that a camera sees; unknown for most samples", object=_box_of),
+    RealSet("uskin-flat", "yinzhaodong/tactile_prediction", "magnetic_skin",
+            lambda folder: _folders_with(folder, "r*.csv", "t0_x,t0_y,t0_z,", ("labels.csv",)), {"map": "uskin_flat"}, "r<number>.csv and labels.csv",
+            "by recording, and only where the box does not slip"),
+    RealSet("biotac-slide", "dexrob/BioTac_slide_20_50", "biotac_sp", lambda folder: _folders_with(folder, "*_bio.csv", "pac22,ele1,"), {"map": "biotac_slide"},
+            "mat<number>_<number>_bio.csv", "the finger slides in every recording", recording=_file),
+    RealSet("fabric-slide", "wngfra/FabricSlide", "taxels", lambda folder: _folders_with(folder, "*.csv", "proximity1, "), {"map": "fabric_slide"},
+            "tables with the columns proximity1 and channel1 to channel16", "no labels: the finger slides, but it is not stated from when on", recording=_file),
+    RealSet("papillarray-bags", "kylemathenia/Contactile_Data_Viz", "papillarray", _bags_of("SensorState"), {"map": "papillarray_ros"},
+            "bags of ROS 1 with messages SensorState", "no labels", recording=_file),
+    RealSet("weiss-bags", "", "taxels", _bags_of("TactileSensor"), {"map": "weiss_ros"}, "bags of ROS 1 with messages TactileSensor",
+            "no labels", recording=_file),
+)
