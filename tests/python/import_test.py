@@ -709,7 +709,7 @@ class Layouts(ImportTest):
             ),
             (
                 ", state: {table: {path: labels.csv, column: label}, values: {slip: 3, open: unknown}, rule: a table}, object: {folder: 1}",
-                {3, None},
+                {3, 4},
                 {"slip", "none"},
             ),
             (
@@ -740,6 +740,39 @@ class Layouts(ImportTest):
             "a.csv:4: column f2: the label 'slip' is not in state.values",
             self.refused(map.replace(", slip: gross", ""), path),
         )
+
+    def test_unknown_labels(self):
+        # Six samples at 10 Hz: hold, unknown, unknown, slip, slip, unknown.
+        labels = ("hold", "?", "?", "slip", "slip", "?")
+        path = self.write("a.csv", "t,f,l\n" + "".join(f"{k / 10},{k},{label}\n" for k, label in enumerate(labels)))
+        map = (
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}, "
+            "state: {column: l, values: {hold: non_slip, slip: gross, '?': unknown}, rule: a button}}"
+        )
+        output = self.folder / "unknown.h5"
+        slipbench.import_recordings(path, output, map=self.write("map.yaml", map))
+        with slipbench.open(output) as data:
+            self.assertEqual(data[0].labels["pad"].state_paper[:].tolist(), [1, 4, 4, 3, 3, 4])
+            codes = json.loads(data[0].labels["pad"]["state_paper"].attrs["codes"])
+            self.assertEqual(codes, {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3, "unknown": 4})
+            # Windows of two samples end with the samples 1 to 5: those with 3 and 4 have a label.
+            X, y, groups = (windows := data.windows(length=2, labels="recorded")).arrays()
+            self.assertEqual((X[:, :, 0].tolist(), y.tolist(), groups.tolist()), ([[2, 3], [3, 4]], [1, 1], [0, 0]))
+            self.assertEqual([(one.ravel().tolist(), label) for one, label in windows], [([2, 3], 1), ([3, 4], 1)])
+            self.assertEqual([windows.time(k) for k in range(2)], [0.3, 0.4])
+            # Of every second window, which end with the samples 1, 3 and 5, one has a label.
+            self.assertEqual(data.windows(length=2, stride=2, labels="recorded").arrays()[0][:, :, 0].tolist(), [[2, 3]])
+        self.assertTrue(slipbench.verify(output)["holds"])
+        found = slipbench.detect("deviation", output, self.folder / "found.html")
+        self.assertEqual(found["trials"][0]["samples"]["label"], ["non_slip", None, None, "gross", "gross", None])
+        # A window of 0.5 s has five samples, so that only the fifth has an estimate. The standard
+        # deviation of 0 to 4 is sqrt(2), below the threshold of 6: both slips of three labels are missed.
+        self.assertAlmostEqual(found["trials"][0]["wrong_share"], 2 / 3)
+        judged = slipbench.evaluate("deviation", output)["all"]
+        self.assertEqual((judged["frames"], judged["called"]["non_slip"]["no_contact"]), (3, 1))
+        slipbench.export(output, self.folder / "csv", format="csv")
+        text = next((self.folder / "csv").glob("*.csv")).read_text(encoding="utf-8").splitlines()
+        self.assertEqual([line.rpartition(",")[2] for line in text[1:]], ["1", "4", "4", "3", "3", "4"])
 
     def test_a_factor_for_each_component(self):
         star = (MAP % "").replace("columns: [f1, f2]", "%s columns: [f1, f2]")
@@ -970,7 +1003,7 @@ class Layouts(ImportTest):
                 self.assertIn(message, self.refused(map, path))
         with self.assertRaisesRegex(
             slipbench.InputError,
-            "no such file, and not an included map; found: biotac_ros, papillarray_ros, papillarray_ros2, xela_ros",
+            "no such file, and not an included map; found: biotac_ros, biotac_slide, fabric_slide, papillarray_ros, papillarray_ros2, uskin_boxes, uskin_flat, weiss_ros, xela_ros",
         ):
             slipbench.import_recordings(path, map="nothing")
 
@@ -1102,6 +1135,67 @@ class Drafts(ImportTest):
                 done = subprocess.run([PROGRAM, "import", *words], check=False, capture_output=True, text=True)
                 self.assertEqual((done.returncode, done.stdout), (2, ""))
                 self.assertIn(message, " ".join(done.stderr.split()))
+
+
+class PublicSets(ImportTest):
+    """The maps of public recordings, on invented files of their layouts."""
+
+    def imported(self, map, **files):
+        """Writes the files into a folder and imports it; returns the trials in order."""
+        folder = self.folder / map
+        folder.mkdir()
+        for name, text in files.items():
+            (folder / f"{name}.csv").write_text(text, encoding="utf-8")
+        output = self.folder / f"{map}.h5"
+        slipbench.import_recordings(folder, output, map=map)
+        with slipbench.open(output) as data:
+            return [self.copied(data[trial]) for trial in data.trials]
+
+    @staticmethod
+    def copied(trial):
+        [(name, sensor)] = trial.sensors.items()
+        channels = {str(one): (sensor[str(one)][:], str(sensor[str(one)].attrs["unit"])) for one in sensor.attrs["channels"]}
+        labels = trial.labels[name].state_paper[:].tolist() if name in trial.labels else None
+        return dict(trial.params), str(sensor.attrs["type"]), sensor["t"][:].tolist(), channels, labels
+
+    def test_uskin_boxes(self):
+        titles = ",".join(["t", *(f"{axis}{k}" for k in range(16) for axis in "xyz"), "state"])
+        rows = [",".join([f"{row / 40}", *(f"{row + k / 100:.2f}" for k in range(48)), state]) for row, state in enumerate(("unknown", "hold", "slip"))]
+        text = "\n".join([titles, *rows]) + "\n"
+        trials = self.imported("uskin_boxes", r00_finger1=text, r00_finger2=text, recordings="recording,object\n0,11\n")
+        self.assertEqual([params for params, *_ in trials], [{"file": f"r00_finger{k}.csv", "object": "r00"} for k in (1, 2)])
+        _, type, times, channels, labels = trials[1]
+        self.assertEqual((type, times, labels), ("magnetic_skin", [0.0, 0.025, 0.05], [4, 1, 3]))
+        field, unit = channels["field"]
+        self.assertEqual((field.shape, unit), ((3, 16, 3), "uT"))
+        np.testing.assert_allclose(field[2, 15], [2.45, 2.46, 2.47], rtol=1e-6)
+
+    def test_uskin_flat(self):
+        titles = ",".join(["t", *(f"t{k}_{axis}" for k in range(16) for axis in "xyz")])
+        text = titles + "\n" + "".join(",".join([f"{row / 40}", *(f"{row + k / 10:.1f}" for k in range(48))]) + "\n" for row in range(3))
+        trials = self.imported("uskin_flat", r00=text, r02=text, r08=text, labels="file,rate_hz,rows,label\nr00.csv,40,3,none\nr02.csv,40,3,slip\nr08.csv,40,3,open\n")
+        self.assertEqual([labels for *_, labels in trials], [[1, 1, 1], [4, 4, 4], [4, 4, 4]])
+        counts, unit = trials[0][3]["counts"]
+        self.assertEqual((counts.shape, unit), ((3, 16, 3), "counts"))
+        np.testing.assert_allclose(counts[1, 1], [1.3, 1.4, 1.5], rtol=1e-6)
+
+    def test_fabric_slide(self):
+        titles = ", ".join(["timestamp", "proximity1", "proximity2", *(f"channel{k}" for k in range(1, 17))])
+        text = titles + "\n" + "".join(",".join(map(str, [29725 + 28 * row, 284, 48215, *range(16)])) + "\n" for row in range(3))
+        [(params, type, times, channels, labels)] = self.imported("fabric_slide", **{"Board10mm_F120_V-5mmps_0": text})
+        self.assertEqual((params["object"], type, labels), ("Board10mm", "taxels", None))
+        np.testing.assert_allclose(times, [29.725, 29.753, 29.781], rtol=0, atol=1e-9)
+        self.assertEqual(channels["counts"][0].tolist(), [list(range(16))] * 3)
+
+    def test_biotac_slide(self):
+        titles = ",".join(["timestamp", "tdc", "tac", "pdc", *(f"pac{k}" for k in range(1, 23)), *(f"ele{k}" for k in range(1, 20))])
+        text = titles + "\n" + "".join(",".join(map(str, [f"1581072654.{21 + row}0000000", 1, 87, 62, *range(22), *range(100, 119)])) + ",\n" for row in range(3))
+        pose = "timestamp,posx\n1581072654.2,0.7\n"
+        [(params, type, _, channels, labels)] = self.imported("biotac_slide", mat1_6_bio=text, mat1_6_cp=pose)
+        self.assertEqual((params["file"], params["object"], type, labels), ("mat1_6_bio.csv", "mat1", "biotac_sp", [3, 3, 3]))
+        self.assertEqual(channels["electrodes"][0][0].tolist(), list(range(100, 119)))
+        self.assertEqual(channels["pdc"][0].ravel().tolist(), [62.0] * 3)
+        self.assertEqual(channels["pac"][0][0].tolist(), list(range(22)))
 
 
 class Arrays(ImportTest):
@@ -1460,6 +1554,29 @@ class Bags(ImportTest):
         )
         with mock.patch.object(limits, "UNPACKED", 100_000_000):  # the packed file has some 20 kB
             self.assertIn("bag: a file of the bag unpacks to more than 0.1 GB", self.refused(map, self.folder / "bag"))
+
+    def test_arrays_of_weiss(self):
+        store = get_typestore(Stores.ROS1_NOETIC)
+        store.register(
+            get_types_from_msg("uint32 matrix_id\nint16 cells_x\nint16 cells_y\nint16[] tactile_array\n", "schunk_sdh/msg/TactileMatrix")
+            | get_types_from_msg("Header header\nschunk_sdh/TactileMatrix[] tactile_matrix\n", "schunk_sdh/msg/TactileSensor")
+        )
+        matrix, sensor = (store.types[f"schunk_sdh/msg/{name}"] for name in ("TactileMatrix", "TactileSensor"))
+        header, stamp = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
+        with Writer1(self.folder / "weiss.bag") as writer:
+            connection = writer.add_connection("/tactile", sensor.__msgtype__, typestore=store)
+            for row in range(3):
+                cells = [matrix(matrix_id=k, cells_x=2, cells_y=3, tactile_array=np.arange(6, dtype=np.int16) + row + 10 * k) for k in range(2)]
+                message = sensor(header=header(seq=row, stamp=stamp(sec=5, nanosec=30_000_000 * row), frame_id=""), tactile_matrix=cells)
+                writer.write(connection, 10**9 + row, store.serialize_ros1(message, sensor.__msgtype__))
+        output = self.folder / "weiss.h5"
+        slipbench.import_recordings(self.folder / "weiss.bag", output, map="weiss_ros")
+        with slipbench.open(output) as data:
+            sensors = data[0].sensors
+            self.assertEqual(set(sensors), {"array_tactile_tactile_matrix_0", "array_tactile_tactile_matrix_1"})
+            second = sensors["array_tactile_tactile_matrix_1"]
+            self.assertEqual(second.counts[2].tolist(), [12, 13, 14, 15, 16, 17])
+            np.testing.assert_allclose(second.t, [5.0, 5.03, 5.06], rtol=0, atol=1e-9)
 
     def test_items_of_a_list_are_sensors(self):
         store = get_typestore(Stores.ROS2_JAZZY)

@@ -20,9 +20,9 @@ constexpr std::size_t most_rows = 500;
 std::vector<PadState> states_of(const Json& words) {
   std::vector<PadState> states;
   for (const Json& word : words) {
-    states.push_back(word.is_null() ? unknown_state
-                                    : static_cast<PadState>(std::ranges::find(state_words, word.get<std::string>()) -
-                                                            state_words.begin()));
+    states.push_back(word.is_null()
+                         ? unknown_state
+                         : static_cast<PadState>(std::ranges::find(state_words, word.get<std::string>()) - state_words.begin()));
   }
   return states;
 }

@@ -1,5 +1,6 @@
 #include "tools/eval/metrics.h"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -101,6 +102,62 @@ TEST(Judged, GraceForgivesAnAlarmJustBeforeTheSlip) {
   const Judgement twice = judged(0, truth(), seen({none, stick, some, stick, stick, all, all, all, stick, stick}), 0.06);
   EXPECT_EQ(twice.detection, Detection::early);
   EXPECT_EQ(twice.stick_alarms, 1U);
+}
+
+// Samples 1, 4 and 7 have no known state. Known are 0 (air), 2, 3, 8, 9 (stick) and 5, 6 (slip).
+// The alarm from sample 1 on is false in its first known sample, 2; that from 4 on begins in the
+// slip, and the one from 7 on is false in sample 8.
+TEST(Judged, SamplesOfUnknownStateAreInNoFigure) {
+  Truth known = truth();
+  known.state = {none, unknown_state, stick, stick, unknown_state, all, all, unknown_state, stick, stick};
+  known.stuck_fraction.clear();
+  known.first_slip = known.any_slip = 0.5;
+  Replayed answers = seen({none, all, all, stick, all, all, stick, all, all, stick});
+  answers.probability.assign(10, 0.5);
+  const Judgement result = judged(0, known, answers);
+  EXPECT_EQ(result.frames[0][0], 1U);
+  EXPECT_EQ(result.frames[1][1], 2U) << "samples 3 and 9";
+  EXPECT_EQ(result.frames[1][3], 2U) << "samples 2 and 8";
+  EXPECT_EQ(result.frames[3][3], 1U) << "sample 5";
+  EXPECT_EQ(result.frames[3][1], 1U) << "sample 6";
+  EXPECT_EQ(result.positives.size(), 2U);
+  EXPECT_EQ(result.negatives.size(), 5U);
+  EXPECT_EQ(result.stick_alarms, 2U);
+  EXPECT_NEAR(result.stick_time, 0.4, 1e-12);
+  EXPECT_NEAR(result.air_time, 0.1, 1e-12);
+  EXPECT_EQ(result.detection, Detection::early) << "by the alarm that is on in sample 2";
+  const Judgement aside = judged(0, known, seen({none, all, stick, stick, all, stick, stick, all, stick, stick}));
+  EXPECT_EQ(aside.stick_alarms, 0U);
+  EXPECT_EQ(aside.detection, Detection::missed) << "no alarm in a sample of known state";
+}
+
+// Slips at 0.1 s and from 0.8 s on. Reported at 0.9 s: found after 0.1 s; at 0.4 s, 0.4 s before:
+// found without delay; at 0.2 s, 0.6 s before: not found, and too late for the first.
+TEST(Judged, EverySlipOfATrialIsFoundOrNot) {
+  Truth twice = truth();
+  twice.state = {stick, all, stick, stick, stick, stick, stick, stick, some, some};
+  const auto answer = [&](std::size_t row) {
+    std::vector<PadState> states(10, stick);
+    states[row] = all;
+    return judged(0, twice, seen(states));
+  };
+  for (const std::size_t row : {2U, 4U, 9U}) EXPECT_EQ(answer(row).slips, 2U);
+  EXPECT_EQ(answer(2).slips_found, 0U);
+  EXPECT_EQ(answer(4).slips_found, 1U);
+  ASSERT_EQ(answer(4).slip_delays.size(), 1U);
+  EXPECT_EQ(answer(4).slip_delays[0], 0.0);
+  EXPECT_EQ(answer(9).slips_found, 1U);
+  EXPECT_NEAR(answer(9).slip_delays.at(0), 0.1, 1e-12);
+  const std::array both{answer(4), answer(9)};
+  const Json json = summary_json(summarised(both, false));
+  EXPECT_EQ(json.at("slips"), 4);
+  EXPECT_EQ(json.at("slips_found"), 2);
+  EXPECT_EQ(json.at("figures").at("slips_found").at("value"), 0.5);
+  EXPECT_NEAR(json.at("figures").at("slip_delay_median_s").at("value").get<double>(), 0.05, 1e-12) << "of 0 and 0.1 s";
+  // A report in the slip before is none of the next slip, 0.2 s later.
+  twice.state = {stick, stick, stick, stick, all, stick, all, stick, stick, stick};
+  EXPECT_EQ(answer(4).slips_found, 1U);
+  EXPECT_EQ(answer(5).slips_found, 1U);
 }
 
 // Samples 8 and 9, where the pad sticks again, are masked: neither frames nor false alarms, but the
@@ -396,6 +453,22 @@ TEST(Truth, PathNeverFallsWhenUnitsLetGo) {
   ASSERT_EQ(truth.slip_distance.size(), 8U);
   const std::vector<double> path{0.0, 1e-3, 2e-3, 3e-3, 3e-3, 3e-3, 3e-3, 3e-3};
   for (std::size_t row = 0; row < path.size(); ++row) EXPECT_NEAR(truth.slip_distance[row], path[row], 1e-9) << row;
+}
+
+// Labels of a recording may be unknown, those of a simulation may not.
+TEST(Truth, LabelsOfARecordingMayBeUnknown) {
+  SensorRecord recording = sensor();
+  recording.labels = {};
+  recording.labels.truth = false;
+  recording.labels.state_paper = {4, 0, 1, 4, 3, 3, 4, 1};
+  const Truth truth = truth_of(nullptr, {}, recording, TruthRule::recorded);
+  EXPECT_EQ(truth.state[3], unknown_state);
+  EXPECT_EQ(truth.first_slip, 0.4);
+  EXPECT_FALSE(truth.judges(0));
+  EXPECT_TRUE(truth.judges(1));
+  SensorRecord simulated = sensor();
+  simulated.labels.state_paper[2] = 4;
+  EXPECT_THROW(truth_of(nullptr, {}, simulated, TruthRule::paper), InputError);
 }
 
 // Slips at 0.16 s, when touched, and at 0.24 s. Judged from 0.2 s on, only alarms from 0.2 s on

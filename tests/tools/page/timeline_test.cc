@@ -74,6 +74,17 @@ TEST(Timeline, DrawsStatesAlarmsAndProbability) {
     EXPECT_THAT(html, HasSubstr(text));
 }
 
+// Labels beyond the states of a pad, which recordings use for unknown, leave their time blank: 0 to
+// 5 s of 10 s, half of 828 px.
+TEST(Timeline, LeavesUnknownLabelsBlank) {
+  TimelineMarks marks{.labels_name = "labels"};
+  marks.labels.assign(11, PadState::gross);
+  std::fill_n(marks.labels.begin(), 5, PadState{4});
+  const std::string html = timeline_html(sensor_from(0.0), marks, 1);
+  EXPECT_THAT(html, HasSubstr("class=\"bar gross\" x=\"486\" y=\"33\" width=\"414\""));
+  EXPECT_THAT(html, Not(HasSubstr("x=\"72\" y=\"33\"")));
+}
+
 // 0 s to 5 s, then 15 s to 20 s: 10 median steps are missing between 279 px and 693 px, because the
 // axis is 828 px long for 20 s.
 TEST(Timeline, BreaksLinesAndStatesAtAGap) {

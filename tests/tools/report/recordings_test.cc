@@ -62,6 +62,12 @@ TEST_F(Recordings, ShowsRecordedLabels) {
   EXPECT_THAT(page, AllOf(HasSubstr(">labels</text>"), HasSubstr("class=\"bar gross\"")));
 }
 
+// Two of five labels are unknown: one of the others is slip. Their time is blank in the drawing.
+TEST_F(Recordings, LeavesUnknownLabelsOut) {
+  const std::string page = page_of({recording(0, {4, 1, 1, 3, 4}), recording(1, {4, 4, 4, 4, 4})});
+  EXPECT_THAT(page, AllOf(HasSubstr("<td>33.3 %, from 0.3 s</td>"), HasSubstr("<td>–</td>")));
+}
+
 TEST_F(Recordings, DrawsOneRecordingInFullOrAFew) {
   const std::vector<TrialRecord> records{recording(0, {}), recording(1, {}), recording(2, {})};
   const std::string one = page_of(records, {.trial = 1});

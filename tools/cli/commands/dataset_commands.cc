@@ -243,8 +243,10 @@ int ExportCommand::run() {
 }
 
 void ImportCommand::declare(Arguments& arguments) {
-  arguments.about("import", "Read recordings of real sensors into a dataset",
-                  fmt::format(R"(
+  arguments.about(
+      "import", "Read recordings of real sensors into a dataset",
+      fmt::format(
+          R"(
 A dataset of recordings has readings but no truth. If the recordings state when slip occurs, these
 states become recorded labels, which `slipbench eval` uses (--labels recorded).
 
@@ -262,7 +264,8 @@ Examples:
   slipbench import training --format training-csv -o published.h5 --seed 3
   slipbench import mine/press.csv --draft taxels -o columns.yaml
   slipbench import mine --map columns.yaml -o mine.h5)",
-                              "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
+          "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros, weiss_ros, uskin_boxes,\nuskin_flat, biotac_slide, fabric_slide",
+          import_formats_text()));
   arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments
       .read("--format NAME", "Format of SOURCE, see the list below (default: as --map describes)",

@@ -35,8 +35,7 @@ inline std::string_view codes_of(std::string_view array) {
 }
 
 // Codes of `state_paper` of a recording with unknown_state.
-inline constexpr std::string_view codes_with_unknown =
-    R"({"no_contact":0,"non_slip":1,"incipient":2,"gross":3,"unknown":4})";
+inline constexpr std::string_view codes_with_unknown = R"({"no_contact":0,"non_slip":1,"incipient":2,"gross":3,"unknown":4})";
 inline bool has_unknown(const LabelRecord& labels) {
   return std::ranges::find(labels.state_paper, static_cast<std::uint8_t>(unknown_state)) != labels.state_paper.end();
 }

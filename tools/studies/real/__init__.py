@@ -276,7 +276,7 @@ def chart_of(recordings: Recordings, rows: Sequence[Row]) -> list[Chart]:
             points.append((value, *(value if one[end] is None else one[end] for end in ("low", "high"))))
         return Curve(name, points)
 
-    return [Chart(f"{recordings.about.name}: area under the ROC curve", "AUC", "", [row.detector for row in shown],
+    return [Chart(f"{recordings.about.name}: area under the ROC curve", "", "AUC", [row.detector for row in shown],
                   [curve("all labelled samples", "auc"), curve(f"label steady for {STEADY:g} s", "auc_steady")], bar=0.5, bar_name="chance", joined=False)]
 
 

@@ -338,6 +338,14 @@ TEST_F(MadeUp, RecordComesBackAsItWas) {
   EXPECT_EQ(back.sensors[0].labels.rule, "a rule");
 }
 
+TEST_F(MadeUp, UnknownStateComesBackWithItsCode) {
+  TrialRecord some = record();
+  some.sensors[0].labels.state_paper[1] = static_cast<std::uint8_t>(unknown_state);
+  write(some);
+  EXPECT_EQ(trial(0).sensors[0].labels.state_paper, some.sensors[0].labels.state_paper);
+  EXPECT_TRUE(verify_datasets({path("out.h5")}).holds);
+}
+
 TEST_F(MadeUp, StateThatDoesNotExistIsRefused) {
   TrialRecord wrong = record();
   wrong.sensors[0].labels.state_paper[1] = 7;

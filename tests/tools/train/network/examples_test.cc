@@ -332,6 +332,16 @@ TEST(Example, OfARecordingIsByItsOwnLabels) {
   EXPECT_THAT(refusal_of([&] { example(skin(), LabelRule::recorded); }), mentions({"is simulated", "micro, strict, paper"}));
 }
 
+// Frames end with the samples 199, 299 and 399.
+TEST(Example, FramesOfUnknownLabelsAreMasked) {
+  SensorRecord recording = skin();
+  recording.labels.state_micro.clear();
+  recording.labels.truth = false;
+  set(recording.labels.state_paper, 250, 350, unknown_state);
+  set(recording.labels.state_paper, 350, 450, PadState::gross);
+  EXPECT_THAT(example(recording, LabelRule::recorded).frames.label, ElementsAre(0, masked, 1));
+}
+
 TEST(SweptFacts, AreOfTheTrialsParameters) {
   const SweptFacts facts = swept_facts(
       R"({"surface.material": "glass", "bodies.object.shape": "box", "bodies.object.mass": 0.25, "bodies.object.position": [0, 1, 2],
