@@ -760,7 +760,7 @@ class Layouts(ImportTest):
             self.assertEqual((X[:, :, 0].tolist(), y.tolist(), groups.tolist()), ([[2, 3], [3, 4]], [1, 1], [0, 0]))
             self.assertEqual([(one.ravel().tolist(), label) for one, label in windows], [([2, 3], 1), ([3, 4], 1)])
             self.assertEqual([windows.time(k) for k in range(2)], [0.3, 0.4])
-            # Of every second window, which end with the samples 1, 3 and 5, one has a label.
+            # With a stride of 2, windows end with the samples 1, 3 and 5, of which 3 has a label.
             self.assertEqual(data.windows(length=2, stride=2, labels="recorded").arrays()[0][:, :, 0].tolist(), [[2, 3]])
         self.assertTrue(slipbench.verify(output)["holds"])
         found = slipbench.detect("deviation", output, self.folder / "found.html")

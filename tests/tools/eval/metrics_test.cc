@@ -154,7 +154,7 @@ TEST(Judged, EverySlipOfATrialIsFoundOrNot) {
   EXPECT_EQ(json.at("slips_found"), 2);
   EXPECT_EQ(json.at("figures").at("slips_found").at("value"), 0.5);
   EXPECT_NEAR(json.at("figures").at("slip_delay_median_s").at("value").get<double>(), 0.05, 1e-12) << "of 0 and 0.1 s";
-  // A report in the slip before is none of the next slip, 0.2 s later.
+  // A report in the first slip does not count for the next slip, 0.2 s later.
   twice.state = {stick, stick, stick, stick, all, stick, all, stick, stick, stick};
   EXPECT_EQ(answer(4).slips_found, 1U);
   EXPECT_EQ(answer(5).slips_found, 1U);

@@ -11,6 +11,8 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+from rosbags.rosbag1 import Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from slipbench import InputError, RandomStream
 
 from slipbench_studies.real import HEAD, reason_of, study
@@ -94,6 +96,23 @@ def write_fabric(folder):
     (folder / "Board10mm_F120_V-5mmps_0.csv").write_text(text, encoding="utf-8")
 
 
+def write_bag(folder):
+    """A bag with two arrays of Weiss, 40 messages at 20 Hz, whose cells do not change."""
+    store = get_typestore(Stores.ROS1_NOETIC)
+    store.register(get_types_from_msg("uint32 matrix_id\nint16 cells_x\nint16 cells_y\nint16[] tactile_array\n", "schunk_sdh/msg/TactileMatrix")
+                   | get_types_from_msg("Header header\nschunk_sdh/TactileMatrix[] tactile_matrix\n", "schunk_sdh/msg/TactileSensor"))
+    names = ("schunk_sdh/msg/TactileMatrix", "schunk_sdh/msg/TactileSensor", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+    matrix, sensor, header, stamp = (store.types[name] for name in names)
+    folder.mkdir()
+    with Writer(folder / "hand.bag") as writer:
+        connection = writer.add_connection("/tactile", sensor.__msgtype__, typestore=store)
+        for row in range(40):
+            time = stamp(sec=5 + row // 20, nanosec=50_000_000 * (row % 20))
+            cells = [matrix(matrix_id=k, cells_x=2, cells_y=3, tactile_array=np.full(6, 100, np.int16)) for k in range(2)]
+            message = sensor(header=header(seq=row, stamp=time, frame_id=""), tactile_matrix=cells)
+            writer.write(connection, 10**9 + row, store.serialize_ros1(message, sensor.__msgtype__))
+
+
 class Study(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -135,6 +154,14 @@ class Study(unittest.TestCase):
     def test_only_some_sets(self):
         write_fabric(self.folder / "fabric")
         self.assertEqual(list(study(Options(recordings=str(self.folder), only=("fabric-slide",))).figures), ["fabric-slide"])
+
+    def test_every_sensor_of_a_bag(self):
+        write_bag(self.folder / "bags")
+        found = study(Options(recordings=str(self.folder))).figures
+        self.assertEqual(list(found), ["weiss-bags"])
+        deviation = found["weiss-bags"]["detectors"]["deviation"]
+        self.assertEqual(deviation["alarms"], 0)
+        self.assertAlmostEqual(deviation["minutes"], 2 * 39 / 20 / 60, 9)  # of two arrays
 
     def test_refusals(self):
         for options, text in ((Options(), "needs --recordings DIR"), (Options(recordings=str(self.folder / "none")), "expected a folder"),

@@ -33,6 +33,7 @@ class Recordings:
         about: its entry of SETS
         folders: files and folders that were imported
         dataset: path of the imported dataset
+        sensors: names of its sensors
         recording: recording of each trial
         object: object of each trial; empty: unknown
     """
@@ -40,6 +41,7 @@ class Recordings:
     about: RealSet
     folders: list[Path]
     dataset: str
+    sensors: list[str] = field(default_factory=list)
     recording: dict[int, str] = field(default_factory=dict)
     object: dict[int, str] = field(default_factory=dict)
 
@@ -85,9 +87,10 @@ def imported(about: RealSet, folders: list[Path], target: Path) -> Recordings:
         InputError: the program's own message
     """
     dataset = str(target / f"{about.name}.h5")
-    slipbench.import_recordings(list(folders), dataset, **about.reader)
+    slipbench.import_recordings(list(folders), dataset, format=about.format, map=about.map)
     found = Recordings(about, folders, dataset)
     with slipbench.open(dataset, check=False) as data:
+        found.sensors = list(data[data.trials[0]].sensors)
         for trial in data.trials:
             params = data[trial].params
             found.recording[trial] = about.recording(params, folders)
@@ -127,11 +130,15 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
         its row
     """
     name = Path(detector).name
-    try:
-        detected = slipbench.detect(detector, recordings.dataset)
-    except InputError as error:
-        return Row(name, failure=reason_of(str(error), detector))
-    answers = answers_of(detected)
+    answers: list[Answer] = []
+    own = math.nan  # threshold of a yardstick, at which its score s/(s + threshold) is 0.5
+    for sensor in recordings.sensors:
+        try:
+            detected = slipbench.detect(detector, recordings.dataset, sensor=sensor)
+        except InputError as error:
+            return Row(name, failure=reason_of(str(error), detector))
+        answers += answers_of(detected)
+        own = detected["detector"]["parameters"].get("threshold", own)
     if not any(len(one.labels) and one.known.any() for one in answers):
         alarms = sum(int(((one.seen[1:] >= 2) & (one.seen[:-1] < 2)).sum()) for one in answers)
         minutes = sum(one.time[-1] - one.time[0] for one in answers) / 60.0
@@ -141,7 +148,6 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
     if yardstick:
         groups = [recordings.object[one.trial] if len(objects) > 1 else recordings.recording[one.trial] for one in answers]
         answers, thresholds = left_out(answers, groups)
-        own = float(detected["detector"]["parameters"]["threshold"])  # at which the score s/(s + threshold) is 0.5
         thresholds = [own * one / (1.0 - one) for one in thresholds if not math.isnan(one)]
         if not answers:
             return Row(name, failure="no threshold: the other recordings have no labelled hold, or no labelled slip")
@@ -269,11 +275,11 @@ def chart_of(recordings: Recordings, rows: Sequence[Row]) -> list[Chart]:
         return []
 
     def curve(name: str, key: str) -> Curve:
-        points = []
+        points: list[tuple[float, float, float]] = []
         for row in shown:
             one = row.figures["figures"][key]
             value = math.nan if one["value"] is None else one["value"]
-            points.append((value, *(value if one[end] is None else one[end] for end in ("low", "high"))))
+            points.append((value, value if one["low"] is None else one["low"], value if one["high"] is None else one["high"]))
         return Curve(name, points)
 
     return [Chart(f"{recordings.about.name}: area under the ROC curve", "", "AUC", [row.detector for row in shown],

@@ -39,7 +39,7 @@ def _bags_of(message: str) -> Callable[[Path], list[Path]]:
         for path in sorted(folder.rglob("*.bag")):
             bag = None
             try:
-                bag = Bag(str(path), [])
+                bag = Bag(str(path), {})
                 bag.find("", message)
                 found.append(path)
             except InputError:
@@ -82,7 +82,8 @@ class RealSet:
         repository: owner/name on GitHub
         sensor: type of its sensor, as in a scene
         find: files and folders of the set below a folder; empty: it is not there
-        reader: arguments of import_recordings()
+        format: its format of `slipbench import`; empty: `map` reads it
+        map: the included map that reads it
         layout: what is looked for, for the reader of the page
         known: what is known of slip
         recording: recording of a trial, by its params; fingers of one recording have the same
@@ -93,9 +94,10 @@ class RealSet:
     repository: str
     sensor: str
     find: Callable[[Path], list[Path]]
-    reader: Mapping[str, str]
     layout: str
     known: str
+    format: str = ""
+    map: str = ""
     recording: Callable[[Params, list[Path]], str] = _file_stem
     object: Callable[[Params, list[Path]], str] = _named_object
 
@@ -105,21 +107,21 @@ def _file(params: Params, _: list[Path]) -> str:
 
 
 SETS = (
-    RealSet("biotacsp-dos", "yayaneath/BioTacSP-DoS", "biotac_sp", _direction_sets, {"format": "biotacsp-dos"},
-            "folders n, e, s, w, cw, aw and t with OBJECT<number>.csv",
-            "by recording: the finger slips throughout, or touches throughout (t)", recording=_file),
-    RealSet("uskin-boxes", "imanlab/tactile_prediction_flat_dataset", "magnetic_skin",
-            lambda folder: _folders_with(folder, "r*_finger*.csv", "x0,y0,z0,"), {"map": "uskin_boxes"}, "r<number>_finger<number>.csv with the column state",
-            "by sample, from a marker on the box that a camera sees; unknown for most samples", object=_box_of),
+    RealSet("biotacsp-dos", "yayaneath/BioTacSP-DoS", "biotac_sp", _direction_sets, layout="folders n, e, s, w, cw, aw and t with OBJECT<number>.csv",
+            known="by recording: the finger slips throughout, or touches throughout (t)", format="biotacsp-dos", recording=_file),
+    RealSet("uskin-boxes", "imanlab/tactile_prediction_flat_dataset", "magnetic_skin", lambda folder: _folders_with(folder, "r*_finger*.csv", "x0,y0,z0,"),
+            layout="r<number>_finger<number>.csv with the column state",
+            known="by sample, from a marker on the box that a camera sees; unknown for most samples", map="uskin_boxes", object=_box_of),
     RealSet("uskin-flat", "yinzhaodong/tactile_prediction", "magnetic_skin",
-            lambda folder: _folders_with(folder, "r*.csv", "t0_x,t0_y,t0_z,", ("labels.csv",)), {"map": "uskin_flat"}, "r<number>.csv and labels.csv",
-            "by recording, and only where the box does not slip"),
-    RealSet("biotac-slide", "dexrob/BioTac_slide_20_50", "biotac_sp", lambda folder: _folders_with(folder, "*_bio.csv", "pac22,ele1,"), {"map": "biotac_slide"},
-            "mat<number>_<number>_bio.csv", "the finger slides in every recording", recording=_file),
-    RealSet("fabric-slide", "wngfra/FabricSlide", "taxels", lambda folder: _folders_with(folder, "*.csv", "proximity1, "), {"map": "fabric_slide"},
-            "tables with the columns proximity1 and channel1 to channel16", "no labels: the finger slides, but it is not stated from when on", recording=_file),
-    RealSet("papillarray-bags", "kylemathenia/Contactile_Data_Viz", "papillarray", _bags_of("SensorState"), {"map": "papillarray_ros"},
-            "bags of ROS 1 with messages SensorState", "no labels", recording=_file),
-    RealSet("weiss-bags", "", "taxels", _bags_of("TactileSensor"), {"map": "weiss_ros"}, "bags of ROS 1 with messages TactileSensor",
-            "no labels", recording=_file),
+            lambda folder: _folders_with(folder, "r*.csv", "t0_x,t0_y,t0_z,", ("labels.csv",)), layout="r<number>.csv and labels.csv",
+            known="by recording: that the box does not slip in it, or that it slips at an unknown time", map="uskin_flat"),
+    RealSet("biotac-slide", "dexrob/BioTac_slide_20_50", "biotac_sp", lambda folder: _folders_with(folder, "*_bio.csv", "pac22,ele1,"),
+            layout="mat<number>_<number>_bio.csv", known="by recording: the finger slides in each", map="biotac_slide", recording=_file),
+    RealSet("fabric-slide", "wngfra/FabricSlide", "taxels", lambda folder: _folders_with(folder, "*.csv", "proximity1, "),
+            layout="tables with the columns proximity1 and channel1 to channel16", known="not known by sample: the finger slides from an unknown time on",
+            map="fabric_slide", recording=_file),
+    RealSet("papillarray-bags", "kylemathenia/Contactile_Data_Viz", "papillarray", _bags_of("SensorState"), layout="bags of ROS 1 with messages SensorState",
+            known="not known", map="papillarray_ros", recording=_file),
+    RealSet("weiss-bags", "", "taxels", _bags_of("TactileSensor"), layout="bags of ROS 1 with messages TactileSensor", known="not known", map="weiss_ros",
+            recording=_file),
 )
