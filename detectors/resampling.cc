@@ -20,6 +20,14 @@ std::string times_text(double ratio) { return format_number(std::round(10.0 * ra
 std::string hertz(double rate) { return readable_quantity(rate, Quantity::frequency); }
 std::string seconds(double time) { return readable_quantity(time, Quantity::time); }
 
+constexpr double most_frames = 1e6;  // of a detector in one step of its sensor
+
+void check_length(double step, double rate, const std::string& sensor) {
+  if (step * rate <= most_frames) return;
+  throw InputError(sensor + "a step of " + seconds(step) + " holds more than a million frames at " + hertz(rate) +
+                   "; cut the recording there");
+}
+
 constexpr const char* interpolating = "--resample of `detect` and `eval`";
 
 double median_step(std::span<const double> times) {
@@ -40,6 +48,7 @@ void count_gaps(const FrameSource& source, double period, Resampling& resampling
   for (std::size_t k = 1; k < times.size(); ++k) {
     const double step = times[k] - times[k - 1];
     if (step <= gap_frames * period) continue;
+    check_length(step, 1.0 / period, sensor);
     if (step > longest) resampling.made_up = true;
     if (step > longest && !any) {
       throw InputError(sensor + "a step of " + seconds(step) + ", " + seconds(times[k - 1] - times.front()) +
@@ -187,6 +196,7 @@ Resampling resampling_of(const FrameSource& source, double rate, const std::stri
                      (needed < rate ? " or more, " : ", ") + times_text(needed / sampled) + " times more; allowed: " +
                      hertz(needed) + " or more; " + interpolating + " interpolates a slower recording");
   }
+  check_length(1.0 / sampled, resampling.rate, "sensor " + quote(source.sensor) + ": ");
   if (!even) count_gaps(source, std::max(1.0 / resampling.rate, resampling.step), resampling);
   return resampling;
 }

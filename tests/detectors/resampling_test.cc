@@ -98,9 +98,9 @@ TEST(Resampling, OfASineIsTheNearestSampleMovedAlongTheSlope) {
   }
 }
 
-// White noise of variance 1. The weights of a frame at x steps from its nearest sample are 1, x/2
-// and -x/2, so its variance is 1 + x^2/2: at 1.5 times the rate x is 0 or 1/2, on average 1 + 1/16;
-// at 1.37 times x is uniform in -1/2 to 1/2, 1 + 1/24; at whole multiples 1. Interpolation between
+// White noise of variance 1. A frame at x steps from its nearest sample adds up this sample and two
+// others times x/2 and -x/2, so its variance is 1 + x^2/2: at 1.5 times the rate x is 0 or 1/2, on
+// average 1 + 1/16; at 1.37 times x is uniform in -1/2 to 1/2, 1 + 1/24; at whole multiples 1. Interpolation between
 // two samples would give 3/4 and 2/3, a mean over 10 samples 1/10. The variance of n values has a
 // standard deviation of sqrt(2/n), here .8 %.
 TEST(Resampling, KeepsTheVarianceOfWhiteNoise) {
@@ -171,6 +171,14 @@ TEST(Resampling, InterpolatesASlowSensorWhenAsked) {
   }
   EXPECT_THAT(resampling_text(resampling_of(source, 100.0, "x"), source, "net.onnx"),
               mentions({"interpolated", "40 Hz", "100 Hz", "figures"}));
+}
+
+// 1e9 s at 100 Hz are 1e11 frames.
+TEST(Resampling, RefusesAStepOfAMillionFrames) {
+  std::vector<double> times = clock(100.0, 50);
+  for (std::size_t k = 25; k < 50; ++k) times[k] += 1e9;
+  EXPECT_THAT(refusal_of([&] { resampling_of(source_at(100.0, times, true), 100.0, "x"); }), mentions({"100 Hz", "million"}));
+  EXPECT_THAT(refusal_of([] { resampling_of(source_at(1e-5, {}, true), 100.0, "x"); }), mentions({"million"}));
 }
 
 // A detector that is made for sensors of 40 Hz or more reads them without being asked.

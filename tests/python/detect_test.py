@@ -48,6 +48,16 @@ class DetectTest(unittest.TestCase):
     def detect(self, name, output=""):
         return slipbench.detect("force_ratio", self.place / f"{name}.h5", output and self.place / output, parameters={"ratio": 0.35})
 
+    def test_a_long_gap_is_interpolated_only_when_asked(self):
+        log = pd.read_csv(self.place / "log.csv")
+        log[(log.index < 100) | (log.index >= 140)].to_csv(self.place / "gap.csv", index=False)  # a step of 0.41 s
+        slipbench.import_recordings(self.place / "gap.csv", self.place / "gap.h5", map=self.place / "labelled.yaml")
+        for judge in (slipbench.detect, slipbench.evaluate):
+            with self.assertRaisesRegex(slipbench.InputError, "sensor 'pad': a step of 0.41 s, 0.99 s after the first sample, .*--resample"):
+                judge("deviation", self.place / "gap.h5")
+            notice = judge("deviation", self.place / "gap.h5", resample=True)["notice"]
+            self.assertEqual(notice, "resampled evenly at 100 Hz for deviation; 1 gap of at most 0.41 s bridged; the figures are of interpolated data")
+
     def test_missing_values_are_not_taken_for_readings(self):
         log = pd.read_csv(self.place / "log.csv")
         log.loc[150:159, "f3"] = np.nan  # 1.5 s to 1.59 s

@@ -233,11 +233,22 @@ class Training(TrainingTest):
                               ({"seed": "1"}, "^seed: expected a whole number"), ({"turned": -1}, "^turned: expected 0 or more"),
                               ({"held_out": 0.6}, "^held_out: expected a number from 0 to 0.5, found 0.6"), ({"held_out": math.nan}, "^held_out: "),
                               ({"held_out": "0.2"}, "^held_out: "), ({"by_score": True, "specificity": 95}, "^specificity: expected a number from 0 to 1, found 95"),
+                              ({"rates": (3,)}, r"^rates=\(3,\): expected the lowest"), ({"rates": (5, 2)}, r"^rates=\(5, 2\): "), ({"rates": "1"}, "^rates='1': "),
                               ({"dataset": []}, "^dataset: .*empty list"), ({"recipe": 3}, "^recipe: .*found int 3"),
                               ({"network": 3}, "^network: .*found int 3"), ({"network": lambda inputs, classes: None}, "^network: .*NoneType"),
                               ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, r"^alarms='1/min': .*leave alarms out$")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
+
+    # The recipe reads 1 kHz, as its median needs every sample.
+    def test_a_range_of_rates_is_stated_and_read(self):
+        slow = self.write("slow.h5", **{"sensors.pad.rate": "100 Hz"})
+        ranged = self.train(rates=(100, 1000), output=str(self.folder / "ranged.onnx"))
+        self.assertEqual(learning.Engine(ranged.path).description["input"]["rates"], [100.0, 1000.0])
+        result = slipbench.evaluate(ranged.path, slow)
+        self.assertEqual((result["notice"], result["reads_hz"]), ("interpolated from 100 Hz to 1 kHz for ranged.onnx", {"frames": 1000.0, "least": 100.0}))
+        with self.assertRaisesRegex(InputError, "sensor 'pad' has 100 Hz, but the network reads 1 kHz, 10 times more; .*--resample"):
+            slipbench.evaluate(self.train().path, slow)
 
     # The greatest seed: the second of two members wraps to 0.
     def test_whole_numbers_of_numpy_are_taken(self):

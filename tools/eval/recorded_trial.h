@@ -33,7 +33,7 @@ struct RecordedTrial {
 RecordedTrial recorded_trial(const DatasetReader& reader, std::size_t trial, const DetectorScene& detector,
                              const std::string& sensor, const Catalogues& catalogues, bool interpolate = false);
 
-// What a detector says about its frames (Detector::notice()), in one line for all trials.
+// Collects Detector::notice() of the trials into one line.
 class Notices {
  public:
   // `notice`: of the next trial; empty: none.

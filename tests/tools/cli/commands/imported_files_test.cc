@@ -193,7 +193,7 @@ TEST_F(ImportedFiles, ANetworkBridgesALostSampleAndRefusesBursts) {
   }
   // A detector that uses single samples needs no rate.
   EXPECT_EQ(run_program_file({"eval", "force_ratio", lost, "--labels", "recorded"}).status, 0);
-  // What counts the samples of its own windows refuses them.
+  // A detector that picks every k-th sample refuses them.
   expect_refusal({"detect", "cl_gst_hd", lost}, {"trial 0", "sensor pad", "990 Hz", "1000 Hz", "0.002 s", "import --rate"});
   const ChildResult again =
       run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "--rate", "1 kHz", "-o", resampled});
