@@ -89,6 +89,22 @@ def write_directions(folder):
             (folder / "csvs" / name / f"{thing}{number}.csv").write_text(text, encoding="utf-8")
 
 
+def write_boxes(folder):
+    """Two recordings of two fingers at 40 Hz: 0.5 s unknown, 1.5 s of a still hold, 1.5 s of slip with noise."""
+    folder.mkdir()
+    (folder / "recordings.csv").write_text("recording,object\n0,11\n1,7\n", encoding="utf-8")
+    for recording in range(2):
+        for finger in (1, 2):
+            noise = RandomStream(1, 2 * recording + finger, "boxes")
+            lines = [",".join(["t", *(f"{axis}{k}" for k in range(16) for axis in "xyz"), "state"])]
+            for row in range(140):
+                state = "unknown" if row < 20 else "hold" if row < 80 else "slip"
+                sway = [20.0 * noise.normal() if state == "slip" else 0.0 for _ in range(32)]
+                values = [f"{value:.2f}" for k in range(16) for value in (sway[2 * k], sway[2 * k + 1], 500.0)]
+                lines.append(",".join([f"{row / 40}", *values, state]))
+            (folder / f"r{recording:02d}_finger{finger}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
 def write_fabric(folder):
     folder.mkdir()
     titles = ", ".join(["timestamp", "proximity1", "proximity2", *(f"channel{k}" for k in range(1, 17))])
@@ -154,6 +170,21 @@ class Study(unittest.TestCase):
     def test_only_some_sets(self):
         write_fabric(self.folder / "fabric")
         self.assertEqual(list(study(Options(recordings=str(self.folder), only=("fabric-slide",))).figures), ["fabric-slide"])
+
+    def test_fingers_boxes_and_rates(self):
+        write_boxes(self.folder / "boxes")
+        result = study(Options(recordings=str(self.folder)))
+        found = result.figures["uskin-boxes"]
+        self.assertEqual((found["recordings"], found["objects"]), (2, ["11", "7"]), "two fingers are one recording")
+        deviation = found["detectors"]["deviation"]
+        # Half a second after its beginning, a window of 0.5 s is in the slip, where it deviates; before the slip nothing does.
+        self.assertEqual(deviation["figures"]["auc_steady"]["value"], 1.0)
+        self.assertEqual(deviation["slips"], 4)
+        network = found["detectors"]["magnetic_skin_slip.onnx"]
+        self.assertEqual(network["failure"], "")
+        self.assertIn("from 40 Hz to 100 Hz", network["notice"])
+        [table] = [table for table in result.tables if table.title == "uskin-boxes: 2 recordings"]
+        self.assertIn(network["notice"], table.note)
 
     def test_every_sensor_of_a_bag(self):
         write_bag(self.folder / "bags")

@@ -62,6 +62,7 @@ class Row:
             "interval"
         thresholds: of the yardstick, in its unit, chosen on other recordings; empty: the detector's
             own
+        notice: how the recordings were resampled for it; empty: they were not
         failure: why it could not run; empty: it did
     """
 
@@ -69,6 +70,7 @@ class Row:
     figures: dict[str, Any] = field(default_factory=dict)
     by_object: dict[str, Any] = field(default_factory=dict)
     thresholds: list[float] = field(default_factory=list)
+    notice: str = ""
     failure: str = ""
 
 
@@ -106,7 +108,7 @@ def reason_of(message: str, detector: str) -> str:
 
 def shipped_networks(sensor: str) -> list[Path]:
     """The networks of scenes/learn that read this type of sensor."""
-    folder = Path(_core.project_file("scenes/learn/README.md")).parent
+    folder = Path(_core.project_file("scenes")) / "learn"
     return [path for path in sorted(folder.glob("*.onnx")) if json.loads(_core.Engine(str(path)).description)["input"]["sensor"] == sensor]
 
 
@@ -118,7 +120,7 @@ def judged(answers: Sequence[Answer], groups: Sequence[str]) -> dict[str, Any]:
 
 
 def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
-    """Runs a detector on a set.
+    """Runs a detector on a set. Recordings that are slower than a network reads are interpolated.
 
     Args:
         recordings: the set
@@ -131,18 +133,20 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
     """
     name = Path(detector).name
     answers: list[Answer] = []
+    notice = ""
     own = math.nan  # threshold of a yardstick, at which its score s/(s + threshold) is 0.5
     for sensor in recordings.sensors:
         try:
-            detected = slipbench.detect(detector, recordings.dataset, sensor=sensor)
+            detected = slipbench.detect(detector, recordings.dataset, sensor=sensor, resample=not yardstick)
         except InputError as error:
             return Row(name, failure=reason_of(str(error), detector))
         answers += answers_of(detected)
+        notice = notice or str(detected["notice"]).replace(f" for {name}", "")
         own = detected["detector"]["parameters"].get("threshold", own)
     if not any(len(one.labels) and one.known.any() for one in answers):
         alarms = sum(int(((one.seen[1:] >= 2) & (one.seen[:-1] < 2)).sum()) for one in answers)
         minutes = sum(one.time[-1] - one.time[0] for one in answers) / 60.0
-        return Row(name, {"alarms": alarms, "minutes": minutes})
+        return Row(name, {"alarms": alarms, "minutes": minutes}, notice=notice)
     thresholds: list[float] = []
     objects = recordings.objects
     if yardstick:
@@ -152,7 +156,7 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
         if not answers:
             return Row(name, failure="no threshold: the other recordings have no labelled hold, or no labelled slip")
     figures = judged(answers, [recordings.recording[one.trial] for one in answers])
-    return Row(name, figures, by_object(answers, recordings), thresholds)
+    return Row(name, figures, by_object(answers, recordings), thresholds, notice)
 
 
 def by_object(answers: Sequence[Answer], recordings: Recordings) -> dict[str, Any]:
@@ -219,6 +223,11 @@ def row_cells(row: Row) -> list[str]:
             cell(figures["slip_delay_median_s"], "slip_delay_median_s"), threshold_text(row)]
 
 
+def notices_text(rows: Sequence[Row]) -> str:
+    """How recordings were resampled for detectors, as sentences after a blank."""
+    return "".join(f" {row.detector}: {row.notice}." for row in rows if row.notice)
+
+
 def tables_of(recordings: Recordings, rows: Sequence[Row]) -> list[Table]:
     """The tables of a set: figures by recording, by object, and what could not run.
 
@@ -240,7 +249,7 @@ def tables_of(recordings: Recordings, rows: Sequence[Row]) -> list[Table]:
                             + ("." if groups >= FEWEST else f", only of AUC, since there are fewer than {FEWEST} recordings.")
                             + " Yardsticks come last, the best first; their thresholds are chosen on other "
                             f"{chosen}. A slip is found if slip is reported in it or up to 0.5 s before. Steady: samples whose label has been the same for "
-                            f"{STEADY:g} s."))
+                            f"{STEADY:g} s.{notices_text(with_figures)}"))
     ranged = [row for row in with_figures if row.by_object]
     if ranged:
         keys = ("auc", "auc_steady", "balanced_slip_accuracy", "slips_found", "false_alarms_per_minute")
@@ -252,7 +261,7 @@ def tables_of(recordings: Recordings, rows: Sequence[Row]) -> list[Table]:
     if unlabelled:
         tables.append(Table(f"{about.name}: {counted(groups, 'recording')} without labels", ["detector", "alarms", "per minute"],
                             [[row.detector, str(row.figures["alarms"]), f"{row.figures['alarms'] / row.figures['minutes']:.1f}"] for row in unlabelled],
-                            f"{about.repository}; {about.known}. Each detector has its own threshold."))
+                            f"{about.repository}; slip is {about.known}. Each detector has its own threshold.{notices_text(unlabelled)}"))
     failed = [row for row in rows if row.failure]
     if failed:
         tables.append(Table(f"{about.name}: not evaluated", ["detector", "reason"], [[row.detector, row.failure] for row in failed]))
@@ -328,7 +337,7 @@ def study(options: Options) -> Result:
             tables += tables_of(recordings, rows)
             charts += chart_of(recordings, rows)
             figures[about.name] = {"recordings": len(set(recordings.recording.values())), "objects": recordings.objects,
-                                   "detectors": {row.detector: {**row.figures, "by_object": row.by_object, "thresholds": row.thresholds,
+                                   "detectors": {row.detector: {**row.figures, "by_object": row.by_object, "thresholds": row.thresholds, "notice": row.notice,
                                                                 "failure": row.failure} for row in rows}}
     missing = [about for about in SETS if about.name in places and not places[about.name]]
     if missing:
