@@ -238,7 +238,7 @@ class Scene {
     const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
     const SweepSummary summary = run_sweep(read, options, *catalogues_, report_progress);
     Json json = Json::parse(summary_json(summary));
-    json["warnings"] = warnings_json(converter_warnings(summary.trials));
+    json["warnings"] = warnings_json(trial_warnings(summary.trials));
     return json.dump();
   }
 

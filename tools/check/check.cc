@@ -342,7 +342,7 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
 
   const SweepOptions sweep = sweep_of(options);
   const SweepSummary summary = run_whole(sweep, catalogues, progress);
-  check.warnings = converter_warnings(summary.trials);
+  check.warnings = trial_warnings(summary.trials);
   check.detectors = detector_scores(summary.trials);
   const std::vector<CheckedTrial> trials = checked_trials(summary);
   for (const Named& expectation : expectations) check.expectations.push_back(result_of(expectation, options, summary, trials));

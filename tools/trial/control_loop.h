@@ -97,6 +97,8 @@ class ControlLoop {
 
   // The pad whose sensor the detector, else the controller reads.
   [[nodiscard]] std::size_t pad() const { return pad_; }
+  // Detector::notice(); empty without a detector.
+  [[nodiscard]] std::string notice() const { return detector_ ? detector_->notice() : std::string(); }
   [[nodiscard]] bool has_detector() const { return detector_.has_value(); }
   // The detector's class at the latest tick of act().
   [[nodiscard]] PadState seen() const { return detector_ ? detector_->seen().state : PadState::no_contact; }

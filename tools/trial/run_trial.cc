@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "detectors/detector_kinds.h"
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
@@ -48,11 +47,14 @@ std::vector<SensorSource> sources_of(const Scene& scene, const Sensors& sensors)
   return sources;
 }
 
-FrameSource frame_source(const DetectorScene& detector, const Scene& scene, const Sensors& sensors, std::uint64_t trial) {
+DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene& scene, const Sensors& sensors,
+                                      const Simulation& simulation, std::uint64_t trial) {
   const SensorScene& about = scene.sensors[detector.sensor];
   const Sensor& sensor = *sensors[detector.sensor];
-  return {about.name, about.type,     sensor.rate(), sensor.channels(),
-          trial,      scene.duration, scene.seed,    sources_of(scene, sensors)};
+  return DelayedDetector(make_detector(
+      detector,
+      {about.name, about.type, sensor.rate(), sensor.channels(), trial, scene.duration, scene.seed, sources_of(scene, sensors)},
+      simulation));
 }
 
 ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial,
@@ -63,8 +65,7 @@ ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& si
         "duration", "ends before the box is lifted; allowed: more than " + format_quantity(box->lift_start(), Quantity::time));
   }
   std::optional<DelayedDetector> detector;
-  if (scene.detector)
-    detector.emplace(make_detector(*scene.detector, frame_source(*scene.detector, scene, sensors, trial), simulation));
+  if (scene.detector) detector = make_delayed_detector(*scene.detector, scene, sensors, simulation, trial);
   std::unique_ptr<Controller> controller;
   if (scene.controller || in_place) {
     const GripSource source{.channels = sensors.front()->channels(),
@@ -133,11 +134,6 @@ PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial) {
   return steps;
 }
 
-std::string detector_notice(const Scene& scene, std::uint64_t trial) {
-  if (!scene.detector || frame_spacing(scene.detector->type) != FrameSpacing::own) return "";
-  return make_detector(*scene.detector, frame_source(*scene.detector, scene, make_sensors(scene, trial), trial))->notice();
-}
-
 TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,
                    const ControllerInPlace& controller)
     : scene_(std::move(scene)),
@@ -203,6 +199,7 @@ TrialResult TrialRun::finish() {
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
     if (scene_.sensors[pad].follows.empty()) result_.time_step = std::min(result_.time_step, simulation_->time_step(pad));
   }
+  result_.notice = loop_.notice();
   result_.record.libraries = libraries_of(scene_);
   if (!scene_.model.empty()) result_.record.model_sha256 = file_sha256(scene_.model);
   return std::move(result_);

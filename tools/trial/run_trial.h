@@ -35,6 +35,7 @@ struct TrialResult {
   std::vector<std::vector<UnitOutcome>> units;  // [sensor][N]
   // s, shortest step of any pad with its own contact; for bodies that move by forces, their step.
   double time_step = 0.0;
+  std::string notice = {};  // Detector::notice(); empty without a detector
 };
 
 // Total memory of the trials that are recorded at the same time [bytes].
@@ -66,9 +67,5 @@ struct PlannedSteps {
 
 // Builds the trial to count its steps. Throws as check_trial().
 PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial);
-
-// Detector::notice() of the scene's detector in this trial, if it resamples the samples of its sensor
-// (FrameSpacing::own); else empty. Throws InputError as make_detector().
-std::string detector_notice(const Scene& scene, std::uint64_t trial);
 
 }  // namespace slipbench

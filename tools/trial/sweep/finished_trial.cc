@@ -89,7 +89,8 @@ SensorSummary sensor_of(const json& value) {
 json of_summary(const TrialSummary& summary) {
   json sensors = json::array(), detector;
   for (const SensorSummary& sensor : summary.sensors) sensors.push_back(of_sensor(sensor));
-  if (summary.detector) detector = {summary.detector->type, summary.detector->sensor, summary.detector->confusion};
+  if (summary.detector)
+    detector = {summary.detector->type, summary.detector->sensor, summary.detector->confusion, summary.detector->notice};
   return {summary.trial,      summary.params, outcome_json(summary.outcome), std::move(sensors), std::move(detector),
           summary.controller, summary.resumed};
 }
@@ -104,7 +105,7 @@ TrialSummary summary_of(const json& value) {
                        .resumed = value.at(6)};
   for (const json& sensor : value.at(3)) summary.sensors.push_back(sensor_of(sensor));
   if (const json& detector = value.at(4); !detector.is_null())
-    summary.detector = DetectorSummary{detector.at(0), detector.at(1), detector.at(2)};
+    summary.detector = DetectorSummary{detector.at(0), detector.at(1), detector.at(2), detector.at(3)};
   return summary;
 }
 
@@ -127,7 +128,7 @@ TrialSummary summary_of(TrialResult& result) {
   }
   if (record.control) summary.controller = record.control->controller;
   if (record.control && !record.control->detector.empty()) {
-    summary.detector = {record.control->detector, record.control->sensor, record.control->confusion};
+    summary.detector = {record.control->detector, record.control->sensor, record.control->confusion, result.notice};
   }
   return summary;
 }

@@ -41,6 +41,7 @@ struct DetectorSummary {
   std::string type;    // "force_ratio"
   std::string sensor;  // name in the scene of the sensor that it reads
   Confusion confusion{};
+  std::string notice = {};  // Detector::notice(); of a resumed trial empty
 };
 
 struct TrialSummary {

@@ -232,10 +232,6 @@ void look_at_steps(const Scene& scene, std::size_t trial, Collector& found) {
                         long_time_text(steps.seconds), scene.time_step ? "; auto chooses the longest accurate step" : ""));
 }
 
-void look_at_detector(const Scene& scene, std::size_t trial, Collector& found) {
-  if (const std::string notice = detector_notice(scene, trial); !notice.empty()) found.add(trial, "detector.model", notice);
-}
-
 void count(const TrialOutcome& outcome, const std::string& sensor, const StateCounts& states,
            std::map<std::string, ConverterUse>& sensors) {
   ConverterUse& use = sensors[sensor];
@@ -259,9 +255,7 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
       look_at_motion(scene, trial, found);
       look_at_texture(scene, trial, found);
       look_at_material(values, plan, trial, found);
-      if (std::ranges::find(built, i) == built.end()) continue;
-      look_at_steps(scene, trial, found);
-      look_at_detector(scene, trial, found);
+      if (std::ranges::find(built, i) != built.end()) look_at_steps(scene, trial, found);
     } catch (const InputError&) {
       continue;
     }
@@ -342,12 +336,20 @@ void count_converters(const TrialRecord& record, std::map<std::string, Converter
   for (const SensorRecord& sensor : record.sensors) count(record.outcome, sensor.name, sensor.labels.state_count, sensors);
 }
 
-std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials) {
+std::vector<Warning> trial_warnings(const std::vector<TrialSummary>& trials) {
   std::map<std::string, ConverterUse> sensors;
+  std::map<std::string, std::size_t> notices;  // trials of each
   for (const TrialSummary& trial : trials) {
     for (const SensorSummary& sensor : trial.sensors) count(trial.outcome, sensor.name, sensor.state_count, sensors);
+    if (trial.detector && !trial.detector->notice.empty()) ++notices[trial.detector->notice];
   }
-  return converter_warnings(sensors);
+  std::vector<Warning> warnings = converter_warnings(sensors);
+  for (const auto& [notice, count] : notices) {
+    warnings.push_back(
+        {"detector", "detector: " + notice +
+                         (count == trials.size() ? "" : fmt::format(" in {} of {}", count, counted(trials.size(), "trial")))});
+  }
+  return warnings;
 }
 
 Json warnings_json(const std::vector<Warning>& warnings) {

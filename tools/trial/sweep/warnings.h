@@ -35,7 +35,7 @@ struct Warning {
 //   box, the grip or the motion
 // - a material from --set together with coefficients of friction in the scene, which override it
 // - with `build`, which reads the files that the scene names: a step of `time_step: auto` so short
-//   that a trial would take more than ten minutes, and of samples that are resampled for a network
+//   that a trial would take more than ten minutes
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build);
 // Warns if a dataset of these trials would have an empty part that should not be empty: too few
 // materials, or other groups of its `split`. Examines an evenly spaced subset of many trials.
@@ -58,8 +58,8 @@ void count_converters(const TrialRecord& record, std::map<std::string, Converter
 // samples.
 std::vector<Warning> converter_warnings(const std::map<std::string, ConverterUse>& sensors);
 
-// As above, for finished trials.
-std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials);
+// Those of finished trials, and one for each notice of their detectors (DetectorSummary::notice).
+std::vector<Warning> trial_warnings(const std::vector<TrialSummary>& trials);
 
 // [{"about": ..., "text": ...}]
 Json warnings_json(const std::vector<Warning>& warnings);

@@ -50,11 +50,18 @@ TEST_F(Warnings, MotionThatBeginsAtTheEndOrLater) {
 // mlp13.onnx reads one sample in five of 1 kHz.
 TEST_F(Warnings, SamplesThatAreResampledForANetwork) {
   if (!network::engine_available()) GTEST_SKIP() << "built without networks";
-  const std::string detector =
-      "detector: {type: network, model: " SLIPBENCH_SOURCE_DIR "/tests/detectors/network/data/mlp13.onnx}\n";
-  EXPECT_THAT(warning_texts(detector, {{"sensors.pad.rate", "250 Hz"}}),
-              ElementsAre("s.yaml:3: detector.model: resampled from 250 Hz to 200 Hz for mlp13.onnx"));
-  EXPECT_THAT(warning_texts(detector, {{"sensors.pad.rate", "1 kHz"}}), IsEmpty());
+  std::ofstream(path("s.yaml")) << "slipbench: 1\nduration: 0.1 s\nsensors: {pad: {type: papillarray}}\n"
+                                   "detector: {type: network, model: " SLIPBENCH_SOURCE_DIR
+                                   "/tests/detectors/network/data/mlp13.onnx}\nsweep: {sensors.pad.rate: [250 Hz, 1 kHz]}\n";
+  for (const bool isolated : {false, true}) {
+    SweepOptions sweep;
+    sweep.scene_path = path("s.yaml");
+    sweep.jobs = 1;
+    sweep.isolation.on = isolated;
+    const std::vector<Warning> warnings = trial_warnings(run_sweep(sweep, catalogues_).trials);
+    ASSERT_THAT(warnings, SizeIs(1)) << isolated;
+    EXPECT_EQ(warnings[0].text, "detector: resampled from 250 Hz to 200 Hz for mlp13.onnx in 1 of 2 trials");
+  }
 }
 
 // 4.2 mm by the vendor's data sheet.

@@ -244,7 +244,7 @@ int SimulationCommand::run() {
   const SweepSummary& summary = finished.summary;
   // A single requested trial is not part of a sweep that could be resumed.
   if (summary.planned == 1 && !summary.shard && !summary.failed.empty()) throw InputError(summary.failed.front().message);
-  const std::vector<Warning> shown = converter_warnings(summary.trials);
+  const std::vector<Warning> shown = trial_warnings(summary.trials);
   print_warnings(shown);
   warnings.insert(warnings.end(), shown.begin(), shown.end());
   const bool sums_up = !quiet && !brief;
