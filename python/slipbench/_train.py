@@ -41,8 +41,6 @@ class Request:
         by_score: True: choose the operating point with the greatest score
         specificity: with `by_score`: least share of trials without slip that raise no alarm; None:
             not given
-        frame_by_frame: True: classify single frames, with the threshold of the greatest balanced
-            accuracy
         output: path of the ONNX file
         resume: True: continue an interrupted training
         json: True: print one JSON object on stdout
@@ -63,7 +61,6 @@ class Request:
     alarms: float | None = None
     by_score: bool = False
     specificity: float | None = None
-    frame_by_frame: bool = False
     resume: bool = False
     json: bool = False
 
@@ -184,7 +181,7 @@ def run(request: Request) -> int:
         trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
                         held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned,
                         rates=None if request.rates is None else (request.rates[0], request.rates[1]),
-                        alarms=math.inf if request.frame_by_frame else request.alarms, by_score=request.by_score,
+                        alarms=request.alarms, by_score=request.by_score,
                         specificity=request.specificity, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
     return write_result(lambda: print_trained(request, trained))
 

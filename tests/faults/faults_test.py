@@ -95,7 +95,7 @@ def cases(bench):
         "train": (["train", bench.path("many.h5"), "-o", "OUT/memories"], []),
         "recipe": (["train", bench.path("many.h5"), "--recipe", "papillarray_gru", "--steps", "2", "-o", "OUT/a.onnx"], []),
         "report": (["report", two, "-o", "OUT/a.html"], []),
-        "benchmark": (["benchmark", "--protocol", "slip-2", "--sensor", "biotac_sp", "--trials", "1", "--untaught", "--quiet", "--submit", "OUT/a.json", "-o", "OUT/board.html"],
+        "benchmark": (["benchmark", "--sensor", "biotac_sp", "--trials", "1", "--quiet", "--submit", "OUT/a.json", "-o", "OUT/board.html"],
                       []),
     }
     of_sensor = {"slip-csv": "biotac.h5", "myrmex-csv": "myrmex.h5", "myrmex-rotated": "myrmex.h5"}

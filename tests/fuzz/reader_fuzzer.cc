@@ -157,7 +157,7 @@ Texts grasp_columns() { return numbered_columns(2 + grasp_fingers.size() * finge
 
 namespace benchmark {
 const Protocol& find_protocol(const std::string& name, const std::string& subject) {
-  static const Protocol only{"slip-2", {}, {}};
+  static const Protocol only{"slip-3", {}};
   if (name != only.name) throw InputError(subject + ": unknown protocol " + quote(name));
   return only;
 }

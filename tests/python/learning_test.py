@@ -375,15 +375,6 @@ class Command(TrainingTest):
                 self.assertEqual(done.returncode, 2)
                 self.assertRegex(done.stderr.strip().splitlines()[-1], message)
 
-    def test_benchmark_trains_for_single_frames(self):
-        request = {"datasets": [self.data], "recipe": "papillarray_gru", "steps": 4, "all": True, "frame_by_frame": True,
-                   "output": str(self.folder / "frames.onnx"), "json": True}
-        done = subprocess.run([sys.executable, "-P", "-m", "slipbench._train", json.dumps(request)], capture_output=True, check=True,
-                              env=os.environ | {"PYTHONWARNINGS": "ignore"})
-        summary = json.loads(done.stdout)
-        self.assertIsNone(summary["alarms_asked_per_minute"])
-        self.assertEqual(summary["alarm"]["on"], 1)
-
     def test_without_torch_it_says_so_before_it_reads(self):
         without = self.folder / "without/torch"
         without.mkdir(parents=True)

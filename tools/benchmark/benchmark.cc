@@ -29,7 +29,6 @@
 #include "tools/eval/replay.h"
 #include "tools/eval/yardsticks.h"
 #include "tools/files/given_once.h"
-#include "tools/files/output_file.h"
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
@@ -119,9 +118,10 @@ eval::Replayed with_factor(eval::Replayed replayed, double factor) {
   return replayed;
 }
 
-// `test_set`: nullptr for a recording of a real sensor.
+// An alarm less than a sample period before the slip is early only in recordings of a real sensor,
+// for which `test_set` is nullptr.
 eval::Judgement judged(const TestSet* test_set, std::size_t trial, const eval::Truth& truth, const eval::Replayed& replayed) {
-  return eval::judged(trial, truth, replayed, test_set != nullptr && test_set->grace ? truth.period : 0.0);
+  return eval::judged(trial, truth, replayed, test_set != nullptr ? truth.period : 0.0);
 }
 
 // The same trial on a surface on which nothing slips, simulated on first use.
@@ -288,7 +288,7 @@ std::size_t best_factor(const Board& board, const EntrantResults& entry, const s
 }
 
 // Gives each yardstick that chooses its threshold the one that is best on the other half of the
-// trials; pairs of trials alternate, since those of slip-3 share a motion. Returns the best of them
+// trials; pairs of trials alternate, since they share a motion. Returns the best of them
 // with the threshold that is best on all trials; nullopt if there is none.
 std::optional<Entrant> choose_thresholds(Board& board) {
   const std::vector<double> factors = threshold_factors();
@@ -361,9 +361,8 @@ Json row_json(const Board& board, const EntrantResults& entry) {
   std::vector<eval::Judgement> judgements;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const eval::Judgement& judgement = entry.answers[k].judgement;
-    // By slip-3 a slip that earns nothing is neither missed nor seen late.
-    const bool too_small =
-        board.test_set.by_distance && !entry.answers[k].grasp && !parts[k].credited && !std::isnan(judgement.slip_time);
+    // A slip that earns nothing is neither missed nor seen late.
+    const bool too_small = !entry.answers[k].grasp && !parts[k].credited && !std::isnan(judgement.slip_time);
     if (parts[k].judged && !too_small) judgements.push_back(judgement);
   }
   const bool has_score = board.test_set.disturbance.empty() || score.judged > 0;
@@ -382,7 +381,7 @@ Json row_json(const Board& board, const EntrantResults& entry) {
               {"said", score.said},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (!entry.thresholds.empty()) row["thresholds"] = entry.thresholds;
-  if (board.test_set.needless) row["needless"] = score.needless;
+  if (board.test_set.track == Track::loop) row["needless"] = score.needless;
   if (!board.test_set.disturbance.empty()) {
     row["specificity"] = has_score ? Json(score.specificity) : Json(nullptr);
     row["judged"] = score.judged;
@@ -509,8 +508,8 @@ struct TestSetTrials {
     for (const TestSet& test_set : protocol.held_out) {
       if (test_set.scene == first.scene) readers.insert(test_set.readers.begin(), test_set.readers.end());
     }
-    // A part of the pairs of slip-3 has one with slip, one without, and so on.
-    if (asked > 0 && asked < plan().size() && first.pulses() && first.disturbance.empty()) {
+    // A part of the pairs has one recording with slip, one without, and so on.
+    if (asked > 0 && asked < plan().size() && first.track == Track::open && first.disturbance.empty()) {
       for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] ^= (k + 1) % 2;
     }
   }
@@ -603,12 +602,8 @@ std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const
     if (entrant.chooses_threshold && test_set != nullptr &&
         (has_chosen || test_set->track == Track::loop || !test_set->disturbance.empty()))
       continue;
-    // Before slip-3 open recordings have no oracle.
-    if (entrant.kind == Kind::oracle && (test_set == nullptr || (test_set->track == Track::open && !test_set->by_distance)))
-      continue;
-    if (entrant.kind == Kind::known_signal &&
-        (test_set == nullptr || !test_set->by_distance || test_set->track == Track::loop || !test_set->disturbance.empty()))
-      continue;
+    if (is_measure(entrant) && test_set == nullptr) continue;
+    if (entrant.kind == Kind::known_signal && (test_set->track == Track::loop || !test_set->disturbance.empty())) continue;
     if (test_set == nullptr ? entrant.side_information != SideInformation::nothing : !has_side_information(entrant, *test_set))
       continue;
     if (entrant.reads.empty() || test_set == nullptr || entrant.reads == test_set->sensor) some.push_back(&entrant);
@@ -734,7 +729,7 @@ Json protocol_json(const Protocol& protocol, const Asked& asked) {
           {"force_ratio", worst_force_ratio},
           {"half_slip_distance_m", half_slip_distance},
           {"least_slip_distance_m", least_slip_distance},
-          {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}};
+          {"whole", asked.trials == 0 && asked.sensor.empty()}};
 }
 
 }  // namespace
@@ -745,18 +740,9 @@ Json benchmark(const Options& options) {
   check_sensor(asked.sensor, protocol);
   check_given_once(asked.real, "dataset");
   std::vector<Entrant> entrants = known_entrants(asked);
-  const ScratchFolder folder;
-  Taught taught;
-  if (!asked.untaught) {
-    taught =
-        teach(protocol.lessons,
-              {.sensor = asked.sensor, .jobs = options.jobs, .interrupt = options.interrupt, .say = options.say}, folder.path());
-    for (Entrant& entrant : taught.entrants) entrants.push_back(std::move(entrant));
-  }
   entrants.push_back(oracle_entrant());
   entrants.push_back(known_signal_entrant());
-  std::vector<Missing> missing = missing_entrants();
-  missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
+  const std::vector<Missing> missing = missing_entrants();
   const Catalogues catalogues = program_catalogues();
   Json transfer = Json::array();
   for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr, {}), options));
@@ -780,8 +766,11 @@ Json benchmark(const Options& options) {
   for (Json& set : transfer) sets.push_back(std::move(set));
   Json machine = environment_json();
   machine.erase("load");
-  Json result = {{result_key, 1},      {"asked", asked_json(asked)}, {"protocol", protocol_json(protocol, asked)},
-                 {"machine", machine}, {"learnt_from", taught.data}, {"sets", sets}};
+  Json result = {{result_key, 1},
+                 {"asked", asked_json(asked)},
+                 {"protocol", protocol_json(protocol, asked)},
+                 {"machine", machine},
+                 {"sets", sets}};
   if (asked.real.empty())
     result["transfer"] = "no real recordings were given; give them with --real FILE.h5, written by slipbench import";
   return result;

@@ -21,9 +21,8 @@ struct Asked {
   std::vector<std::string> real;       // datasets of real recordings, for the track transfer
   std::string sensor;                  // judge this type only; empty: all
   // For a quick look instead of a board of the protocol: this number of trials of each scene,
-  // spread evenly over it (0: all), and no training.
+  // spread evenly over it; 0: all.
   std::size_t trials = 0;
-  bool untaught = false;
 };
 
 struct Options {
@@ -41,7 +40,6 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //   protocol    {name, sha256, half_delay_s, alarms_per_minute, force_ratio,
 //               half_slip_distance_m, least_slip_distance_m, whole}; whole: false if only a part was judged
 //   machine     environment_json() without its load
-//   learnt_from [{scene, trials, sha256}]
 //   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why,
 //               reads_another}], by}] in the protocol's order,
 //               transfer last; with `domain` and `disturbance` where the protocol has them

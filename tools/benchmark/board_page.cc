@@ -185,7 +185,7 @@ std::string disturbances_drawing(const Json& sets) {
   return "<div class=\"scroll\">" + svg.element("Share of disturbed recordings without an alarm") + "</div>\n";
 }
 
-// Returns the overview of slip-3; empty for other protocols.
+// Returns the overview by sensor and disturbance; empty for a board without disturbed recordings.
 std::string overview_html(const Json& sets) {
   const auto disturbed = [](const Json& set) { return set.contains("disturbance"); };
   if (std::ranges::none_of(sets, disturbed)) return "";
@@ -208,12 +208,12 @@ constexpr std::array rules{
     "Open recordings: score = credit × min(1, limit / false alarms per minute) − share of the time without slip in which slip is reported. Early alarms count "
     "as false alarms.",
     "The credit of a recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at "
-    "the alarm; before slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. In slip-3 a recording is evaluated from the start of "
-    "its motion; a recording that slips by less than least_slip_distance has no credit and is not counted in the columns after the score.",
+    "the alarm; in a recording of a real sensor it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. A recording is evaluated from the "
+    "start of its motion; a recording that slips by less than least_slip_distance has no credit and is not counted in the columns after the score.",
     "Disturbed recordings: the score is the share of the recordings without an alarm. They have no ranks.",
     "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 for the smallest "
     "force that holds the box. It is 0 for force_ratio times this force or more, and if the box is dropped or not lifted.",
-    "Boxes that the preset force holds have no credit. From slip-2 on, the mean needless force on these boxes is subtracted: 0 for the force of a controller "
+    "Boxes that the preset force holds have no credit. The mean needless force on these boxes is subtracted: 0 for the force of a controller "
     "that never tightens, 1 for force_ratio times this force or more.",
     "Oracle: reports a slip at its first instant. Signal known: reports a slip when its effect on all values exceeds three standard deviations of the "
     "sensor's noise."};

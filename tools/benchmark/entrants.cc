@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,9 +16,7 @@
 #include "sim/api/motion.h"
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
-#include "sim/core/process/interrupted.h"
 #include "sim/motion/motion_catalogue.h"
-#include "tools/dataset/reader.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/eval/evaluate.h"
 #include "tools/eval/replay.h"
@@ -27,8 +24,6 @@
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/registry/program_catalogues.h"
-#include "tools/trial/sweep/run_sweep.h"
-#include "tools/workers/python_package/python_package.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -56,8 +51,6 @@ constexpr std::array<ShippedNetwork, 13> shipped_networks{
      {"gel_slip", "scenes/learn/gel_slip.onnx", "gel_markers"},
      {"gel_grasp", "scenes/learn/gel_grasp.onnx", "gel_markers"}}};
 constexpr const char* no_engine = "OpenVINO, which runs networks, is missing; see slipbench doctor";
-constexpr const char* no_training =
-    "training needs the Python package slipbench and PyTorch, one of which is missing; `slipbench describe slip_gru` says how to install them";
 
 std::string file_digest(const std::string& path) {
   std::error_code error;
@@ -72,57 +65,6 @@ std::string file_digest(const std::string& path) {
   std::string text;
   for (const std::string& file : files) text += fs::path(file).filename().string() + " " + file_sha256(file) + "\n";
   return text_sha256(text);
-}
-
-// Returns the dataset of a lesson's scene in `folder`, simulated on first use.
-std::string dataset_of(const Lesson& lesson, const Teaching& teaching, const std::string& folder) {
-  const std::string path = (fs::path(folder) / (lesson.sensor + ".h5")).string();
-  if (fs::exists(path)) return path;
-  if (teaching.say) teaching.say(fmt::format("simulating {} for training", lesson.scene));
-  SweepOptions sweep;
-  sweep.scene_path = project_file(lesson.scene);
-  sweep.trials = lesson.trials;
-  sweep.jobs = teaching.jobs;
-  sweep.output = path;
-  sweep.interrupt = teaching.interrupt;
-  const SweepSummary summary = run_sweep(sweep, program_catalogues());
-  if (summary.interrupted) throw Interrupted();
-  return path;
-}
-
-std::string data_sha256(const std::string& dataset) {
-  const DatasetReader reader(dataset);
-  std::string text;
-  for (const std::size_t trial : reader.trials()) text += reader.trial_sha256(trial) + "\n";
-  return text_sha256(text);
-}
-
-// Trains a lesson's network and returns its ONNX file.
-std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::string& dataset, const std::string& folder) {
-  const std::string output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
-  const Json request{{"datasets", Json::array({dataset})},
-                     {"recipe", lesson.recipe},
-                     {"all", true},
-                     {"frame_by_frame", true},
-                     {"output", output},
-                     {"json", !teaching.say}};  // silent
-  const int status = PythonModule("slipbench._train", "benchmark: " + lesson.recipe, "")
-                         .run(request_text(request), PythonModule::Errors::shown, teaching.interrupt);
-  end_if(teaching.interrupt);
-  if (status != 0) reject("benchmark: the training of {} ended with status {}", lesson.recipe, status);
-  return output;
-}
-
-// Returns true if the Python package and PyTorch are installed. Recipes cannot be described without
-// them.
-bool can_train(const Lesson& lesson, const Teaching& teaching) {
-  try {
-    const PythonModule module("slipbench._recipe", "benchmark", "");
-    return module.run(Json{{"name", lesson.recipe}, {"json", true}}.dump(), PythonModule::Errors::hidden, teaching.interrupt) ==
-           0;
-  } catch (const InputError&) {  // the package is not installed
-    return false;
-  }
 }
 
 class Control final : public Detector {
@@ -174,7 +116,7 @@ std::string file_of(const DetectorScene& detector) {
 }
 
 std::string kind_word(Kind kind) {
-  constexpr std::array words{"shipped", "trained", "given", "yardstick", "control", "known signal", "oracle"};
+  constexpr std::array words{"shipped", "given", "yardstick", "control", "known signal", "oracle"};
   return words.at(static_cast<std::size_t>(kind));
 }
 
@@ -288,34 +230,6 @@ Entrant known_signal_entrant() {
   return {.name = "signal known", .kind = Kind::known_signal, .sha256 = text_sha256("signal known")};
 }
 
-Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder) {
-  Taught taught;
-  std::optional<bool> trains;  // determined for the first lesson
-  for (const Lesson& lesson : lessons) {
-    if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
-    const std::string& name = lesson.recipe;
-    if (!trains) trains = network::engine_available() && can_train(lesson, teaching);
-    if (!*trains) {
-      taught.untaught.push_back({name, lesson.sensor, network::engine_available() ? no_training : no_engine});
-      continue;
-    }
-    const std::string dataset = dataset_of(lesson, teaching, folder);
-    const std::string data = data_sha256(dataset);
-    const auto known = [&](const Json& one) { return one.at("scene") == lesson.scene; };
-    if (std::ranges::none_of(taught.data, known)) {
-      taught.data.push_back({{"scene", lesson.scene}, {"trials", DatasetReader(dataset).trials().size()}, {"sha256", data}});
-    }
-    if (teaching.say) teaching.say("training " + lesson.recipe);
-    Entrant entrant = given_entrant(learnt(lesson, teaching, dataset, folder), {});
-    entrant.name = name;
-    entrant.kind = Kind::trained;
-    entrant.reads = lesson.sensor;
-    entrant.sha256 = text_sha256(lesson.recipe + "\n" + data);
-    taught.entrants.push_back(std::move(entrant));
-  }
-  return taught;
-}
-
 void register_control() {
   register_detector(control_entry(), [](const Parameters& parameters, const FrameSource& source) {
     static_cast<void>(source);
@@ -341,12 +255,6 @@ DetectorScene motion_known(const Scene& scene, const std::string& mover) {
   }
   if (motion.number("speed") == 0.0 && motion.number("rotation") == 0.0) return control_of(never, never);
   return control_of(motion.number("start"), motion.number("start") + way_time(motion));
-}
-
-DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover) {
-  const DetectorScene known = motion_known(scene, mover);
-  const double from = known.parameters.number("from"), until = known.parameters.number("until");
-  return scene.grasp ? control_of(from, from + time) : control_of(from + time, until);
 }
 
 double HandMotion::passes(double distance) const {
@@ -386,10 +294,10 @@ HandMotion hand_motion(const Scene& scene, const std::string& mover) {
 }
 
 DetectorScene timed_control(SideInformation side_information, const TestSet& test_set, const Scene& scene) {
-  if (side_information == SideInformation::clock) return control_of(test_set.clock, never, test_set.pulses());
+  if (side_information == SideInformation::clock) return control_of(test_set.clock, never, true);
   if (side_information == SideInformation::motion_and_time) {
-    if (!test_set.pulses()) return motion_known_and(test_set.time, scene, test_set.mover);
-    return control_of(motion_known(scene, test_set.mover).parameters.number("from") + test_set.time, never, true);
+    const double from = motion_known(scene, test_set.mover).parameters.number("from");
+    return scene.grasp ? control_of(from, from + test_set.time) : control_of(from + test_set.time, never, true);
   }
   const HandMotion hand = hand_motion(scene, test_set.mover);
   if (side_information == SideInformation::travel) return control_of(hand.passes(test_set.travel), never, true);
@@ -397,7 +305,7 @@ DetectorScene timed_control(SideInformation side_information, const TestSet& tes
 }
 
 double judged_from(const TestSet& test_set, const Scene& scene) {
-  if (!test_set.by_distance || !test_set.disturbance.empty()) return -never;
+  if (!test_set.disturbance.empty()) return -never;
   return motion_known(scene, test_set.mover).parameters.number("from");
 }
 

@@ -1,7 +1,6 @@
 // The detectors on the board, the yardsticks, the controls and the measures.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -18,7 +17,6 @@ namespace slipbench::benchmark {
 
 enum class Kind {
   shipped,       // a detector of the catalogue with its defaults, or a network that ships
-  trained,       // trained as a part of the protocol
   given,         // named on the command line
   yardstick,     // a rule of one line (detectors/yardstick), whose threshold the board chooses
   control,       // does not read a sensor
@@ -45,7 +43,7 @@ struct Entrant {
   SideInformation side_information = SideInformation::nothing;
   std::string reads{};                  // type of sensor that it was trained on; empty: any that it can read
   Json parameters = Json::object();     // those that were set, as text
-  std::string sha256{};                 // of type, parameters and files; of a trained one: of recipe and trials
+  std::string sha256{};                 // of type, parameters and files
   std::set<std::string> sha256_seen{};  // trials that it was trained on, as its file says
   // A yardstick whose threshold is not chosen yet: it is evaluated with each of
   // threshold_factors() times its default.
@@ -86,21 +84,6 @@ Entrant with_threshold(const Entrant& yardstick, double threshold);
 // Returns the file or folder that a detector is made from; empty if there is none.
 std::string file_of(const DetectorScene& detector);
 
-struct Teaching {
-  std::string sensor;  // train for this type of sensor only; empty: for all
-  std::size_t jobs = 0;
-  const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string&)> say{};  // reports progress; may be empty
-};
-struct Taught {
-  std::vector<Entrant> entrants;
-  std::vector<Missing> untaught;
-  Json data = Json::array();  // [{scene, trials, sha256}] of the training data
-};
-// Simulates the scenes of the lessons and trains each network, in `folder`. Throws InputError if a
-// scene cannot be simulated or the folder cannot be written; Interrupted.
-Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder);
-
 // The negative controls: detectors that do not read a sensor.
 
 // The detector of this name reports slip from its parameter `from` [s] to `until` [s], whatever its
@@ -120,10 +103,6 @@ DetectorScene control_of(double from, double until, bool once = false);
 // which the motion, or the actuator `mover`, begins until it stops. In a grasp: from the lift on.
 DetectorScene motion_known(const Scene& scene, const std::string& mover);
 
-// Returns the same control with `time` [s]: in an open recording it reports slip so much later, in
-// a grasp for so long.
-DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover);
-
 // How the hand moves in an open recording, as the scene commands it: the pad's distance from where
 // its motion begins, a turn counted at 10 mm from the axis [m], or the change of the actuator
 // `mover` [m or N].
@@ -139,12 +118,13 @@ struct HandMotion {
 HandMotion hand_motion(const Scene& scene, const std::string& mover);
 
 // Returns the controls `clock`, `motion known, timed`, `motion and speed known` and `travel known`
-// of an open recording that know the best values of `test_set`.
+// that know the best values of `test_set`. In an open recording they report slip in a single sample,
+// which costs least; in a grasp `motion known, timed` reports slip for TestSet::time from the lift
+// on.
 DetectorScene timed_control(SideInformation side_information, const TestSet& test_set, const Scene& scene);
 
-// Returns the time [s] from which on the slip of a recording is judged. slip-3 judges open
-// recordings from the beginning of the motion, since a sensor may slip as it is touched. Otherwise
-// -inf: from the start.
+// Returns the time [s] from which on the slip of a recording is judged: the beginning of the motion,
+// since a sensor may slip as it is touched. In disturbed recordings -inf: from the start.
 double judged_from(const TestSet& test_set, const Scene& scene);
 
 }  // namespace slipbench::benchmark

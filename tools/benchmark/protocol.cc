@@ -26,40 +26,7 @@ struct Controls {
   double speed = none, speed_time = none, travel = none;  // as in TestSet
 };
 
-TestSet slip_1_open(const std::string& sensor, std::vector<std::string> readers, Controls controls, std::string mover = "") {
-  return {.track = Track::open,
-          .sensor = sensor,
-          .scene = "scenes/benchmark/slip-1/open_" + sensor + ".yaml",
-          .readers = std::move(readers),
-          .mover = std::move(mover),
-          .clock = controls.clock,
-          .time = controls.time};
-}
-
-// All lifts begin at the same instant, so a clock would be equal to `motion known, timed`.
-TestSet slip_1_loop(const std::string& sensor, std::vector<std::string> readers) {
-  return {.track = Track::loop,
-          .sensor = sensor,
-          .scene = "scenes/benchmark/slip-1/loop_" + sensor + ".yaml",
-          .readers = std::move(readers),
-          .time = 0.16};
-}
-
-Protocol slip_1() {
-  return {.name = "slip-1",
-          .held_out = {slip_1_open("papillarray", {"pad", "slow"}, {3.9, 0.14}), slip_1_open("piezo_skin", {"pad"}, {3.3, none}),
-                       slip_1_open("nib_pad", {"pad"}, {5.3, 2.05}, "pull"),
-                       slip_1_open("myrmex", {"left"}, {none, 5.3}, "apart"), slip_1_open("biotac_sp", {"pad"}, {3.4, 0.08}),
-                       slip_1_loop("papillarray", {"pad", "fast"}), slip_1_loop("piezo_skin", {"skin"}),
-                       slip_1_loop("nib_pad", {"skin"}), slip_1_loop("myrmex", {"skin"}), slip_1_loop("biotac_sp", {"skin"})},
-          .lessons = {{"papillarray_gru", "papillarray", "scenes/benchmark/slip-1/learn_papillarray.yaml", 0},
-                      {"piezo_mlp", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
-                      {"piezo_fft_gru", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
-                      {"myrmex_net1", "myrmex", "scenes/myrmex/dataset.yaml", 0},
-                      {"biotac_lstm", "biotac_sp", "scenes/biotac_sp/slip.yaml", 3}}};
-}
-
-// The sets of one sensor in slip-2 and slip-3.
+// The sets of one sensor.
 struct SensorSets {
   std::string type;
   std::vector<std::string> open, loop;  // readers
@@ -67,40 +34,6 @@ struct SensorSets {
   Controls inside, outside;
   std::vector<std::string> disturbed = {};  // readers in the disturbed scenes, which all sensors share
 };
-
-Protocol slip_2() {
-  const std::string folder = "scenes/benchmark/slip-2/";
-  const std::vector<SensorSets> sensors{
-      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", {none, 2.55}, {none, 0.66}},
-      {"piezo_skin", {"pad"}, {"skin"}, "", {none, 2.65}, {none, 2.6}},
-      {"nib_pad", {"pad"}, {"skin"}, "pull", {none, 7.7}, {8.9, 5.7}},
-      {"myrmex", {"left"}, {"skin"}, "apart", {none, 6.05}, {none, none}},
-      {"biotac_sp", {"pad"}, {"skin"}, "", {none, 2.4}, {3.9, 1.5}},
-  };
-  // No clock: it reports slip to the end, which tightens on every box and scores below 0.
-  constexpr Controls in_loop{none, 0.04};
-  Protocol protocol{.name = "slip-2", .held_out = {}, .lessons = {}};
-  const auto add = [&](const SensorSets& sensor, Track track, const std::string& scene, const std::string& domain,
-                       Controls controls) {
-    const bool loop = track == Track::loop;
-    protocol.held_out.push_back({.track = track,
-                                 .sensor = sensor.type,
-                                 .scene = folder + scene + "_" + sensor.type + ".yaml",
-                                 .readers = loop ? sensor.loop : sensor.open,
-                                 .mover = loop ? "" : sensor.mover,
-                                 .domain = domain,
-                                 .grace = true,
-                                 .needless = loop,
-                                 .clock = controls.clock,
-                                 .time = controls.time});
-  };
-  for (const SensorSets& sensor : sensors) {
-    add(sensor, Track::open, "open", "inside", sensor.inside);
-    add(sensor, Track::open, "outside", "outside", sensor.outside);
-  }
-  for (const SensorSets& sensor : sensors) add(sensor, Track::loop, "loop", "", in_loop);
-  return protocol;
-}
 
 Protocol slip_3() {
   const std::string folder = "scenes/benchmark/slip-3/";
@@ -145,11 +78,9 @@ Protocol slip_3() {
        {"taxels"}},
   };
   constexpr Controls in_loop{none, 0.04};
-  Protocol protocol{.name = "slip-3", .held_out = {}, .lessons = {}};
+  Protocol protocol{.name = "slip-3", .held_out = {}};
   const auto add = [&](TestSet test_set, const std::string& scene, Controls controls) {
     test_set.scene = folder + scene + ".yaml";
-    test_set.grace = test_set.by_distance = true;
-    test_set.needless = test_set.track == Track::loop;
     test_set.clock = controls.clock;
     test_set.time = controls.time;
     test_set.speed = controls.speed;
@@ -215,7 +146,7 @@ std::string_view track_name(Track track) {
 }
 
 const std::vector<Protocol>& protocols() {
-  static const std::vector<Protocol> all{slip_1(), slip_2(), slip_3()};
+  static const std::vector<Protocol> all{slip_3()};
   return all;
 }
 
@@ -234,15 +165,11 @@ std::string protocol_sha256(const Protocol& protocol) {
   for (const TestSet& test_set : protocol.held_out) {
     text += fmt::format("{} {} {} {} {} {} {}\n", track_name(test_set.track), test_set.sensor, test_set.scene,
                         fmt::join(test_set.readers, ","), test_set.mover, test_set.clock, test_set.time);
-    if (test_set.grace) text += fmt::format("{} {} {}\n", test_set.domain, test_set.grace, test_set.needless);
-    if (test_set.by_distance)
-      text += fmt::format("{} {} {} {} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length,
-                          known_signal_deviations, test_set.disturbance, test_set.speed, test_set.speed_time, test_set.travel);
+    // true: alarms less than a sample period before the slip are tolerated.
+    text += fmt::format("{} {} {}\n", test_set.domain, true, test_set.track == Track::loop);
+    text += fmt::format("{} {} {} {} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length,
+                        known_signal_deviations, test_set.disturbance, test_set.speed, test_set.speed_time, test_set.travel);
     scenes.insert(test_set.scene);
-  }
-  for (const Lesson& lesson : protocol.lessons) {
-    text += fmt::format("{} {} {} {}\n", lesson.recipe, lesson.sensor, lesson.scene, lesson.trials);
-    scenes.insert(lesson.scene);
   }
   for (const std::string& scene : scenes) text += scene_digest(scene);
   return text_sha256(text);
@@ -251,11 +178,12 @@ std::string protocol_sha256(const Protocol& protocol) {
 Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   Part part = alarms_of(judgement);
   const bool slips = !std::isnan(judgement.slip_time);
-  part.credited = slips && !(test_set.by_distance && judgement.whole_slip_distance < least_slip_distance);
+  const bool by_distance = test_set.track != Track::transfer;
+  part.credited = slips && !(by_distance && judgement.whole_slip_distance < least_slip_distance);
   part.judged = test_set.disturbance.empty() || !slips;
   part.silent = std::isnan(judgement.alarm_time);
   if (part.credited && judgement.detection == Detection::seen) {
-    part.credit = test_set.by_distance ? distance_credit(judgement.slip_distance) : half_delay / (half_delay + judgement.delay);
+    part.credit = by_distance ? distance_credit(judgement.slip_distance) : half_delay / (half_delay + judgement.delay);
   }
   return part;
 }
@@ -299,7 +227,7 @@ Score score_of(std::span<const Part> parts, const TestSet& test_set) {
   const double alarms = test_set.track == Track::loop ? 0.0 : score.alarms_per_minute;
   score.value = !test_set.disturbance.empty()
                     ? score.specificity
-                    : recording_score(score.credit, alarms, score.said) - (test_set.needless ? score.needless : 0.0);
+                    : recording_score(score.credit, alarms, score.said) - (test_set.track == Track::loop ? score.needless : 0.0);
   return score;
 }
 

@@ -1,5 +1,5 @@
-// The protocols slip-1, slip-2 and slip-3: held-out trials, networks that are trained, the
-// constants of the score and the score. Their scenes are scenes/benchmark/NAME/*.yaml.
+// The protocol slip-3: held-out trials, the constants of the score and the score. Its scenes are
+// scenes/benchmark/slip-3/*.yaml.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 namespace slipbench::benchmark {
 
 // Constants of the score, besides those of tools/statistics/slip_score.h.
-inline constexpr double half_delay = 0.1;         // s, delay for half of the credit in slip-1 and slip-2
+inline constexpr double half_delay = 0.1;         // s, delay for half of the credit in recordings of a real sensor
 inline constexpr double worst_force_ratio = 2.5;  // greatest grip force over the least that holds from which on the credit is 0
 
 enum class Track { open, loop, transfer };
@@ -33,10 +33,7 @@ struct TestSet {
   std::vector<std::string> readers{};  // names in the scene; a detector reads the first that it can
   std::string mover{};                 // actuator that causes the slip; empty: the motion does
   std::string domain{};                // "inside" or "outside" of the ranges of scenes/learn, "disturbed"; may be empty
-  bool grace = false;                  // tolerate an alarm less than a sample period before the slip
-  bool by_distance = false;            // credit by slipped distance, not by delay
   std::string disturbance{};           // "knock": scored by specificity; empty: not a disturbed recording
-  bool needless = false;               // subtract Score::needless
   // Times for the controls, which do not read a sensor: those that score best on these trials, so
   // that no time scores better. NaN: no time scores above 0.
   double clock = std::numeric_limits<double>::quiet_NaN();  // s after the start: `clock` reports slip from then on
@@ -49,25 +46,11 @@ struct TestSet {
   // m, or N of a pull: `travel known` reports slip when the hand is so far from where its motion
   // began.
   double travel = std::numeric_limits<double>::quiet_NaN();
-
-  // True if the controls report slip in a single sample, which costs least: in the open recordings
-  // of slip-3.
-  [[nodiscard]] bool pulses() const { return by_distance && track == Track::open; }
-};
-
-// A network that is trained as a part of the protocol, on a scene that shares no seed with the
-// held-out scenes.
-struct Lesson {
-  std::string recipe;  // one of train::recipes(), with its default number of steps
-  std::string sensor;  // type
-  std::string scene;   // from the project's root, with its own seed
-  std::size_t trials;  // in each cell of the scene's grid; 0: as the scene says
 };
 
 struct Protocol {
-  std::string name;  // "slip-2"
+  std::string name;  // "slip-3"
   std::vector<TestSet> held_out;
-  std::vector<Lesson> lessons;
 };
 inline constexpr const char* default_protocol = "slip-3";
 // All protocols, the oldest first.
@@ -75,8 +58,8 @@ const std::vector<Protocol>& protocols();
 // Returns the protocol of this name. Throws InputError, beginning with `subject`, if there is none.
 const Protocol& find_protocol(std::string_view name, std::string_view subject);
 
-// Returns the SHA-256 (64 hexadecimal digits) of name, constants, both tables, and the bytes of
-// every scene and model in them. Throws InputError if a file cannot be read.
+// Returns the SHA-256 (64 hexadecimal digits) of name, constants, held-out sets, and the
+// bytes of every scene and model in them. Throws InputError if a file cannot be read.
 std::string protocol_sha256(const Protocol& protocol);
 
 // The rank score; README.md defines it.
@@ -94,10 +77,10 @@ struct Part {
   double still = 0.0;     // samples without true slip
 };
 
-// Returns the part of a recording. The credit of a detected slip is half_delay / (half_delay +
-// delay), or with TestSet::by_distance distance_credit(Judgement::slip_distance). It is 0 after an
-// early alarm or without an alarm. With TestSet::by_distance a recording that slips by less than
-// least_slip_distance in all is not credited.
+// Returns the part of a recording. The credit of a detected slip is
+// distance_credit(Judgement::slip_distance). It is 0 after an early alarm or without an alarm. A
+// recording that slips by less than least_slip_distance in all is not credited. In a recording of a
+// real sensor, whose slipped distance is unknown, the credit is half_delay / (half_delay + delay).
 Part recording_part(const eval::Judgement& judgement, const TestSet& test_set);
 // Returns the part of a grasp. `untightened`: the same grasp without tightening. If `untightened`
 // loses the box: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) within 0 and 1,
@@ -114,8 +97,8 @@ struct Score {
   double specificity = 0.0;        // share of the recordings without an alarm
   std::size_t judged = 0;          // number of trials
   // Disturbed recordings: specificity, 0 to 1. Other recordings: credit * min(1, alarm_limit /
-  // alarms_per_minute) - said, -1 to 1. Loops: credit - said (a false alarm already costs force),
-  // with TestSet::needless minus `needless`, -2 to 1.
+  // alarms_per_minute) - said, -1 to 1. Loops: credit - said - needless, -2 to 1 (a false alarm
+  // already costs force).
   double value = 0.0;
 };
 Score score_of(std::span<const Part> parts, const TestSet& test_set);

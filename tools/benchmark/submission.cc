@@ -33,8 +33,11 @@ void adopt_close_numbers(const Json& submitted, Json& recomputed) {
 Json asked_json(const Asked& asked) {
   Json parameters = Json::array();
   for (const Override& change : asked.parameters) parameters.push_back({change.path, change.value});
-  return {{"detectors", asked.detectors}, {"set", parameters},      {"real", asked.real},
-          {"sensor", asked.sensor},       {"trials", asked.trials}, {"untaught", asked.untaught}};
+  return {{"detectors", asked.detectors},
+          {"set", parameters},
+          {"real", asked.real},
+          {"sensor", asked.sensor},
+          {"trials", asked.trials}};
 }
 
 Asked parse_asked(const Json& json, const std::string& file) {
@@ -45,7 +48,6 @@ Asked parse_asked(const Json& json, const std::string& file) {
     asked.real = json.at("real").get<std::vector<std::string>>();
     asked.sensor = json.at("sensor").get<std::string>();
     asked.trials = json.at("trials").get_ref<const Json::number_unsigned_t&>();  // rejects -1 and 1e300
-    asked.untaught = json.at("untaught").get<bool>();
     return asked;
   } catch (const Json::exception& error) {
     reject("{}: /asked: {}; expected a file that benchmark --submit wrote", file, error.what());

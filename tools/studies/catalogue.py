@@ -46,7 +46,7 @@ STUDIES = (
     Study("hd-papillarray/resources", "share of the published FPGA that the core uses, for each degree of unrolling", ("--synthesise",)),
     Study("learned/grasp_loop", "detectors trained on simulated grasps, in the published loop: drops, slip and force, with an oracle and two controls",
           ("--data", "--trials", "--only", "--seed", "--jobs")),
-    Study("learned/scaling", "score, delay and alarms on slip-2 against the number of training trials and, with --full, against what they vary",
+    Study("learned/scaling", "score, delay and alarms on slip-3 against the number of training trials and, with --full, against what they vary",
           ("--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
     Study("myrmex-tactile-cnn/onset_label", "onset labelled by a third sensor on the object, compared with the true onset: 64 trials, several "
                                             "readings of the rule",

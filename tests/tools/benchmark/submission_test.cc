@@ -1,5 +1,5 @@
-// Boards and submissions as a user makes and checks them. The tests use slip-2, which has fewer sets
-// than slip-3, and the BioTac, for which no hand-made detector exists, so its boards take a second.
+// Boards and submissions as a user makes and checks them. The tests use the BioTac, for which no
+// hand-made detector exists, so its boards take some seconds.
 #include <algorithm>
 #include <fstream>
 #include <string>
@@ -16,8 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::vector<std::string> quick{"benchmark", "--protocol", "slip-2",     "--sensor", "biotac_sp",
-                                     "--trials",  "1",          "--untaught", "--quiet"};
+const std::vector<std::string> quick{"benchmark", "--sensor", "biotac_sp", "--trials", "1", "--quiet"};
 
 struct Submissions : ::testing::Test {
   static ChildResult run(std::vector<std::string> words, const std::vector<std::string>& more = {}) {
@@ -56,21 +55,8 @@ TEST_F(Submissions, AreRecomputed) {
   std::ofstream(file) << text;
   const ChildResult foreign = run_program_file({"benchmark", "--verify", file});
   EXPECT_EQ(foreign.status, 2);
-  EXPECT_THAT(foreign.err, refused_at("slipbench: " + file, {"/protocol/sha256", other, digest, "slip-2"}));
+  EXPECT_THAT(foreign.err, refused_at("slipbench: " + file, {"/protocol/sha256", other, digest, "slip-3"}));
 }
-
-#ifdef SLIPBENCH_WITH_NETWORKS
-// With biotac_lstm, which the protocol trains.
-TEST_F(Submissions, WhatIsTaughtIsTheSameWithOneThreadAndWithTwo) {
-  for (const char* jobs : {"1", "2"}) {
-    const ChildResult made = run_program_file({"benchmark", "--protocol", "slip-1", "--sensor", "biotac_sp", "--trials", "1",
-                                               "--quiet", "--jobs", jobs, "--submit", folder_ / jobs});
-    ASSERT_EQ(made.status, 0) << made.err;
-  }
-  EXPECT_THAT(bytes_of(folder_ / "1"), HasSubstr("\"biotac_lstm\""));
-  EXPECT_TRUE(bytes_of(folder_ / "1") == bytes_of(folder_ / "2"));
-}
-#endif
 
 // Two recordings of a slide, written and read like those of a real sensor.
 TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
@@ -79,8 +65,7 @@ TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
   ASSERT_EQ(run_program_file({"export", folder_ / "sim.h5", "--format", "training-csv", "-o", folder_ / "csv"}).status, 0);
   const ChildResult read = run_program_file({"import", folder_ / "csv", "--format", "training-csv", "-o", folder_ / "real.h5"});
   ASSERT_EQ(read.status, 0) << read.err;
-  const std::vector<std::string> words{"benchmark", "--protocol", "slip-2",     "--sensor", "papillarray",
-                                       "--trials",  "1",          "--untaught", "--quiet",  "--json"};
+  const std::vector<std::string> words{"benchmark", "--sensor", "papillarray", "--trials", "1", "--quiet", "--json"};
   const ChildResult made = run(words, {"--real", folder_ / "real.h5"});
   ASSERT_EQ(made.status, 0) << made.err;
   const Json result = Json::parse(made.out);
@@ -99,16 +84,15 @@ TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
 
 #ifdef SLIPBENCH_WITH_NETWORKS
 // A network that was trained on judged trials is left out of the board. Two trials of the protocol
-// are trials 0 and 48 of the 96, which are among the four fifths used for training or validation.
+// are trials 1 and 120 of the 240.
 TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
-  const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/benchmark/slip-1/open_papillarray.yaml";
+  const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/benchmark/slip-3/open_papillarray.yaml";
   ASSERT_EQ(run_program_file({"sweep", scene, "--quiet", "-o", folder_ / "seen.h5"}).status, 0);
   const std::string model = folder_ / "seen.onnx";
   const ChildResult taught =
       run_program_file({"train", folder_ / "seen.h5", "--recipe", "grasp_gru", "--steps", "2", "-o", model, "--json"});
   ASSERT_EQ(taught.status, 0) << taught.err;
-  const ChildResult made = run({"benchmark", model, "--protocol", "slip-1", "--sensor", "papillarray", "--trials", "2",
-                                "--untaught", "--quiet", "--json"});
+  const ChildResult made = run({"benchmark", model, "--sensor", "papillarray", "--trials", "2", "--quiet", "--json"});
   ASSERT_EQ(made.status, 0) << made.err;
   const Json left_out = Json::parse(made.out).at("sets").at(0).at("left_out");
   const auto named = std::ranges::find_if(left_out, [&](const Json& one) { return one.at("detector") == model; });
@@ -139,7 +123,7 @@ TEST_F(Submissions, WhatIsRefused) {
     EXPECT_THAT(result.err, mentions(words));
   };
   expect_refusal({"benchmark", "--sensor", "papilarray"}, {"papilarray", "papillarray"});
-  expect_refusal({"benchmark", "--protocol", "slip-9"}, {"slip-9", "slip-1"});
+  expect_refusal({"benchmark", "--protocol", "slip-2"}, {"slip-2", "slip-3"});
   expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, {"shear_rat", "shear_rate"});
   // The controls' own detector is the board's.
   for (const std::vector<std::string>& words : {std::vector<std::string>{"benchmark_control"},
@@ -161,7 +145,7 @@ TEST_F(Submissions, WhatIsRefused) {
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "submission"});
   // An unknown protocol is reported with the file, before anything is computed.
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": "slip-9"}})";
-  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-9", "slip-1"});
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-9", "slip-3"});
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": 3}})";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "/protocol/name"});
   std::ofstream(folder_ / "no.json") << "{}";

@@ -193,7 +193,7 @@ def train_and_score(task: Task, options: Options) -> Json:
         make_dataset(dataset, Cell(task.subject, subject.scene, without.overrides if without is not None else {}, max(1, task.trials // cells)), options)
         trained = train(dataset, output=file, recipe=recipe, every_trial=True, seed=options.draws_seed, by_score=True)
         Path(dataset).unlink()
-        board = run_command("benchmark", [file], {"protocol": "slip-2", "sensor": task.subject, "jobs": 1})
+        board = run_command("benchmark", [file], {"sensor": task.subject, "jobs": 1})
     return {"trials": sum(trained.parts.values())} | figures_of(board)
 
 
@@ -221,7 +221,7 @@ def add_subject(result: Result, subject: str, tasks: list[Task], found: list[Jso
     counts = Table(f"{subject}: by the number of trials", ["trials", *HEAD])
     factors = Table(f"{subject}: without a factor", ["held", *HEAD],
                     note=f"Some {tasks[-1].trials} trials each; the named factor is fixed to one value of its range.")
-    chart = Chart(f"{subject} on slip-2", "trials learnt from", "score on slip-2, of 100", [], [Curve("inside", []), Curve("outside", [])], 0.0, "never slip")
+    chart = Chart(f"{subject} on slip-3", "trials learnt from", "score on slip-3, of 100", [], [Curve("inside", []), Curve("outside", [])], 0.0, "never slip")
     result.figures[subject] = []
     for task, one in zip(tasks, found, strict=True):
         if task.subject != subject:
@@ -260,7 +260,7 @@ def study(options: Options) -> Result:
     found = train_all(NAME, [task.subject for task in tasks], options, lambda k: train_and_score(tasks[k], options))
     result = Result(
         title="Performance of a slip detector against the number of training trials",
-        source="Not from a paper: networks trained on parts of scenes/learn, evaluated on the open recordings of slip-2.",
+        source="Not from a paper: networks trained on parts of scenes/learn, evaluated on the open recordings of slip-3.",
         figures={},
         setup=[
             f"Seed {options.draws_seed} of trials and of training; the operating point by --score.",

@@ -1,20 +1,16 @@
 #include "tools/workers/python_package/python_package.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <thread>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -93,19 +89,11 @@ std::string request_text(const Json& request) {
   return request.dump();
 }
 
-std::vector<std::string> PythonModule::words(std::string request) const {
+void PythonModule::start(std::string request) const {
   const char* const others = std::getenv("PYTHONPATH");
   ::setenv("PYTHONPATH", others == nullptr ? folder_.c_str() : (folder_ + ":" + others).c_str(), 1);
   // -P: no package of the user's current folder. -B: no byte code is written into the package.
-  return {program_, "-P", "-B", "-m", name_, std::move(request)};
-}
-
-void PythonModule::reject_start(int reason) const {
-  reject("{}: cannot start {}: {}; install it: {}", purpose_, program_, std::strerror(reason), install_);
-}
-
-void PythonModule::start(std::string request) const {
-  std::vector<std::string> all = words(std::move(request));
+  std::vector<std::string> all{program_, "-P", "-B", "-m", name_, std::move(request)};
   const std::vector<char*> arguments = pointers_to(all);
   std::fflush(nullptr);
   sigset_t signals, before;
@@ -115,31 +103,7 @@ void PythonModule::start(std::string request) const {
   ::execv(program_.c_str(), arguments.data());
   const int reason = errno;
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  reject_start(reason);
-}
-
-int PythonModule::run(std::string request, Errors errors, const std::atomic<bool>* interrupt) const {
-  std::vector<std::string> all = words(std::move(request));
-  const std::vector<char*> arguments = pointers_to(all);
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  if (errors == Errors::hidden) ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawnattr_t attributes;
-  ::posix_spawnattr_init(&attributes);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  pid_t child = -1;
-  const int error = ::posix_spawn(&child, program_.c_str(), &actions, &attributes, arguments.data(), environ);
-  ::posix_spawnattr_destroy(&attributes);
-  ::posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) reject_start(error);
-  constexpr std::chrono::milliseconds between_looks{50};
-  int status = 0;
-  while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (interrupt != nullptr && *interrupt) ::kill(-child, SIGKILL);
-    std::this_thread::sleep_for(between_looks);
-  }
-  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  reject("{}: cannot start {}: {}; install it: {}", purpose_, program_, std::strerror(reason), install_);
 }
 
 }  // namespace slipbench

@@ -1,10 +1,8 @@
-// Runs parts of a command that are written in Python: the program becomes, or starts, `python -m
-// MODULE REQUEST`.
+// Runs parts of a command that are written in Python: the program becomes `python -m MODULE
+// REQUEST`.
 #pragma once
 
-#include <atomic>
 #include <string>
-#include <vector>
 
 #include "tools/dataset/record/json.h"
 
@@ -35,18 +33,7 @@ class PythonModule {
   // start. Throws InputError if it cannot start.
   [[noreturn]] void start(std::string request) const;
 
-  // Shows the user the module's stderr, or hides it.
-  enum class Errors { shown, hidden };
-  // Runs the module as a child process, whose stdout is discarded, and returns its exit status, or
-  // 128 + the signal that ended it. The child is killed once `interrupt`, which may be null, is
-  // set: its output must be worthless then. It has its own process group, so a terminal's Ctrl-C
-  // reaches this process alone. Throws InputError if it cannot start.
-  [[nodiscard]] int run(std::string request, Errors errors, const std::atomic<bool>* interrupt) const;
-
  private:
-  [[nodiscard]] std::vector<std::string> words(std::string request) const;
-  [[noreturn]] void reject_start(int reason) const;
-
   std::string name_, purpose_;
   std::string program_;  // interpreter
   std::string folder_;   // contains the package

@@ -161,9 +161,9 @@ int EvalCommand::run() {
 
 void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Compare slip detectors by one protocol", R"(
-Ranks detectors on a board: the included detectors, those that the protocol trains, the given
-DETECTORs, and negative controls. The controls do not read the sensor: they always or never report
-slip, report it from a fixed time on, or know the commanded motion.
+Ranks detectors on a board: the included detectors, the given DETECTORs, and negative controls. The
+controls do not read the sensor: they always or never report slip, report it from a fixed time on,
+or know the commanded motion.
 
 A protocol consists of fixed recordings and grasps (scenes/benchmark/PROTOCOL) and of a score
 (tools/benchmark/README.md). The seeds of recordings and grasps differ from those of the training
@@ -185,15 +185,14 @@ Examples:
   slipbench benchmark -o board.html
   slipbench benchmark my.onnx --sensor papillarray -o board.html --submit my.json
   slipbench benchmark --verify my.json
-  slipbench benchmark shear_rate --set flip=0.05 --sensor papillarray --trials 8 --untaught)");
+  slipbench benchmark shear_rate --set flip=0.05 --sensor papillarray --trials 8)");
   arguments.texts("DETECTOR", asked.detectors, "Detectors to add to the included ones");
-  arguments.text("--protocol NAME", protocol, fmt::format("slip-1, slip-2 or slip-3 (default: {})", benchmark::default_protocol));
+  arguments.text("--protocol NAME", protocol, fmt::format("Protocol (default: {})", benchmark::default_protocol));
   arguments.sets(asked.parameters, "Set a parameter of the DETECTOR, e.g. ratio=0.35");
   arguments.inputs("--real FILE", asked.real, "Dataset of real recordings (slipbench import), for the track transfer");
   arguments.text("--sensor TYPE", asked.sensor, "Run only one type of sensor (default: all)");
   arguments.number("--trials N", asked.trials, "For quick tests: N trials of each scene; the result is not a valid board", 1,
                    100'000);
-  arguments.flag("--untaught", asked.untaught, "For quick tests: leave out the detectors that the protocol trains");
   arguments.jobs(jobs);
   arguments.output("-o,--output FILE.html", output, "Write a page, and FILE.json; -: only the page");
   arguments.file("--submit FILE", submission, "Write the board as a submission");
@@ -202,7 +201,7 @@ Examples:
   arguments.then([this] {
     const bool sets = std::ranges::any_of(asked.parameters, [](const Override& change) { return change.path != "library"; });
     const bool asks = !asked.detectors.empty() || sets || !asked.real.empty() || !asked.sensor.empty() || asked.trials > 0 ||
-                      asked.untaught || !protocol.empty() || !output.empty() || !submission.empty();
+                      !protocol.empty() || !output.empty() || !submission.empty();
     if (!verified.empty() && asks)
       throw InputError(
           "benchmark: --verify reads all options from the submission; it can only be combined with --jobs and --set library=PATH");
