@@ -16,6 +16,7 @@
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
+#include "tools/benchmark/control.h"
 #include "tools/benchmark/entrants.h"
 #include "tools/benchmark/known_signal.h"
 #include "tools/benchmark/protocol.h"
@@ -36,6 +37,7 @@
 #include "tools/statistics/descriptive.h"
 #include "tools/trial/run_trial.h"
 #include "tools/trial/sweep/run_sweep.h"
+#include "tools/trial/trial_run.h"
 #include "tools/workers/ordered_workers.h"
 
 namespace slipbench::benchmark {
@@ -85,24 +87,17 @@ struct Board {
   std::vector<GraspOutcome> untightened{};  // outcome of each grasp without tightening
 };
 
-DetectorScene detector_with_side_information(const Entrant& entrant, const TestSet& test_set, const Scene& scene) {
-  switch (entrant.side_information) {
-    case SideInformation::nothing: return entrant.detector;
-    case SideInformation::motion: return motion_known(scene, test_set.mover);
-    case SideInformation::clock:
-    case SideInformation::motion_and_time:
-    case SideInformation::speed:
-    case SideInformation::travel: return timed_control(entrant.side_information, test_set, scene);
-  }
-  return {};
-}
-
-// `scene`: that of the trial, one of `test_set`; both nullptr for a recording of a real sensor.
-DetectorScene detector_for(const EntrantResults& entry, const TestSet* test_set, const Scene* scene) {
-  DetectorScene detector =
-      scene == nullptr ? entry.entrant->detector : detector_with_side_information(*entry.entrant, *test_set, *scene);
+DetectorScene detector_of(const EntrantResults& entry) {
+  DetectorScene detector = entry.entrant->detector;
   detector.sensor = entry.sensor;
   return detector;
+}
+
+// Returns an entrant's control in a trial. `scene`: that of the trial, one of `test_set`; both nullptr
+// for a recording of a real sensor, of which no entrant has side information.
+Control control_of(const Entrant& entrant, const TestSet* test_set, const Scene* scene) {
+  if (entrant.side_information == SideInformation::nothing) return entrant.control;
+  return informed_control(entrant.side_information, *test_set, *scene);
 }
 
 // The answers of a yardstick with another threshold, `factor` times its own.
@@ -170,7 +165,9 @@ Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, con
       if (entry.entrant->kind == Kind::oracle) return as_true(truth);
       if (entry.entrant->kind == Kind::known_signal)
         return std::isnan(truth.first_slip) ? silence(truth) : signal_known(record, stuck->record(), entry.sensor, truth);
-      return eval::replay(detector_for(entry, test_set, scene), record.sensors, entry.sensor, record.seed, record.trial);
+      if (entry.entrant->kind == Kind::control)
+        return eval::replay(make_detector(control_of(*entry.entrant, test_set, scene)), record.sensors, entry.sensor);
+      return eval::replay(detector_of(entry), record.sensors, entry.sensor, record.seed, record.trial);
     };
     const eval::Replayed answers = replayed();
     answer.judgement = judged(test_set, record.trial, truth, answers);
@@ -191,8 +188,16 @@ Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, con
 Answer grasp_answer(const EntrantResults& entry, const TestSet& test_set, Scene scene, std::size_t trial) {
   Answer answer;
   try {
-    scene.detector = detector_for(entry, &test_set, &scene);
-    const TrialRecord record = run_trial(scene, trial, Recording::full).record;
+    TrialRun::InPlace in_place;
+    if (entry.entrant->kind == Kind::control) {
+      in_place.detector = make_detector(control_of(*entry.entrant, &test_set, &scene));
+      scene.detector->sensor = entry.sensor;
+    } else {
+      scene.detector = detector_of(entry);
+    }
+    TrialRun loop(scene, trial, Recording::full, max_record_bytes, nullptr, std::move(in_place));
+    loop.run();
+    const TrialRecord record = loop.finish().record;
     const SensorRecord& sensor = record.sensors[entry.sensor];
     eval::Replayed seen;
     for (const std::uint8_t code : record.control->detector_class) seen.seen.push_back(static_cast<PadState>(code));
@@ -225,9 +230,9 @@ void add_entries(Board& board, const std::vector<const Entrant*>& entrants, cons
     bool added = false;
     for (const std::size_t sensor : readers) {
       const EntrantResults entry{entrant, sensor, first.sensors[sensor].name};
-      if (!is_measure(*entrant)) {
+      if (!is_measure(*entrant) && entrant->kind != Kind::control) {
         try {
-          eval::replay(detector_for(entry, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
+          eval::replay(detector_of(entry), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
           if (why.empty()) why = without_folder(error.what(), file_of(entrant->detector));
           continue;
@@ -707,7 +712,6 @@ void check_names(const std::vector<Entrant>& entrants) {
 std::vector<Entrant> known_entrants(const Asked& asked) {
   std::vector<Entrant> entrants;
   for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
-  register_control();  // not in the catalogue that users see
   std::vector<Entrant> shipped = shipped_entrants();
   std::ranges::move(yardstick_entrants(), std::back_inserter(shipped));
   for (Entrant& entrant : shipped) {
@@ -736,7 +740,7 @@ Json protocol_json(const Protocol& protocol, const Asked& asked) {
 
 Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
-  const Protocol& protocol = find_protocol(options.protocol, "benchmark");
+  const Protocol protocol = find_protocol(options.protocol, "benchmark");
   check_sensor(asked.sensor, protocol);
   check_given_once(asked.real, "dataset");
   std::vector<Entrant> entrants = known_entrants(asked);

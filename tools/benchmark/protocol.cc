@@ -13,102 +13,12 @@
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "tools/benchmark/known_signal.h"
+#include "tools/benchmark/protocol_file.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/files/project/project_file.h"
 
 namespace slipbench::benchmark {
 namespace {
-
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-struct Controls {
-  double clock, time;                                     // s
-  double speed = none, speed_time = none, travel = none;  // as in TestSet
-};
-
-// The sets of one sensor.
-struct SensorSets {
-  std::string type;
-  std::vector<std::string> open, loop;  // readers
-  std::string mover;
-  Controls inside, outside;
-  std::vector<std::string> disturbed = {};  // readers in the disturbed scenes, which all sensors share
-};
-
-Protocol slip_3() {
-  const std::string folder = "scenes/benchmark/slip-3/";
-  const std::vector<SensorSets> sensors{
-      {"papillarray",
-       {"pad", "slow"},
-       {"pad", "fast"},
-       "",
-       {1.26, 0.09, 0.002724, 0.08, 0.0002665},
-       {1.22, 0.03, 0.01246, 0.02, 5.68e-05},
-       {"pad", "fast"}},
-      {"piezo_skin",
-       {"pad"},
-       {"skin"},
-       "",
-       {1.44, 1.03, 0.0004786, 1.02, 0.0004102},
-       {1.26, 0.07, 0.0008887, 0.06, 0.0002059},
-       {"skin"}},
-      {"nib_pad", {"pad"}, {"skin"}, "pull", {1.28, 0.28, 11.26, 0.08, 1.171}, {1.2, 0.19, 14.87, 0.04, 0.8373}, {"nibs"}},
-      {"myrmex",
-       {"left"},
-       {"skin"},
-       "apart",
-       {1.44, 0.49, 0.02574, 0.2, 0.006339},
-       {1.26, 0.2, 0.04526, 0.12, 0.006385},
-       {"foam"}},
-      {"biotac_sp", {"pad"}, {"skin"}, "", {1.22, 0.03, 0.02596, 0, 2.351e-05}, {1.2, 0.02, 0.02013, 0, 3.216e-05}, {"finger"}},
-      {"magnetic_skin",
-       {"pad"},
-       {"skin"},
-       "",
-       {1.16, 0.13, 0.03342, 0, 0.000288},
-       {1.1, 0.02, 0.02493, 0, 3.159e-05},
-       {"magnets"}},
-      {"gel_markers", {"pad"}, {"skin"}, "", {1.16, 1, 0.02302, 0, 0.000107}, {1.08, 0.01, 0.02495, 0, 3.278e-05}, {"gel"}},
-      {"taxels",
-       {"pad"},
-       {"skin"},
-       "",
-       {1.12, 0.08, 0.004368, 0.06, 0.0002271},
-       {1.12, 0.03, 0.01618, 0.02, 6.216e-05},
-       {"taxels"}},
-  };
-  constexpr Controls in_loop{none, 0.04};
-  Protocol protocol{.name = "slip-3", .held_out = {}};
-  const auto add = [&](TestSet test_set, const std::string& scene, Controls controls) {
-    test_set.scene = folder + scene + ".yaml";
-    test_set.clock = controls.clock;
-    test_set.time = controls.time;
-    test_set.speed = controls.speed;
-    test_set.speed_time = controls.speed_time;
-    test_set.travel = controls.travel;
-    protocol.held_out.push_back(std::move(test_set));
-  };
-  for (const SensorSets& sensor : sensors) {
-    TestSet open{.track = Track::open, .sensor = sensor.type, .readers = sensor.open, .mover = sensor.mover, .domain = "inside"};
-    add(open, "open_" + sensor.type, sensor.inside);
-    open.domain = "outside";
-    add(open, "outside_" + sensor.type, sensor.outside);
-  }
-  for (const std::string disturbance : {"hand", "grip", "load", "motor", "knock"}) {
-    for (const SensorSets& sensor : sensors) {
-      add({.track = Track::open,
-           .sensor = sensor.type,
-           .readers = sensor.disturbed,
-           .domain = "disturbed",
-           .disturbance = disturbance},
-          disturbance, {none, none});
-    }
-  }
-  for (const SensorSets& sensor : sensors) {
-    add({.track = Track::loop, .sensor = sensor.type, .readers = sensor.loop}, "loop_" + sensor.type, in_loop);
-  }
-  return protocol;
-}
 
 // Returns the digests of a scene and of its model.
 std::string scene_digest(const std::string& scene) {
@@ -145,18 +55,12 @@ std::string_view track_name(Track track) {
   return words.at(static_cast<std::size_t>(track));
 }
 
-const std::vector<Protocol>& protocols() {
-  static const std::vector<Protocol> all{slip_3()};
-  return all;
-}
-
-const Protocol& find_protocol(std::string_view name, std::string_view subject) {
-  std::vector<std::string> names;
-  for (const Protocol& protocol : protocols()) {
-    if (protocol.name == name) return protocol;
-    names.push_back(protocol.name);
+Protocol find_protocol(std::string_view name, std::string_view subject) {
+  if (std::ranges::find(protocol_names, name) == protocol_names.end()) {
+    const std::vector<std::string> names(protocol_names.begin(), protocol_names.end());
+    throw InputError(std::string(subject) + ": unknown protocol " + quote(name) + allowed_names(name, names));
   }
-  throw InputError(std::string(subject) + ": unknown protocol " + quote(name) + allowed_names(name, names));
+  return read_protocol(std::string(name), SceneFile::load(project_file(fmt::format("tools/benchmark/{}.yaml", name))));
 }
 
 std::string protocol_sha256(const Protocol& protocol) {
@@ -266,7 +170,8 @@ Interval score_interval(std::span<const Part> parts, const TestSet& test_set) {
     const auto silent = std::ranges::count_if(parts, [](const Part& part) { return part.judged && part.silent; });
     return clopper_pearson(static_cast<std::size_t>(silent), static_cast<std::size_t>(judged));
   }
-  if (parts.size() < eval::fewest_experiments) return {none, none};
+  if (parts.size() < eval::fewest_experiments)
+    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
   return bootstrap_intervals(parts.size(), eval::bootstrap_draws, eval::bootstrap_seed,
                              [&](std::span<const std::size_t> drawn) {
                                std::vector<Part> some;

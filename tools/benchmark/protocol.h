@@ -1,7 +1,8 @@
-// The protocol slip-3: held-out trials, the constants of the score and the score. Its scenes are
-// scenes/benchmark/slip-3/*.yaml.
+// The protocols: held-out trials, the constants of the score and the score. A protocol has its scenes
+// in scenes/benchmark/NAME and its data in tools/benchmark/NAME.yaml.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -52,11 +53,12 @@ struct Protocol {
   std::string name;  // "slip-3"
   std::vector<TestSet> held_out;
 };
-inline constexpr const char* default_protocol = "slip-3";
-// All protocols, the oldest first.
-const std::vector<Protocol>& protocols();
-// Returns the protocol of this name. Throws InputError, beginning with `subject`, if there is none.
-const Protocol& find_protocol(std::string_view name, std::string_view subject);
+// The oldest first.
+inline constexpr std::array protocol_names{"slip-3"};
+inline constexpr const char* default_protocol = protocol_names.back();
+// Returns the protocol of this name, from its data file. Throws InputError, beginning with `subject`,
+// if there is none, and as read_protocol().
+Protocol find_protocol(std::string_view name, std::string_view subject);
 
 // Returns the SHA-256 (64 hexadecimal digits) of name, constants, held-out sets, and the
 // bytes of every scene and model in them. Throws InputError if a file cannot be read.

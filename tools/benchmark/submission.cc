@@ -69,7 +69,7 @@ Json parse_submission(const std::string& text, const std::string& name) {
   const Json& protocol = json.at("protocol");
   if (!protocol.is_object() || !protocol.contains("name") || !protocol.at("name").is_string())
     throw InputError(name + ": /protocol/name is missing or not a text; expected a file that benchmark --submit wrote");
-  const Protocol& known = find_protocol(protocol.at("name").get<std::string>(), name);
+  const Protocol known = find_protocol(protocol.at("name").get<std::string>(), name);
   const std::string here = protocol_sha256(known);
   const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
   if (there != found(here))

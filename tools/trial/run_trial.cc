@@ -58,25 +58,28 @@ DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene
 }
 
 ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial,
-                      const TrialRun::ControllerInPlace& in_place = {}) {
+                      TrialRun::InPlace in_place = {}) {
   auto* box = dynamic_cast<HeldBox*>(&simulation);
   if (box != nullptr && !scene.guided() && scene.duration <= box->lift_start()) {
     throw SceneValueError(
         "duration", "ends before the box is lifted; allowed: more than " + format_quantity(box->lift_start(), Quantity::time));
   }
   std::optional<DelayedDetector> detector;
-  if (scene.detector) detector = make_delayed_detector(*scene.detector, scene, sensors, simulation, trial);
+  if (in_place.detector)
+    detector.emplace(std::move(in_place.detector));
+  else if (scene.detector)
+    detector = make_delayed_detector(*scene.detector, scene, sensors, simulation, trial);
   std::unique_ptr<Controller> controller;
-  if (scene.controller || in_place) {
+  if (scene.controller || in_place.controller) {
     const GripSource source{.channels = sensors.front()->channels(),
                             .preset = scene.grasp->grip.number("preset"),
                             .detected = detector.has_value(),
                             .features = detector ? detector->features() : std::vector<Feature>{},
                             .guided = scene.guided(),
                             .sensors = sources_of(scene, sensors)};
-    controller = in_place ? in_place(source) : make_controller(*scene.controller, source);
+    controller = in_place.controller ? in_place.controller(source) : make_controller(*scene.controller, source);
   }
-  const Answers answers = scene.controller && !in_place ? answers_of(*scene.controller) : Answers::by_own_rule;
+  const Answers answers = scene.controller && !in_place.controller ? answers_of(*scene.controller) : Answers::by_own_rule;
   return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box, answers);
 }
 
@@ -98,8 +101,6 @@ constexpr double field_step = 0.3e-6, body_step = 5e-6, pillar_step = 20e-6;
 // steps take at most some ms.
 constexpr std::size_t steps_between_looks = 16;
 
-std::atomic<double> share_so_far{0.0};
-
 double shortest_step(const Simulation& simulation, std::size_t pads) {
   double shortest = simulation.time_step(0);
   for (std::size_t pad = 1; pad < pads; ++pad) shortest = std::min(shortest, simulation.time_step(pad));
@@ -107,8 +108,6 @@ double shortest_step(const Simulation& simulation, std::size_t pads) {
 }
 
 }  // namespace
-
-double simulated_share() { return share_so_far; }
 
 double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
@@ -135,28 +134,31 @@ PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial) {
 }
 
 TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,
-                   const ControllerInPlace& controller)
+                   InPlace in_place, std::atomic<double>* share)
     : scene_(std::move(scene)),
       sensors_(make_sensors(scene_, trial)),
       simulation_(make_simulation(scene_, sensors_, trial)),
       result_{.record = new_record(scene_, sensors_, *simulation_, trial), .units = {}},
       sampler_(scene_, sensors_, *simulation_),
       judge_(scene_, *simulation_, box(), result_),
-      interrupt_(interrupt) {
+      interrupt_(interrupt),
+      share_(share) {
   if (recording == Recording::full) {
     recorder_.emplace(scene_, sensors_, *simulation_, box(), sampler_, max_bytes, result_.record);
   } else {
     simulation_->disable_slip_angle();
   }
-  loop_ = make_loop(scene_, sensors_, *simulation_, trial, controller);
+  loop_ = make_loop(scene_, sensors_, *simulation_, trial, std::move(in_place));
 }
 
 // These three are the inner loop: a call of each costs one percent of a cheap scene's instructions.
 [[gnu::always_inline]] inline std::span<const Tick> TrialRun::advance() {
   if (steps_++ % steps_between_looks == 0) {
     end_if(interrupt_);
-    const double time = simulation_->contact_part(0, FramePart::states).time;
-    share_so_far.store(time / scene_.duration, std::memory_order_relaxed);
+    if (share_ != nullptr) {
+      const double time = simulation_->contact_part(0, FramePart::states).time;
+      share_->store(time / scene_.duration, std::memory_order_relaxed);
+    }
   }
   simulation_->step();
   const std::span<const Tick> ticks = sampler_.measure();
@@ -206,9 +208,9 @@ TrialResult TrialRun::finish() {
 }
 
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes,
-                      const std::atomic<bool>* interrupt) {
+                      const std::atomic<bool>* interrupt, std::atomic<double>* share) {
   const InterruptScope scope(interrupt);
-  TrialRun trial_run(scene, trial, recording, max_bytes, interrupt);
+  TrialRun trial_run(scene, trial, recording, max_bytes, interrupt, {}, share);
   trial_run.run();
   return trial_run.finish();
 }

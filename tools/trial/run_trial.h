@@ -45,13 +45,10 @@ inline constexpr double max_record_bytes = 4e9;
 // to the caller, who knows the sweep. Throws InputError if the scene cannot be simulated
 // (StageSimulation, make_sensor, make_detector), if its full record would exceed `max_bytes`, or if
 // a value in the record (without a record: in the last tick) must be finite and is not. Throws
-// Interrupted within a few steps after `interrupt`, which may be null, becomes true.
+// Interrupted within a few steps after `interrupt`, which may be null, becomes true. Stores the
+// simulated share of the trial in `share`, which may be null, every few steps.
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes = max_record_bytes,
-                      const std::atomic<bool>* interrupt = nullptr);
-
-// Simulated share of the trial that last checked for an interrupt: exact if only one trial runs at
-// a time.
-double simulated_share();
+                      const std::atomic<bool>* interrupt = nullptr, std::atomic<double>* share = nullptr);
 
 // Builds what run_trial() would step, and throws the exceptions that run_trial() would throw before
 // the first step, except for the record limit. Returns the size of a full record without its events

@@ -13,6 +13,7 @@
 
 #include "controllers/controller_kinds.h"
 #include "sim/api/controller.h"
+#include "sim/api/detector.h"
 #include "sim/api/sensor.h"
 #include "sim/api/simulation.h"
 #include "sim/grasp/grasp.h"
@@ -27,11 +28,14 @@ namespace slipbench {
 
 class TrialRun {
  public:
-  // Arguments as for run_trial(). `controller`, for grasps only: creates a replacement of the
-  // scene's controller.
-  using ControllerInPlace = std::function<std::unique_ptr<Controller>(const GripSource& source)>;
+  // Replacements of parts that the scene names; empty: none.
+  struct InPlace {
+    std::function<std::unique_ptr<Controller>(const GripSource& source)> controller;  // for grasps only
+    std::unique_ptr<Detector> detector;  // reads the sensor that the scene's detector reads
+  };
+  // Other arguments as for run_trial().
   TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,
-           const ControllerInPlace& controller = {});
+           InPlace in_place = {}, std::atomic<double>* share = nullptr);
   ~TrialRun() = default;
   TrialRun(const TrialRun&) = delete;
   TrialRun& operator=(const TrialRun&) = delete;
@@ -73,6 +77,7 @@ class TrialRun {
   std::optional<Recorder> recorder_;
   ControlLoop loop_;
   const std::atomic<bool>* interrupt_;
+  std::atomic<double>* share_;
   std::size_t steps_ = 0;
   std::span<const Tick> ticks_;  // ticks that wait for a command
   bool waits_ = false;

@@ -16,6 +16,7 @@
 #include "tests/expect.h"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/board_page.h"
+#include "tools/benchmark/control.h"
 #include "tools/benchmark/entrants.h"
 #include "tools/benchmark/known_signal.h"
 #include "tools/benchmark/protocol.h"
@@ -54,7 +55,7 @@ bool is_yardstick(const std::string& detector) {
 }
 
 TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
-  const std::vector<TestSet>& held_out = find_protocol(default_protocol, "test").held_out;
+  const std::vector<TestSet> held_out = find_protocol(default_protocol, "test").held_out;
   const Json result = board("", 1, 2);
   std::map<std::string, std::set<std::string>> tracks;  // by detector
   for (const Json& set : result.at("sets")) {
@@ -78,7 +79,7 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
     EXPECT_EQ(set.at("rows").back().at("rank"), ranked);
   }
   for (const Entry& entry : detector_entries()) {
-    if (std::set<std::string>{"network", "plugin", "truth", control_type}.contains(entry.name)) continue;
+    if (std::set<std::string>{"network", "plugin", "truth"}.contains(entry.name)) continue;
     if (is_yardstick(entry.name)) continue;
     EXPECT_EQ(tracks[entry.name], (std::set<std::string>{"open recordings", "closed loop"})) << entry.name;
   }
@@ -205,18 +206,18 @@ std::vector<TruthOfTrial> all_truths(const TestSet& test_set) {
   return truths;
 }
 
-const TestSet& open_set(const std::string& sensor, const std::string& domain) {
-  const auto wanted = [&](const TestSet& one) { return one.sensor == sensor && one.domain == domain; };
-  return *std::ranges::find_if(find_protocol(default_protocol, "test").held_out, wanted);
+TestSet open_set(const std::string& sensor, const std::string& domain) {
+  const std::vector<TestSet> held_out = find_protocol(default_protocol, "test").held_out;
+  return *std::ranges::find_if(held_out, [&](const TestSet& one) { return one.sensor == sensor && one.domain == domain; });
 }
 
 // The score of a control that `control` makes for each scene.
 double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>& trials,
-                        const std::function<DetectorScene(const Scene&)>& control) {
+                        const std::function<Control(const Scene&)>& control) {
   std::vector<Part> parts;
   for (std::size_t k = 0; k < trials.size(); ++k) {
     const auto& [scene, truth] = trials[k];
-    const double from = control(scene).parameters.number("from");
+    const double from = control(scene).from;
     eval::Replayed replayed = silence(truth);
     const auto row = static_cast<std::size_t>(std::ranges::lower_bound(truth.time, from) - truth.time.begin());
     if (row < replayed.seen.size()) replayed.seen[row] = PadState::gross;
@@ -225,15 +226,12 @@ double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>
   return score_of(parts, test_set).value;
 }
 
-TEST(Protocol, TheNewestIsTheDefault) { EXPECT_EQ(protocols().back().name, default_protocol); }
-
 // The first recording of each pair has no slip, the second one has. The controls know their best
 // values and earn little; other values earn no more.
 TEST(Protocol, Pairs) {
-  register_control();
   for (const auto& [sensor, domain] : {std::pair{"taxels", "inside"}, {"papillarray", "outside"}}) {
     SCOPED_TRACE(sensor);
-    const TestSet& test_set = open_set(sensor, domain);
+    const TestSet test_set = open_set(sensor, domain);
     const std::vector<TruthOfTrial> trials = all_truths(test_set);
     for (std::size_t k = 0; k < trials.size(); ++k) {
       const eval::Truth& truth = trials[k].truth;
@@ -248,7 +246,7 @@ TEST(Protocol, Pairs) {
       SCOPED_TRACE(static_cast<int>(side_information));
       const auto value = [&](const TestSet& with) {
         return score_of_control(test_set, trials,
-                                [&](const Scene& scene) { return timed_control(side_information, with, scene); });
+                                [&](const Scene& scene) { return informed_control(side_information, with, scene); });
       };
       const double best = value(test_set);
       EXPECT_GT(best, 0.0);
@@ -289,7 +287,8 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
                             "learn/short_biotac_sp",
                             "learn/motor"})
     learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the included networks
-  for (const Protocol& protocol : protocols()) {
+  for (const char* name : protocol_names) {
+    const Protocol protocol = find_protocol(name, "test");
     for (const TestSet& test_set : protocol.held_out) EXPECT_FALSE(learnt.contains(seed(test_set.scene))) << test_set.scene;
   }
 }
@@ -297,9 +296,9 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
 // A recording is judged from the beginning of its motion, so a recording without motion would not
 // be judged at all.
 TEST(Protocol, EveryOpenRecordingMoves) {
-  register_control();
   const Catalogues catalogues = program_catalogues();
-  for (const TestSet& test_set : find_protocol(default_protocol, "test").held_out) {
+  const Protocol protocol = find_protocol(default_protocol, "test");
+  for (const TestSet& test_set : protocol.held_out) {
     if (test_set.track != Track::open || !test_set.disturbance.empty()) continue;
     SweepOptions options;
     options.scene_path = project_file(test_set.scene);
@@ -314,16 +313,17 @@ TEST(Protocol, EveryOpenRecordingMoves) {
 
 // Every loop has the same boxes for all sensors.
 TEST(Protocol, LoopsDifferInTheirSensorAlone) {
-  for (const Protocol& protocol : protocols()) {
+  for (const char* name : protocol_names) {
     std::set<std::string> sweeps, seeds;
+    const Protocol protocol = find_protocol(name, "test");
     for (const TestSet& test_set : protocol.held_out) {
       if (test_set.track != Track::loop) continue;
       const SceneFile file = SceneFile::load(project_file(test_set.scene));
       sweeps.insert(file.text().substr(file.text().find("sweep:")));
       seeds.insert(file.root().find("seed")->text);
     }
-    EXPECT_EQ(sweeps.size(), 1U) << protocol.name;
-    EXPECT_EQ(seeds.size(), 1U) << protocol.name;
+    EXPECT_EQ(sweeps.size(), 1U) << name;
+    EXPECT_EQ(seeds.size(), 1U) << name;
   }
 }
 

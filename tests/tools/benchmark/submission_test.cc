@@ -125,14 +125,6 @@ TEST_F(Submissions, WhatIsRefused) {
   expect_refusal({"benchmark", "--sensor", "papilarray"}, {"papilarray", "papillarray"});
   expect_refusal({"benchmark", "--protocol", "slip-2"}, {"slip-2", "slip-3"});
   expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, {"shear_rat", "shear_rate"});
-  // The controls' own detector is the board's.
-  for (const std::vector<std::string>& words : {std::vector<std::string>{"benchmark_control"},
-                                                {"benchmark_control", "--set", "from=1.9 s"},
-                                                {"shear_rate", "--set", "type=benchmark_control"}}) {
-    std::vector<std::string> all{"benchmark", "--sensor", "myrmex"};
-    all.insert(all.end(), words.begin(), words.end());
-    expect_refusal(all, {"benchmark_control", "shear_rate"});
-  }
   // Both options would write one file, in spite of the different spelling.
   for (const std::string& submission : {folder_ / "b.json", folder_ / "./b.json", folder_ / "b.html"}) {
     expect_refusal({"benchmark", "-o", folder_ / "b.html", "--submit", submission},

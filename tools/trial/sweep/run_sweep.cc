@@ -69,7 +69,7 @@ DatasetHeader header_of(const ReadSweep& read, const SweepOptions& options, cons
 
 // Takes the trials in order, from an earlier run or from the workers, to the output and the results.
 void run_trials(const SweepQueue& queue, const SweepOptions& options, TrialWorkers& workers, SweepOutput& output,
-                SweepResults& results) {
+                SweepResults& results, const std::atomic<double>& share) {
   for (const std::size_t trial : queue.trials()) {
     end_if(options.interrupt);
     if (std::optional<FinishedTrial> resumed = queue.finished(trial)) {
@@ -78,7 +78,7 @@ void run_trials(const SweepQueue& queue, const SweepOptions& options, TrialWorke
       continue;
     }
     output.finish_due_batch(workers);
-    results.report_share(workers);
+    results.report_share(workers, share);
     std::optional<FinishedTrial> finished = workers.next();
     if (!finished) break;
     if (!finished->failure.empty()) {
@@ -182,10 +182,16 @@ SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const
   SweepOutput output(options, header_of(read, options, results.summary(), files));
   if (!output.open(queue, results.summary())) return results.take_summary();
   try {
-    const WorkPlan work{plan, read.seed, recording_of(options), workforce.max_bytes, options.interrupt};
+    std::atomic<double> share{0.0};  // of a sweep's only trial
+    const WorkPlan work{.trials = plan,
+                        .seed = read.seed,
+                        .recording = recording_of(options),
+                        .max_bytes = workforce.max_bytes,
+                        .interrupt = options.interrupt,
+                        .share = queue.missing().size() == 1 ? &share : nullptr};
     try {
       const auto workers = make_workers(queue.missing(), workforce.workers, work, options, files);
-      run_trials(queue, options, *workers, output, results);
+      run_trials(queue, options, *workers, output, results, share);
     } catch (const Interrupted&) {  // in the first running trial; earlier trials are complete
     }
     const bool whole = results.close();

@@ -75,10 +75,10 @@ void SweepResults::report() {
   reported_ = done();
 }
 
-void SweepResults::report_share(TrialWorkers& workers) const {
+void SweepResults::report_share(TrialWorkers& workers, const std::atomic<double>& share) const {
   constexpr std::chrono::milliseconds a_while{100};
   while (progress_ && summary_.planned == 1 && !workers.ready_until(std::chrono::steady_clock::now() + a_while))
-    progress_({.total = 1, .share = simulated_share()});
+    progress_({.total = 1, .share = share});
 }
 
 }  // namespace slipbench

@@ -1,6 +1,7 @@
 // The results of a running sweep, and reports of its progress.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <utility>
 
@@ -33,7 +34,7 @@ class SweepResults {
   // Reports the finished trials, if there are more than at the last report.
   void report();
   // Until the only trial of a sweep has ended, reports its simulated share.
-  void report_share(TrialWorkers& workers) const;
+  void report_share(TrialWorkers& workers, const std::atomic<double>& share) const;
 
  private:
   void add_summary(TrialSummary& summary);

@@ -27,7 +27,7 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   TrialPlan::Trial trial = plan.trials.trial(index);
   trial.scene.seed = plan.seed;
   const auto start = std::chrono::steady_clock::now();
-  TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes, plan.interrupt);
+  TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes, plan.interrupt, plan.share);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
   result.record.params = params_json(trial.drawn);
   result.record.material =

@@ -27,6 +27,7 @@ struct WorkPlan {
   Recording recording = Recording::full;
   double max_bytes = max_record_bytes;  // of a trial's record
   const std::atomic<bool>* interrupt = nullptr;
+  std::atomic<double>* share = nullptr;  // of the trial that is simulated; null: not reported
 };
 
 // Simulates trials and returns them in order.
