@@ -29,7 +29,6 @@
 #include "tools/cli/format/check_text.h"
 #include "tools/cli/format/describe.h"
 #include "tools/cli/program.h"
-#include "tools/cost/kept_setting.h"
 #include "tools/dataset/record/sample_timing.h"
 #include "tools/eval/detect.h"
 #include "tools/eval/evaluate.h"
@@ -124,14 +123,9 @@ class Scene {
     if (text) {
       file_ = SceneFile::from_text(std::move(*text), options_.scene_path, true);
     } else {
-      if (const std::optional<KeptSetting> setting = setting_for(options_, *catalogues_))
-        options_.overrides.insert(options_.overrides.end(), setting->overrides.begin(), setting->overrides.end());
       file_ = SceneFile::load(options_.scene_path);
     }
     for (const Override& change : options_.overrides) file_.apply(change);
-    if (text && file_.root().find("accuracy") != nullptr)
-      throw InputError(options_.scene_path +
-                       ": accuracy needs a scene in a file, next to which the chosen time step is stored; use Scene.load()");
     seed_ = parse_scene(file_, *catalogues_).seed;
   }
 

@@ -232,8 +232,7 @@ class Scene:
             folder: base of relative paths in the scene; empty: the current folder
 
         Returns:
-            The scene. It behaves like one from a file, except for `check()` and the key `accuracy`,
-            which need a file.
+            The scene. It behaves like one from a file, except for `check()`, which needs a file.
 
         Raises:
             InputError: as `load()`, with "<text>" as the file's name; or `text` is not a str.

@@ -81,13 +81,6 @@ Parameters::Value undeclared_value(const std::string& text) {
   }
 }
 
-ParameterSpec share(const char* name, const char* doc) {
-  return number_spec(name, Quantity::none, "1 %", positive_up_to(1.0), doc, "set for each scene");
-}
-
-// Keys of a scene that say how it is computed. With `accuracy` they are determined by the program.
-constexpr std::array<std::string_view, 3> settings{"field_solver", "integrator", "time_step"};
-
 }  // namespace
 
 std::string json_text(const std::string& text) { return nlohmann::json(text).dump(); }
@@ -278,41 +271,6 @@ std::vector<Named> EntryReader::read_list(const YamlNode* node, const std::strin
     list.push_back({name, parameters(map, item_path + "." + name, name, entry, {})});
   }
   return list;
-}
-
-const std::vector<ParameterSpec>& accuracy_specs() {
-  static const std::vector<ParameterSpec> specs{
-      share("onset", "Largest error of the onset of a unit's slip, as a share of its loading time."),
-      share("micro_onset", "Largest error of the onset of a unit's first micro-slip, as a share of its loading time."),
-      share("slip_distance", "Largest error of a unit's slipped distance, as a share of the largest distance."),
-      share("force", "Largest error of the units' forces, root mean square."),
-      share("label", "Share of the units' states that may differ."),
-      share("label_micro", "Share of the pad's states that may differ."),
-      number_spec("creep", Quantity::speed, "1 um/s", positive, "Largest error of the drift of a held body over its pad.",
-                  "set for each scene")};
-  return specs;
-}
-
-std::optional<AccuracyScene> AccuracyReader::read(const YamlNode& root) {
-  const YamlNode* node = root.find("accuracy");
-  if (node == nullptr || (node->kind == YamlNode::Kind::scalar && node->text == "none")) return std::nullopt;
-  require_map(*node, "accuracy", "largest errors, such as 'onset: 1 %', or none");
-  const std::vector<ParameterSpec>& specs = accuracy_specs();
-  check_keys(*node, "accuracy", names_of(specs));
-  if (node->children.empty())
-    fail(node->origin, "accuracy is empty" + allowed_names("", names_of(specs)) + ", or accuracy: none");
-  for (const std::string_view key : settings) {
-    const YamlNode* setting = root.find(key);
-    if (setting == nullptr || (setting->kind == YamlNode::Kind::scalar && setting->text == "auto")) continue;
-    fail(setting->key_origin, quote(key) + " cannot be combined with 'accuracy', which finds it; leave one of them out");
-  }
-  AccuracyScene accuracy;
-  for (const ParameterSpec& spec : specs) {
-    if (const YamlNode* wish = node->find(spec.name)) {
-      accuracy.wishes.push_back({spec.name, number(wish, "accuracy." + spec.name, spec)});
-    }
-  }
-  return accuracy;
 }
 
 ExpectScene ExpectationReader::read(const YamlNode& node, const Scene& scene, const std::vector<ExpectationEntry>& catalogue) {

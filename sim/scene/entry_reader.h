@@ -1,4 +1,4 @@
-// Reads values and entries of a catalogue by their declarations; the keys `accuracy` and `expect`.
+// Reads values and entries of a catalogue by their declarations; the key `expect`.
 // Every function throws InputError at the node that does not fit.
 #pragma once
 
@@ -118,23 +118,6 @@ class EntryReader {
   Trace* trace_;
   const Protocol* protocol_ = nullptr;
 };
-
-// The scene's key `accuracy`: the required accuracy of its results, instead of a time step.
-
-// Reads
-//   accuracy: {onset: 1 %, creep: 1 um/s}    # measures: accuracy_specs(); none: no requirement
-class AccuracyReader : EntryReader {
- public:
-  // Records into the trace of `reader`.
-  explicit AccuracyReader(const EntryReader& reader) : EntryReader(reader) {}
-
-  // `root`: of the scene. Returns nothing if there is no requirement. Throws InputError at the node
-  // that does not fit, also if the scene sets its step or its solver, which the program is to find.
-  std::optional<AccuracyScene> read(const YamlNode& root);
-};
-
-// The measures, by name: shares of 1, except creep, a speed.
-const std::vector<ParameterSpec>& accuracy_specs();
 
 // The scene's key `expect`: the required results of its trials.
 

@@ -94,24 +94,14 @@ struct HoldScene {
   double within = 0.0;
 };
 
-// Required accuracy of a scene's results. The program finds the settings that reach it.
-struct AccuracyScene {
-  struct Wish {
-    std::string measure;  // "onset"
-    double limit;         // SI; a share as 0.01
-  };
-  std::vector<Wish> wishes;  // at least one
-};
-
 // How the pads' springs enter a step of bodies that move by forces. Automatic: explicit, or in a
 // grasp the cheaper one.
 enum class FieldSolver : std::uint8_t { automatic, explicit_springs, implicit_springs };
 
 struct Scene {  // more than 25 members: one for each key of a scene
   std::string description;
-  double duration = 0.0;                       // s
-  std::optional<double> time_step;             // s; empty: auto
-  std::optional<AccuracyScene> accuracy = {};  // empty: the scene's own settings
+  double duration = 0.0;            // s
+  std::optional<double> time_step;  // s; empty: auto
   std::string fidelity = "field";
   // Parameters of fidelity mujoco_contact, as contact_entry declares them; empty: another fidelity.
   std::optional<Parameters> contact = {};

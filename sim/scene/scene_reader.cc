@@ -19,8 +19,7 @@ constexpr std::string_view contact_fidelity = "mujoco_contact";
 // Motions of a grasp's arm, the default first; they are invalid for a stage.
 constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
 
-constexpr std::array<SceneKey, 28> keys{{
-    {"accuracy", "Largest errors that the results may have; the time step is chosen accordingly. none: time_step applies."},
+constexpr std::array<SceneKey, 27> keys{{
     {"bodies", "Bodies that forces move, by their names."},
     {"box", "The box that a grasp lifts."},
     {"contact", "MuJoCo's own contact, with fidelity: mujoco_contact."},
@@ -64,7 +63,6 @@ class SceneReader : EntryReader {
     if (const YamlNode* node = root.find("description")) scene.description = text_of(*node, "description", "text");
     scene.duration = number(root.find("duration"), "duration", duration_spec);
     scene.time_step = read_time_step(root.find("time_step"), scene.duration);
-    scene.accuracy = AccuracyReader(*this).read(root);
     scene.fidelity = read_fidelity(root.find("fidelity"));
     scene.contact = read_contact(find_kept(root, "contact"), scene.fidelity);
     scene.seed = read_seed(root);

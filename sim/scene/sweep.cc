@@ -227,7 +227,7 @@ const std::vector<DrawKind>& draw_kinds() {
 }
 
 bool is_fixed(std::string_view key) {
-  constexpr std::array<std::string_view, 6> fixed{"accuracy", "expect", "seed", "slipbench", "split", "sweep"};
+  constexpr std::array<std::string_view, 5> fixed{"expect", "seed", "slipbench", "split", "sweep"};
   return std::ranges::find(fixed, key) != fixed.end();
 }
 

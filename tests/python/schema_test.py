@@ -62,7 +62,6 @@ WRONG = (
     STAGE + "contact: {cone: elliptic}",
     STAGE + "seed: -1",
     STAGE + "split: {shares: [0.8, 0.2]}",
-    STAGE + "accuracy: {}",
     STAGE + "expect: {max_slips: 3 mm}",
     STAGE + "expect: {gross_slip_by: {pass: 0.9}}",
     STAGE + "sweep: {motion.sped: [1 mm/s]}",

@@ -68,8 +68,6 @@ class Scenes(unittest.TestCase):
             slipbench.Scene.from_dict({"motion": {"speed": 1j}})
         with self.assertRaisesRegex(slipbench.InputError, r"scene\.motion: expected names as keys, found int 3"):
             slipbench.Scene.from_dict({"motion": {3: 1}})
-        with self.assertRaisesRegex(slipbench.InputError, "accuracy needs a scene in a file"):
-            slipbench.Scene.from_dict({**STAGE, "accuracy": {"force": "1 %"}})
         with self.assertRaisesRegex(slipbench.InputError, "needs a scene in a file"):
             slipbench.Scene.from_dict(STAGE).check()
 

@@ -38,7 +38,7 @@ inline constexpr std::size_t num_measures = 10;
 // Name and definition of one measure for reports.
 struct MeasureInfo {
   Measure measure;
-  std::string_view name;        // key in a scene's `accuracy` and in JSON: "slip_distance"
+  std::string_view name;        // in `cost --accuracy` and in JSON: "slip_distance"
   std::string_view title;       // "slipped distance"
   std::string_view unit;        // displayed unit: "%" or "um/s"
   double factor;                // displayed value = factor times MeasureError's value

@@ -104,7 +104,6 @@ class Explorer {
 
   [[nodiscard]] std::vector<Override> changes_of(const Setting& setting) const {
     std::vector<Override> all = options_.overrides;
-    if (wishes_) all.push_back({"accuracy", "none"});  // `accuracy` would search for one setting; here all are run
     all.insert(all.end(), setting.changes.begin(), setting.changes.end());
     return all;
   }
@@ -154,7 +153,6 @@ class Explorer {
     SceneFile file = SceneFile::load(options_.scene_path);
     for (const Override& change : options_.overrides) file.apply(change);
     seed_ = options_.seed.value_or(read_seed(file.root()));
-    wishes_ = file.root().find("accuracy") != nullptr;
     Row row{.setting = {"own", "the scene", {}}, .own = true, .command = command_of({})};
     Job job{scene_of({})};
     say("the scene as it is");
@@ -168,7 +166,6 @@ class Explorer {
     row.setting.label = short_text(own_.time_step);
     result_.simulated = job.scene.duration;
     result_.description = job.scene.description;
-    result_.wish_left_aside = wishes_;
     result_.one_friction = one_friction(job.scene);
     row.rate = fastest_rate(job.scene);
     result_.rows.push_back(std::move(row));
@@ -361,7 +358,6 @@ class Explorer {
   const Catalogues& catalogues_;
   Clock::time_point start_;
   std::uint64_t seed_ = 0;
-  bool wishes_ = false;  // the scene has the key `accuracy`
   Exploration result_;
   std::vector<Job> jobs_;        // of the rows, in the same order
   std::vector<Job> price_jobs_;  // of the prices

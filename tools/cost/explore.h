@@ -96,9 +96,8 @@ struct Exploration {
   Reference reference;
   std::vector<Row> rows;  // the scene's own first
   std::vector<Price> prices;
-  bool wish_left_aside = false;  // the scene has `accuracy`, which would select one setting; ignored here
-  bool one_friction = false;     // MuJoCo's own contact uses the static friction as the kinetic one, unlike the scene
-  bool interrupted = false;      // stopped early
+  bool one_friction = false;  // MuJoCo's own contact uses the static friction as the kinetic one, unlike the scene
+  bool interrupted = false;   // stopped early
 
   [[nodiscard]] const Row& own() const { return rows.front(); }
   // CPU time [s] per second of the trial.

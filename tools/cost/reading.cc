@@ -299,8 +299,6 @@ std::vector<std::string> sentences(const Exploration& exploration) {
   if (exploration.one_friction && has_series(exploration, contact_series)) {
     lines.push_back("MuJoCo's own contact has one coefficient of friction: its rows use the scene's static one.");
   }
-  if (exploration.wish_left_aside)
-    lines.push_back("The scene's key `accuracy` is ignored: the scene as it is uses the automatic time step.");
   if (exploration.interrupted) lines.push_back("Interrupted: the results are incomplete.");
   for (const Price& price : exploration.prices) {
     if (price.idle())

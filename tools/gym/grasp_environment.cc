@@ -93,8 +93,6 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
   TrialPlan::Trial trial = plan_->trial(trial_);
   if (!trial.scene.grasp) throw InputError(file_.name() + " is not a grasp; expected a scene with 'grip' or 'box'");
   if (trial.scene.guided()) throw InputError(file_.name() + ": the motion 'guided' needs commands to the arm; use lift");
-  if (trial.scene.accuracy)
-    throw InputError(file_.name() + ": the key 'accuracy' needs a search of the time step first; use time_step instead");
   trial.scene.seed = seed;
   params_ = params_json(trial.drawn);
   outcome_.clear();

@@ -92,8 +92,6 @@ TEST(Override, TakesKeysBackInEveryScene) {
   }
   EXPECT_EQ(trace_of(pad + "integrator: RK4\n", back), trace_of(pad, {}));
   EXPECT_EQ(trace_of(pad + "field_solver: implicit\n", back), trace_of(pad, {}));
-  EXPECT_EQ(trace_of(prescribed + "accuracy: {onset: 1 %}\n", {back[0], back[1]}),
-            trace_of(prescribed + "accuracy: {onset: 1 %}\n", {}));
 }
 
 TEST(Override, AddsAValueAndTheMapsOnTheWay) {

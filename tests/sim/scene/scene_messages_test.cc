@@ -107,14 +107,6 @@ TEST(SceneMessages, OfTopLevel) {
       {"expect: 1 s", "3", {"expect", "1 s"}},
       {"expect:", "3", {"expect", "nothing"}},
       {"expect: {gros_slip_by: 1 s}", "3", {"gros_slip_by", "expect", "gross_slip_by"}},
-      {"accuracy: {}", "3", {"accuracy", "empty", "none"}},
-      {"accuracy: 1 %", "3", {"accuracy", "1 %"}},
-      {"accuracy: {onsets: 1 %}", "3", {"onsets", "accuracy", "onset"}},
-      {"accuracy: {creep: 1 %}", "3", {"accuracy.creep", "1 %", "speed"}},
-      {"accuracy: {onset: 200 %}", "3", {"accuracy.onset", "200 %", "100 %"}},
-      {"accuracy: {onset: 1 %}\ntime_step: 1 ms", "4", {"time_step", "accuracy"}},
-      {"accuracy: {onset: 1 %}\nfield_solver: explicit", "4", {"field_solver", "accuracy"}},
-      {"sweep: {accuracy.onset: [1 %]}", "3", {"accuracy.onset", "swept"}},
       {"sweep: {expect.gross_slip_by: [1 s]}", "3", {"expect.gross_slip_by", "swept"}},
       {"description: {a: b}", "3", {"description", "map"}},
       {"duration: 0 s", "3", {"duration", "0 s", "86400 s"}},
@@ -351,10 +343,10 @@ TEST(SceneMessages, UnknownNameListsAllThatAreAllowed) {
     return more;
   };
   EXPECT_THAT(answer(head + "xyzzy: 1\n"),
-              mentions({"accuracy", "bodies",   "box",       "contact",    "controller", "controls",     "description",
-                        "detector", "duration", "effects",   "expect",     "fidelity",   "field_solver", "friction",
-                        "gravity",  "grip",     "hold",      "integrator", "model",      "motion",       "scatter",
-                        "seed",     "sensors",  "slipbench", "split",      "surface",    "sweep",        "time_step"}));
+              mentions({"bodies",   "box",       "contact",    "controller", "controls",     "description", "detector",
+                        "duration", "effects",   "expect",     "fidelity",   "field_solver", "friction",    "gravity",
+                        "grip",     "hold",      "integrator", "model",      "motion",       "scatter",     "seed",
+                        "sensors",  "slipbench", "split",      "surface",    "sweep",        "time_step"}));
   EXPECT_THAT(answer(pad + "xyzzy: 1}}\n"),
               mentions(names(catalogues.sensors.at(0).parameters,
                              {"ahead", "damping", "electronics", "follows", "site", "touches", "type"})));

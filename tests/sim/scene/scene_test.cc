@@ -160,17 +160,6 @@ expect: {gross_slip_by: 1.0 s}
   EXPECT_EQ(scene.expect.control, "");
 }
 
-TEST(Scene, ReadsItsWishForAccuracy) {
-  const AccuracyScene accuracy = read(minimal + "accuracy: {creep: 2 um/s, onset: 0.5 %}\ntime_step: auto\n").accuracy.value();
-  ASSERT_EQ(accuracy.wishes.size(), 2U);
-  EXPECT_EQ(accuracy.wishes[0].measure, "onset");  // in the order of the possible requirements
-  EXPECT_EQ(accuracy.wishes[0].limit, 0.005);
-  EXPECT_EQ(accuracy.wishes[1].measure, "creep");
-  EXPECT_EQ(accuracy.wishes[1].limit, 2e-6);
-  EXPECT_FALSE(read(minimal).accuracy.has_value());
-  EXPECT_FALSE(read(minimal + "accuracy: none\ntime_step: 2 ms\n").accuracy.has_value());
-}
-
 TEST(Scene, TakesFrictionFromTheMaterialUnlessItGivesItsOwn) {
   // ptfe is 0.35 / 0.3325, a ratio of 0.95.
   const std::string ptfe = minimal + "surface: {material: ptfe}\n";

@@ -3,6 +3,7 @@
 #include "sim/motion/motion_catalogue.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
+#include "tools/registry/program_catalogues.h"
 
 namespace slipbench {
 namespace {
@@ -46,6 +47,15 @@ TEST(Experiment, IsKnownByItsTruth) {
   const auto slow_again = experiments_of(scene, {{"motion.speed", "0.004"}, {"sensors.pad.rate", "2"}}, "e");
   ASSERT_EQ(slow.size(), 2U);
   EXPECT_EQ(slow[1], slow_again[1]);
+}
+
+// Version 0.3.0 wrote scenes with the key `accuracy` and the override that removed it.
+TEST(RecordedScene, WithARequiredAccuracyIsRead) {
+  const std::string accurate = std::string(text) + "accuracy: {onset: 1 %}\n";
+  for (const Json& overrides : {Json{{"accuracy", "none"}, {"time_step", "10 ms"}}, Json{{"time_step", "10 ms"}}}) {
+    const SceneFile file = recorded_file(accurate, overrides, "old.h5");
+    EXPECT_EQ(parse_scene(file, program_catalogues()).time_step, 0.01);
+  }
 }
 
 // A motion that draws its path has no repeats: two trials are at different places at some time.

@@ -353,14 +353,6 @@ class SceneSchema {
     return spec;
   }
 
-  Json accuracy() {
-    Json wishes = Json::object();
-    for (const ParameterSpec& spec : accuracy_specs()) wishes[spec.name] = parameter(spec);
-    Json map = closed_object(std::move(wishes));
-    map["minProperties"] = 1;
-    return {{"anyOf", {{{"const", "none"}}, std::move(map)}}};
-  }
-
   Json expect() {
     Json keys = Json::object();
     for (const ExpectationEntry& entry : catalogues_.expectations) {
@@ -400,7 +392,6 @@ class SceneSchema {
 
   std::map<std::string_view, Json> root_values() {
     std::map<std::string_view, Json> values;
-    values["accuracy"] = accuracy();
     values["bodies"] = bodies();
     values["box"] = grasp_part("box");
     values["contact"] = contact();

@@ -469,7 +469,7 @@ std::string steps_text(const SweepSummary& summary) {
                                 ? fmt::format("{} to {}", text(summary.shortest_step), text(summary.longest_step))
                                 : text(summary.longest_step);
   return fmt::format(
-      "time step {}{}: onsets usually agree with those of a much shorter step within one step; `accuracy: {{onset: 1 %}}` chooses the step for a given accuracy\n",
+      "time step {}{}: onsets usually agree with those of a much shorter step within one step; `slipbench cost SCENE --accuracy onset=1%` finds the step for a given accuracy\n",
       steps, summary.scene.time_step ? "" : " (auto)");
 }
 

@@ -173,8 +173,6 @@ SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const
   const TrialPlan& plan = read.planned.plan;
   SweepQueue queue(read, options);
   SweepResults results(read, options, queue, progress);
-  if (results.summary().scene.accuracy)
-    throw std::logic_error("run_sweep: the accuracy of the scene has not been resolved to a time step");
   std::set<std::string> named;
   const Workforce workforce = check_cells(plan, options, queue.trials(), read.planned.asked, catalogues, named);
   if (options.on_start) options.on_start();

@@ -148,8 +148,7 @@ std::string shell_word(const std::string& word);
 // Runs the sweep. A failed trial is recorded, in the summary and in the dataset, and the others
 // run. Throws InputError for an invalid scene or target, and if options.only is not one of its
 // trials. If the target fails, finished work is kept in the folder OUT.h5.partial, which the
-// message names. A scene with an accuracy requirement is a std::logic_error: its setting must be
-// found before (tools/cost). The output does not depend on `jobs`.
+// message names. The output does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 // As above; `read`: read_sweep(options, catalogues).
 SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,

@@ -159,8 +159,6 @@ TEST_F(Pipes, GiveAScene) {
   const ChildResult wrong = shell("printf 'slipbench: 1\\nmotion: {sped: 1}\\n' | slipbench run -");
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.err, StartsWith("slipbench: <stdin>:2: unknown key 'sped'"));
-  EXPECT_THAT(shell("sed 's/^time_step:.*/accuracy: {onset: 1 %}/' s.yaml | slipbench run -").err,
-              HasSubstr("<stdin>: accuracy needs a scene in a file"));
   EXPECT_THAT(shell(": | slipbench run -").err, StartsWith("slipbench: <stdin>:1: "));
 }
 

@@ -289,7 +289,6 @@ TEST(Describe, EveryKeyOfAScene) {
   }
   const auto said = [&](const char* key) { return describe_key_text(key, schema, Style(false), 100); };
   EXPECT_THAT(said("split"), mentions({"by", "material", "shares", "default:"}));
-  EXPECT_THAT(said("accuracy"), mentions({"none", "Keys"}));
   EXPECT_THAT(said("expect"), mentions({"confidence", "control"}));
   EXPECT_THAT(said("sweep"), mentions({"trials", "motion.speed", "log_uniform"}));
   EXPECT_THAT(said("motion"), mentions({"kind", "stage", "lift"}));

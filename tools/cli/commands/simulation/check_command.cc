@@ -14,7 +14,6 @@
 #include "tools/cli/format/check_text.h"
 #include "tools/cli/format/sweep_text.h"
 #include "tools/cli/terminal.h"
-#include "tools/cost/kept_setting.h"
 #include "tools/dataset/record/json.h"
 #include "tools/files/output_file.h"
 #include "tools/registry/program_catalogues.h"
@@ -100,20 +99,17 @@ std::vector<CheckOptions> plan_checks(const CheckCommand& command, const Catalog
   return planned;
 }
 
-// Replaces the accuracy requirement of the scene by the setting that meets it. Prints and adds the
-// warnings of the scene.
-SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, const CheckCommand& command) {
+// Prints and adds the warnings of the scene.
+SceneCheck check_warned(CheckOptions& check, const Catalogues& catalogues, const CheckCommand& command) {
   std::vector<Warning> warnings;
   if (expects_anything(check, catalogues)) {
     SweepOptions sweep = sweep_of(check);
-    settle_accuracy(sweep, catalogues, command);
     const ReadSweep read = read_sweep(sweep, catalogues);
     sweep.isolation = check.isolation = command.isolation.chosen(read, sweep);
     warnings = scene_warnings(read, sweep);
     print_warnings(warnings);
-    check.overrides = std::move(sweep.overrides);
   }
-  // During the search for a setting and the planning of trials, a signal ends the program as usual.
+  // During the planning of trials, a signal ends the program as usual.
   std::optional<InterruptGuard> guard;
   check.on_start = [&guard] { guard.emplace(); };
   Progress progress = Progress::for_stream(stderr, command.silent());
@@ -159,7 +155,7 @@ int CheckCommand::run() {
   std::vector<SceneCheck> checks;
   try {
     for (CheckOptions& check : planned) {
-      checks.push_back(check_settled(check, catalogues, *this));
+      checks.push_back(check_warned(check, catalogues, *this));
       if (prints) {
         print_text("{}\n", check_text(checks.back(), style));
         std::fflush(stdout);
@@ -179,16 +175,6 @@ int CheckCommand::run() {
     print_total(checks, style);
   }
   return passed ? exit_good : exit_check_failed;
-}
-
-void settle_accuracy(SweepOptions& sweep, const Catalogues& catalogues, const Command& command) {
-  const std::optional<KeptSetting> setting = setting_for(sweep, catalogues, [&] {
-    command.tell(
-        fmt::format("accuracy: searching for the cheapest setting that meets the accuracy of {} (only once)", sweep.scene_path));
-  });
-  if (!setting) return;
-  command.tell(fmt::format("accuracy: {}; {}", setting->text, setting->file));
-  sweep.overrides.insert(sweep.overrides.end(), setting->overrides.begin(), setting->overrides.end());
 }
 
 }  // namespace slipbench

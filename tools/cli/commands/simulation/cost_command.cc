@@ -4,16 +4,18 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "tools/cli/arguments.h"
+#include "tools/cli/format/eval_text.h"
 #include "tools/cli/format/sweep_text.h"
 #include "tools/cli/terminal.h"
+#include "tools/cost/reading.h"
+#include "tools/cost/setting_search.h"
 #include "tools/doctor/doctor.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/workers/interrupt_guard.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
-#include "tools/cli/format/eval_text.h"
-#include "tools/cost/reading.h"
 #include "tools/cost/stability_map.h"
 #endif
 
@@ -67,15 +69,21 @@ closed form or a much finer run. It also measures the cost and influence of each
 of the electronics. It runs until the budget is used up. With -o the diagram is written to FILE.html
 and all figures to FILE.json.
 
+--accuracy instead finds the cheapest time step and solver with which no error exceeds the given one in
+up to five trials of the sweep, and prints them for --set. MEASURE is onset, micro_onset,
+slip_distance, force, label, label_micro (a share) or creep (a speed).
+
 --stability measures the longest stable time step against stiffness, mass and damping, and compares
 it with the predicted one; it needs no scene.
 
 Examples:
   slipbench cost scenes/papillarray/stage.yaml --budget 30s -o cost.html
   slipbench cost scenes/grasp/lift.yaml --set box.mass="0.5 kg" --json
+  slipbench cost scenes/papillarray/stage.yaml --accuracy onset=1%
   slipbench cost --stability -o stability.html)");
   arguments.scene("SCENE", explore.scene_path, "Scene file (YAML), or name of a shipped scene");
   arguments.quantity("--budget TIME", explore.budget, "Total time, e.g. 60s or '2 min' (default: 60 s)", Quantity::time);
+  arguments.lines("--accuracy MEASURE=ERROR", accuracy, "Find the cheapest setting with at most this error; may be repeated");
   arguments.flag("--stability", stability, "Measure the longest stable time steps");
   arguments.overrides(explore.overrides, explore.seed);
   arguments.flag("-q,--quiet", quiet, "Print no progress and no summary");
@@ -85,10 +93,58 @@ Examples:
     if (explore.scene_path.empty() && !stability) {
       throw InputError("cost: give SCENE.yaml, --stability, or both");
     }
+    const cost::ExploreOptions usual;
+    if (!accuracy.empty() && (explore.scene_path.empty() || stability || !output.empty() || explore.trial != usual.trial ||
+                              explore.budget != usual.budget)) {
+      throw InputError("cost: --accuracy needs SCENE.yaml, and can only be combined with --set, --seed, --quiet and --json");
+    }
   });
 }
 
+int CostCommand::search() const {
+  std::vector<Requirement> required;
+  for (const std::string& text : accuracy) required.push_back(parse_requirement(text));
+  SweepOptions sweep;
+  sweep.verb = "run";
+  sweep.scene_path = explore.scene_path;
+  sweep.overrides = explore.overrides;
+  sweep.seed = explore.seed;
+  const Catalogues catalogues = program_catalogues();
+  const ReadSweep read = read_sweep(sweep, catalogues);
+  tell("searching for the cheapest setting");
+  const FoundSetting found = find_setting(read, required);
+  std::string set, errors;
+  Json setting = Json::object(), reached = Json::object();
+  for (const Override& change : found.overrides) {
+    set += " " + shell_word(change.path + "=" + change.value);
+    setting[change.path] = change.value;
+  }
+  for (const Requirement& one : required) {
+    const MeasureInfo& info = info_of(one.measure);
+    const double worst = at(found.looks.back().errors, one.measure).value().worst;
+    errors += fmt::format("{}{} error {}, allowed {}", errors.empty() ? "" : "; ", info.title, error_text(one.measure, worst),
+                          error_text(one.measure, one.limit));
+    reached[std::string(info.name)] = {{"worst", worst}, {"allowed", one.limit}};
+  }
+  sweep.overrides.insert(sweep.overrides.end(), found.overrides.begin(), found.overrides.end());
+  const std::string command = canonical_command(sweep);
+  if (json) {
+    return print_json({{"setting", setting},
+                       {"errors", reached},
+                       {"reference", found.reference},
+                       {"trials", found.trials},
+                       {"command", command}});
+  }
+  print_text("--set{}\n", set);
+  if (!quiet) {
+    print_text("{}, compared with {} in {}\n", errors, found.reference, counted(found.trials.size(), "trial"));
+    print_next(command);
+  }
+  return exit_good;
+}
+
 int CostCommand::run() {
+  if (!accuracy.empty()) return search();
   if (!output.empty()) page::check_page_files(output, cost::page_kind);
   const Json environment = environment_json();  // before the work, which would count as load
   Json found = Json::object();

@@ -232,7 +232,6 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
 int SimulationCommand::run() {
   if (sweep.scene_path == "-") sweep.scene_text = standard_input(sweep.verb);
   const Catalogues catalogues = program_catalogues();
-  settle_accuracy(sweep, catalogues, *this);
   std::optional<PreparationNotice> preparing(silent());
   const ReadSweep read = read_sweep(sweep, catalogues);
   sweep.isolation = isolation.chosen(read, sweep);
@@ -366,7 +365,6 @@ Examples:
 
 int ClusterCommand::run() {
   const Catalogues catalogues = program_catalogues();
-  settle_accuracy(options.sweep, catalogues, *this);
   const std::vector<std::string> files = write_cluster_folder(options, catalogues);
   if (json) return print_json({{"files", files}});
   print_written(files);

@@ -87,9 +87,14 @@ struct CostCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  cost::ExploreOptions explore;  // scene_path is empty without a scene
-  bool stability = false;        // measure the map of the longest stable steps
-  std::string output;            // HTML file to write, with a JSON file next to it; empty: none
+  cost::ExploreOptions explore;       // scene_path is empty without a scene
+  bool stability = false;             // measure the map of the longest stable steps
+  std::vector<std::string> accuracy;  // "onset=1 %": find the cheapest setting with these errors instead
+  std::string output;                 // HTML file to write, with a JSON file next to it; empty: none
+
+ private:
+  // Finds and prints the setting with the required accuracy; returns the exit status.
+  [[nodiscard]] int search() const;
 };
 
 // `view` opens the report of a dataset or of a scene.
@@ -114,11 +119,5 @@ struct ViewCommand final : Command {
 // The values of --record.
 inline constexpr std::array recording_words{Choice<Recording>{"full", Recording::full},
                                             Choice<Recording>{"outcome", Recording::outcome}};
-
-// If the scene has the key `accuracy`, appends to `sweep.overrides` the setting that meets it in
-// the trials that `sweep` requests (tools/cost/kept_setting.h). From then on the scene is like any
-// other, and its command states the setting. `command`: name of the command, for messages. Throws
-// InputError.
-void settle_accuracy(SweepOptions& sweep, const Catalogues& catalogues, const Command& command);
 
 }  // namespace slipbench

@@ -1,22 +1,21 @@
-// Finds the setting that meets a scene's accuracy requirement, and stores it next to the scene.
+// Finds the cheapest setting of a scene with which its trials have a required accuracy.
 #pragma once
 
-#include <functional>
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "tools/cost/errors.h"
 #include "tools/trial/sweep/run_sweep.h"
 
 namespace slipbench {
 
-// The cheapest setting that meets a scene's accuracy requirement, by the errors of its trials.
-//
 // Settings are tried in order of their number of steps (an implicit step counts as `implicit_cost`
 // explicit ones), not of measured time, so that the choice is the same on any machine. They are
 // fields with explicit springs, from the longest step that divides the sampling time and is stable
-// in the trials, halved each time; if the scene's bodies move by forces and its solver is free,
+// in the trials, halved each time; if the scene's bodies move by forces and it does not name a solver,
 // implicit springs likewise.
 // A setting is accepted if in every examined trial the worst error is at most `margin` of the
 // required one, and no event happens in one run alone. Errors are against the closed form if all
@@ -29,6 +28,15 @@ inline constexpr std::size_t implicit_cost = 4;       // assumed cost of an impl
 inline constexpr std::size_t most_probed = 5;         // examined trials, spread evenly over the requested ones
 inline constexpr std::size_t finest_reference = 512;  // longest step divided by the shortest one of a reference
 
+// A required accuracy: the largest allowed error of a measure.
+struct Requirement {
+  Measure measure;
+  double limit;  // SI; a share as 0.01
+};
+// Returns the requirement "onset=1 %", written as for --accuracy. Throws InputError for an unknown
+// measure and for a value that does not fit.
+Requirement parse_requirement(const std::string& text);
+
 // One setting that was tried.
 struct SettingLook {
   std::vector<Override> overrides;
@@ -38,7 +46,7 @@ struct SettingLook {
 };
 
 struct FoundSetting {
-  std::vector<Override> overrides;            // replacements: accuracy, time_step and, if implicit, field_solver
+  std::vector<Override> overrides;            // replacements: time_step and, if implicit, field_solver
   std::vector<std::size_t> trials;            // examined trials of the plan
   std::string reference;                      // as text: "closed form", "time_step 62.5 us"
   std::vector<Override> reference_overrides;  // exact; empty: closed form
@@ -46,35 +54,16 @@ struct FoundSetting {
   std::vector<SettingLook> looks;             // in the order of trying; the last one was accepted
 };
 
-// Empty if the scene has no accuracy requirement. `planned`: the trials to run, which determine the
-// scene and the dataset's seed. Throws InputError, as "scene.yaml:3: ...", for an invalid scene,
-// for a requirement on an event that never happens in the examined trials, and for one that cannot
-// be met, stating what can.
-std::optional<FoundSetting> find_setting(const PlannedTrials& planned);
+// `read`: the scene and the trials to run. `required`: at least one. Throws InputError for an invalid
+// scene and for one whose sweep varies the step or the solver, with the line of the scene; for a
+// requirement on an event that never happens in the examined trials; and for one that cannot be met,
+// with the least error that can be.
+FoundSetting find_setting(const ReadSweep& read, const std::vector<Requirement>& required);
 
 // Settings as text, steps to four digits: "time_step 227.3 us, field_solver implicit".
 std::string setting_text(const std::vector<Override>& overrides);
 
 // An error in its measure's unit: "0.52 %".
 std::string error_text(Measure measure, double value);
-
-struct KeptSetting {
-  std::vector<Override> overrides;  // to be applied after the scene's own; they replace the requirement
-  std::string file;                 // file that stores it with its evidence: SCENE.accuracy.json
-  std::string text;                 // one line for the user
-};
-
-// Returns the setting of a scene with an accuracy requirement; empty without one, at the cost of
-// reading the scene's YAML. The setting is read from the file next to the scene if the file has an
-// entry for this scene (its text, the overrides, the seed, the bytes of its model and the program's
-// version) and these trials (their number, and draws per cell). Otherwise it is searched
-// (find_setting) and stored, and entries for other texts of the scene are removed. `on_search` is
-// called before a search, which takes long, and may be empty.
-// Only the parts of `sweep` that determine the trials matter: a single trial (`only`) has the
-// setting of the sweep it belongs to.
-// Throws InputError as plan_trials() and find_setting() do, for a damaged file, and, before any
-// search, for a file that cannot be written.
-std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogues& catalogues,
-                                       const std::function<void()>& on_search = {});
 
 }  // namespace slipbench
