@@ -293,8 +293,9 @@ std::size_t best_factor(const Board& board, const EntrantResults& entry, const s
 }
 
 // Gives each yardstick that chooses its threshold the one that is best on the other half of the
-// trials; pairs of trials alternate, since they share a motion. Returns the best of them
-// with the threshold that is best on all trials; nullopt if there is none.
+// trials; pairs of trials alternate, since they share a motion. If a half has no slip that can earn
+// credit, one threshold is chosen on all trials. Returns the best of them with the threshold that is
+// best on all trials; nullopt if there is none.
 std::optional<Entrant> choose_thresholds(Board& board) {
   const std::vector<double> factors = threshold_factors();
   std::optional<Entrant> best;
@@ -302,12 +303,21 @@ std::optional<Entrant> choose_thresholds(Board& board) {
   for (EntrantResults& entry : board.entries) {
     if (!entry.entrant->chooses_threshold) continue;
     const auto half = [](std::size_t trial) { return trial / 2 % 2; };
+    const auto has_credit = [&](std::size_t wanted) {
+      for (std::size_t k = 0; k < entry.answers.size(); ++k) {
+        if (half(k) == wanted && recording_part(entry.answers[k].judgement, board.test_set).credited) return true;
+      }
+      return false;
+    };
+    // A half without slip would choose never to report it.
+    const bool by_halves = has_credit(0) && has_credit(1);
     const double whole =
         eval::default_threshold(entry.entrant->detector) * factors[best_factor(board, entry, [](std::size_t) { return true; })];
     std::array<std::size_t, 2> place{};
     for (const std::size_t own : {0U, 1U}) {
-      place.at(own) = best_factor(board, entry, [&](std::size_t trial) { return half(trial) != own; });
-      entry.thresholds.push_back(eval::default_threshold(entry.entrant->detector) * factors[place.at(own)]);
+      place.at(own) = best_factor(board, entry, [&](std::size_t trial) { return !by_halves || half(trial) != own; });
+      if (own == 0 || by_halves)
+        entry.thresholds.push_back(eval::default_threshold(entry.entrant->detector) * factors[place.at(own)]);
     }
     for (std::size_t k = 0; k < entry.answers.size(); ++k) {
       Answer& answer = entry.answers[k];

@@ -47,7 +47,7 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //               detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
 //               false_alarms_per_minute, said, figures (eval::summary_json())},
 //               yardsticks that choose their threshold: with thresholds, one for each half of the
-//               trials, chosen on the other half,
+//               trials, chosen on the other half; only one if it was chosen on all trials,
 //               real recordings: with windows: {length_s, slipping, sticking, recall, specificity},
 //               disturbed: with specificity and judged, loops: with needless and grasps: {trials,
 //               dropped, not_lifted, low, high (interval of both together), force_ratio, slip_m}

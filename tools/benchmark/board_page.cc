@@ -242,9 +242,21 @@ BoardColumns columns_of(const Json& set) {
   return columns;
 }
 
+// Name of a detector in a table, of a yardstick with its thresholds.
+std::string row_name(const Json& row) {
+  std::vector<std::string> thresholds;
+  if (row.contains("thresholds")) {
+    for (const Json& threshold : row.at("thresholds")) thresholds.push_back(fmt::format("{:.3g}", threshold.get<double>()));
+  } else if (row.at("kind") == "yardstick") {
+    thresholds.push_back(row.at("parameters").at("threshold").get<std::string>());
+  }
+  const std::string name = row.at("detector").get<std::string>();
+  return thresholds.empty() ? name : fmt::format("{}, threshold {}", name, fmt::join(thresholds, " or "));
+}
+
 std::vector<std::string> cells_of(const Json& row, const BoardColumns& columns) {
   const Json& score = row.at("score");
-  std::vector<std::string> cells{row.at("detector").get<std::string>(),
+  std::vector<std::string> cells{row_name(row),
                                  row.at("rank").is_null() ? "–" : fmt::format("{}", row.at("rank").get<std::size_t>()),
                                  row.at("kind").get<std::string>(),
                                  points(score.at("value")),

@@ -134,7 +134,7 @@ std::vector<double> threshold_factors() {
 Entrant with_threshold(const Entrant& yardstick, double threshold) {
   Entrant set = yardstick;
   set.detector = eval::with_yardstick_threshold(yardstick.detector, threshold);
-  set.parameters[eval::yardstick_threshold] = fmt::format("{:.6g}", threshold);
+  set.parameters[eval::yardstick_threshold] = fmt::format("{:.4g}", threshold);
   set.chooses_threshold = false;
   return set;
 }

@@ -141,8 +141,8 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
     ++result.named[static_cast<std::size_t>(number)];
   }
   result.judgement.twin = truth_sha256(sensor.labels);
-  yardsticks.add(recorded, truth, result.judgement.twin, options.resample);
   result.facts = facts_of(recorded.scene ? &*recorded.scene : nullptr, record, sensor);
+  yardsticks.add(recorded, truth, result.judgement.twin, recorded.scene ? "" : result.facts.object, options.resample);
   result.grasp = record.outcome.grasp;
   result.origin = page::time_origin(sensor.time);
   result.notice = replayed.notice;

@@ -43,12 +43,15 @@ struct ChosenYardstick {
 class YardstickScores {
  public:
   // Runs each yardstick on the samples of `trial`. One that cannot read the sensor in a trial is
-  // left out from then on. `twin`: as Judgement::twin. `interpolate`: as in replay().
-  void add(const RecordedTrial& trial, const Truth& truth, const std::string& twin, bool interpolate = false);
+  // left out from then on. `twin`: as Judgement::twin. `object`: that of a recording; empty: unknown.
+  // `interpolate`: as in replay().
+  void add(const RecordedTrial& trial, const Truth& truth, const std::string& twin, const std::string& object,
+           bool interpolate = false);
 
-  // Returns the yardstick with the greatest area under the ROC curve. Its thresholds have the
-  // greatest balanced accuracy by samples. Every second experiment (a trial and its twins) belongs to
-  // the other half. Empty without yardsticks, and if all samples have one class.
+  // Returns the yardstick with the greatest area under the ROC curve, of at most 5,000 samples of a
+  // trial, evenly spaced. Its thresholds have the greatest balanced accuracy by samples. Every second
+  // object belongs to the other half; without two objects, every second experiment (a trial and its
+  // twins). Empty without yardsticks, and if all samples have one class.
   [[nodiscard]] std::optional<ChosenYardstick> best() const;
 
  private:
@@ -58,6 +61,7 @@ class YardstickScores {
     std::vector<Judgement> trials{};
   };
   std::vector<Scores> scores_;
+  std::vector<std::string> objects_;  // of each trial
 };
 
 }  // namespace slipbench::eval

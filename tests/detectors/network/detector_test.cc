@@ -206,14 +206,16 @@ TEST(ShippedNetworks, ReadAtTheRateOfTheirTable) {
   for (std::string line; std::getline(table, line);) {
     if (!line.starts_with("| ") || line.find(".onnx` |") == std::string::npos) continue;
     for (const char* kind : {"_slip.onnx", "_grasp.onnx"}) {
-      const std::size_t end = line.find(kind), first = line.rfind('`', end) + 1;
+      const std::size_t end = line.find(kind);
+      if (end == std::string::npos) continue;  // "no file"
+      const std::size_t first = line.rfind('`', end) + 1;
       const std::string name = line.substr(first, end - first) + kind;
       const Input input = load_engine((folder / name).string())->description().input;
       EXPECT_THAT(line, HasSubstr(" | " + readable_quantity(rate_read(input), Quantity::frequency) + " | ")) << name;
       ++files;
     }
   }
-  EXPECT_EQ(files, 14U);
+  EXPECT_EQ(files, 13U);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
 // In the first open recordings of a sensor every yardstick chooses its thresholds, one for each
 // half of the trials; the best of them enters the other sets with one threshold.
 TEST(Board, HasTheBestYardstickInEverySet) {
-  const Json result = board("papillarray", 2, 2);
+  const Json result = board("papillarray", 4, 2);
   std::string best;
   for (const Json& set : result.at("sets")) {
     SCOPED_TRACE(set.at("scene"));
@@ -110,6 +110,15 @@ TEST(Board, HasTheBestYardstickInEverySet) {
     EXPECT_TRUE(rows[0]->at("parameters").contains("threshold"));
   }
   EXPECT_THAT(board_page(result), mentions({"yardstick", best}));
+}
+
+// One half of two trials is empty, so one threshold is chosen on both.
+TEST(Board, YardsticksOfOneHalfHaveOneThreshold) {
+  const Json result = board("taxels", 2, 2);
+  for (const Json& row : result.at("sets").at(0).at("rows")) {
+    if (row.at("kind") != "yardstick") continue;
+    EXPECT_EQ(row.at("thresholds").size(), 1U) << row.at("detector");
+  }
 }
 
 // Four a decade from 1e4 down to 1e-8: 4 (4 + 8) + 1 factors.

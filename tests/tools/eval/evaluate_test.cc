@@ -10,6 +10,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/eval/eval_page.h"
 #include "tools/eval/replay.h"
+#include "tools/eval/yardsticks.h"
 
 namespace slipbench::eval::evaluate_test {
 namespace {
@@ -89,6 +90,30 @@ TEST_F(Evaluated, EveryTrialAndItsGroups) {
   // A trial's true first slip comes from its labels.
   const SensorRecord pad = DatasetReader(file).read_sensor(5, "pad");
   EXPECT_EQ(result.at("trials")[5].at("slip_time_s"), std::ranges::min(pad.labels.onset_time));
+}
+
+// The best yardstick stands beside the detector, with the area that it has as a detector of its own,
+// in the result and on the page.
+TEST_F(Evaluated, TheBestYardstickIsBesideTheDetector) {
+  // It slips from about 0.8 s on; yardsticks answer from 0.5 s on.
+  const std::string file = dataset({{"duration", "1 s"}, {"motion.start", "0.75 s"}});
+  Json result = evaluate(options(file));
+  result["command"] = "slipbench eval";
+  const Json& yardstick = result.at("yardstick");
+  const std::string type = yardstick.at("type");
+  EXPECT_EQ(yardstick.at("areas").size(), yardsticks().size());
+  EXPECT_EQ(yardstick.at("thresholds").size(), 2U);
+  EXPECT_EQ(yardstick.at("by_halves"), true);
+  EXPECT_EQ(yardstick.at("all").at("trials"), 24);
+  EXPECT_EQ(yardstick.at("all").at("frames"), result.at("all").at("frames"));
+  for (const auto& [name, area] : yardstick.at("areas").items()) {
+    Options own = options(file);
+    own.detector = chosen_detector(name, {});
+    EXPECT_EQ(evaluate(own).at("all").at("figures").at("auc").at("value"), area.at("value")) << name;
+    EXPECT_LE(area.at("value"), yardstick.at("areas").at(type).at("value"));
+  }
+  EXPECT_THAT(yardstick_note(result), mentions({"Best yardstick: " + type, "the other half of the trials"}));
+  EXPECT_THAT(page_of(result), mentions({"best yardstick, " + type, "Best yardstick: " + type}));
 }
 
 // An octave holds the speeds in its name: 15.9 and 31.99 mm/s are below 16 and 32.

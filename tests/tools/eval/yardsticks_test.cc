@@ -35,13 +35,13 @@ RecordedTrial trial(std::size_t number, double amplitude, bool slips) {
   return result;
 }
 
-void add(YardstickScores& scores, const RecordedTrial& one, const std::string& twin) {
-  scores.add(one, one.truth(TruthRule::recorded), twin);
+void add(YardstickScores& scores, const RecordedTrial& one, const std::string& twin, const std::string& object = "") {
+  scores.add(one, one.truth(TruthRule::recorded), twin, object);
 }
 
 // In half 0 slips have the amplitude 2, in half 1 the amplitude 4, all others 1. All samples of a
-// slip have one score and all others a smaller one, so each half has the greatest balanced accuracy
-// with the score of its slip as threshold, and a trial gets that of the other half.
+// slip have one score and all others a smaller one, so any threshold between the two is best in a
+// half, and the middle is chosen: (2 + 1)/2 and (4 + 1)/2. A trial gets that of the other half.
 TEST(Yardsticks, ThresholdsComeFromTheOtherHalf) {
   YardstickScores scores;
   add(scores, trial(0, 2.0, true), "a");
@@ -54,8 +54,8 @@ TEST(Yardsticks, ThresholdsComeFromTheOtherHalf) {
   EXPECT_EQ(best.part, (std::vector<std::size_t>{0, 1, 0, 1}));
   ASSERT_EQ(best.thresholds.size(), 2U);
   // float32 values and sums over a window
-  EXPECT_NEAR(best.thresholds[0], deviation_of(4.0), 1e-5);
-  EXPECT_NEAR(best.thresholds[1], deviation_of(2.0), 1e-5);
+  EXPECT_NEAR(best.thresholds[0], deviation_of(2.5), 1e-5);
+  EXPECT_NEAR(best.thresholds[1], deviation_of(1.5), 1e-5);
   EXPECT_EQ(best.areas.at("deviation").value, 1.0);
   // The mean alternates as the values do, so relative_deviation does not depend on the amplitude
   // and its two values occur equally often in both classes.
@@ -71,6 +71,33 @@ TEST(Yardsticks, TwinsAreInTheSameHalf) {
   EXPECT_EQ(scores.best().value().part, (std::vector<std::size_t>{0, 0, 1, 1}));
 }
 
+// Recordings of one object are in one half, whatever their experiments are.
+TEST(Yardsticks, RecordingsOfAnObjectAreInTheSameHalf) {
+  YardstickScores scores;
+  add(scores, trial(0, 2.0, true), "", "mug");
+  add(scores, trial(1, 1.0, false), "", "mug");
+  add(scores, trial(2, 3.0, true), "", "box");
+  add(scores, trial(3, 1.0, false), "", "box");
+  const ChosenYardstick best = scores.best().value();
+  EXPECT_EQ(best.part, (std::vector<std::size_t>{0, 0, 1, 1}));
+  EXPECT_NEAR(best.thresholds[0], deviation_of(2.0), 1e-5) << "the middle of 3 and 1";
+  EXPECT_NEAR(best.thresholds[1], deviation_of(1.5), 1e-5) << "the middle of 2 and 1";
+}
+
+// A threshold separates the samples that it was chosen on, whatever the rounding of their scores.
+TEST(Yardsticks, AChosenThresholdAcceptsTheSamplesThatChoseIt) {
+  for (int step = 1; step <= 60; ++step) {
+    const double amplitude = 1.0 + 0.27 * step;
+    YardstickScores scores;
+    for (const std::size_t number : {0U, 1U}) add(scores, trial(number, amplitude, true), number == 0 ? "a" : "b");
+    for (const std::size_t number : {2U, 3U}) add(scores, trial(number, 1.0, false), number == 2 ? "c" : "d");
+    const ChosenYardstick best = scores.best().value();
+    const RecordedTrial slip = trial(0, amplitude, true);
+    const Replayed replayed = replay(with_yardstick_threshold(best.detector, best.thresholds[0]), slip.sensors, 0, 0, 0);
+    EXPECT_EQ(replayed.seen.back(), PadState::gross) << amplitude;
+  }
+}
+
 // With one experiment the threshold is chosen on it, and the result says so.
 TEST(Yardsticks, OneThresholdIfAHalfHasOneClass) {
   YardstickScores scores;
@@ -79,7 +106,7 @@ TEST(Yardsticks, OneThresholdIfAHalfHasOneClass) {
   const ChosenYardstick best = scores.best().value();
   EXPECT_FALSE(best.by_halves);
   ASSERT_EQ(best.thresholds.size(), 1U);
-  EXPECT_NEAR(best.thresholds[0], deviation_of(2.0), 1e-5);
+  EXPECT_NEAR(best.thresholds[0], deviation_of(1.5), 1e-5);
   EXPECT_EQ(best.part, (std::vector<std::size_t>{0, 0}));
 }
 

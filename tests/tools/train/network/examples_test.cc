@@ -43,7 +43,7 @@ SensorRecord skin(std::size_t samples = 450) {
   sensor.name = "skin";
   sensor.type = "piezo_skin";
   sensor.rate = rate;
-  sensor.channels.push_back({"signal", "1", {1}, std::vector<float>(samples, 7.0F)});
+  sensor.channels.push_back({"signal", "counts", {1}, std::vector<float>(samples, 7.0F)});
   for (std::size_t i = 0; i < samples; ++i) sensor.time.push_back(static_cast<double>(i) / rate);
   for (auto* states : {&sensor.labels.state, &sensor.labels.state_micro, &sensor.labels.state_paper}) states->assign(samples, 1);
   return sensor;
