@@ -84,7 +84,23 @@ double shear_ratio(const MovingStatistics& past, const Signal& signal) {
   return math::hypot(sum[0], sum[1]) / std::abs(sum[2]);
 }
 
-template <double (*law)(const MovingStatistics&, const Signal&)>
+using Law = double (*)(const MovingStatistics&, const Signal&);
+
+// A default threshold, and the type of sensor on which it was measured; empty: it is assumed.
+struct DefaultThreshold {
+  double value;
+  const char* measured_on;
+};
+
+template <Law law>
+constexpr DefaultThreshold default_threshold() {
+  if constexpr (law == deviation) return {6.0, "biotac_sp"};
+  if constexpr (law == relative_deviation) return {0.1, ""};
+  if constexpr (law == shear_ratio) return {0.4, ""};
+  return {1.0, ""};
+}
+
+template <Law law>
 class Yardstick final : public Detector {
  public:
   Yardstick(const Parameters& parameters, const FrameSource& source)
@@ -95,6 +111,12 @@ class Yardstick final : public Detector {
                                                      source.type + " " + quote(source.sensor) + ", " +
                                                      quote(source.channels.front().name) + ", has one");
       }
+    }
+    constexpr DefaultThreshold known = default_threshold<law>();
+    if (threshold_ == known.value && source.type != known.measured_on) {
+      const std::string origin = *known.measured_on == 0 ? "is assumed" : "was measured on a " + std::string(known.measured_on);
+      notice_ = "the default threshold of " + format_number(known.value) + " " + origin +
+                "; choose one for this sensor, with --set threshold= or in the scene";
     }
     estimate_.features = {std::numeric_limits<double>::quiet_NaN()};
   }
@@ -115,22 +137,25 @@ class Yardstick final : public Detector {
     return one;
   }
 
+  [[nodiscard]] std::string notice() const override { return notice_; }
+
  private:
   Signal signal_;
   MovingStatistics past_;
   double threshold_;  // in the unit of the law
+  std::string notice_;
   SlipEstimate estimate_;
 };
 
-// `law`: its formula. `threshold`: its default.
-template <double (*law)(const MovingStatistics&, const Signal&)>
-DetectorKind yardstick(const std::string& name, const std::string& summary, const std::string& formula,
-                       const std::string& threshold, const std::string& unit, const std::string& source) {
+// `formula`: that of the law. `unit`, `source`: of its threshold.
+template <Law law>
+DetectorKind yardstick(const std::string& name, const std::string& summary, const std::string& formula, const std::string& unit,
+                       const std::string& source) {
   return {{.name = name,
            .summary = summary,
            .law = read_channel + formula + "\n" + decision,
            .source = "a yardstick for trained detectors, whose value must be above that of one number",
-           .parameters = {number_spec("threshold", Quantity::none, threshold, positive,
+           .parameters = {number_spec("threshold", Quantity::none, format_number(default_threshold<law>().value), positive,
                                       "Value of s from which the pad slips, " + unit + ".", source)}},
           created<Yardstick<law>>,
           nullptr,
@@ -142,7 +167,7 @@ DetectorKind yardstick(const std::string& name, const std::string& summary, cons
 DetectorKind deviation_detector() {
   return yardstick<deviation>(
       "deviation", "Yardstick: the mean standard deviation of the sensor's values over half a second; no training.",
-      "s = mean over all values of their standard deviation in the window", "6", "in the unit of the channel",
+      "s = mean over all values of their standard deviation in the window", "in the unit of the channel",
       "between the medians of a still and of a sliding BioTac SP in 0.64 s, 4.4 and 7.9 counts (BioTacSP-DoS); other sensors need their own");
 }
 
@@ -152,13 +177,13 @@ DetectorKind relative_deviation_detector() {
       "Yardstick: the standard deviation of the shear over half a second, divided by the normal level; no training.",
       "s = mean over units of the standard deviations of x and y in the window / mean over units of |mean of z|\n"
       "values without axes: s = mean standard deviation / mean of |mean|",
-      "0.1", "a share", "assumed");
+      "a share", "assumed");
 }
 
 DetectorKind shear_ratio_detector() {
   return yardstick<shear_ratio>(
       "shear_ratio", "Yardstick: the shear of the whole pad divided by its normal level; no training.",
-      "s = |sum over units of the means of (x, y)| / |sum over units of the means of z|, means over the window", "0.4", "a share",
+      "s = |sum over units of the means of (x, y)| / |sum over units of the means of z|, means over the window", "a share",
       "assumed: 0.8 of a friction coefficient of 0.5");
 }
 
@@ -166,7 +191,7 @@ DetectorKind sum_change_detector() {
   return yardstick<sum_change>("sum_change",
                                "Yardstick: how much the sum of the sensor's values changes in half a second; no training.",
                                "s = |sum over units now - sum over units at the window's first sample|, of vectors its length",
-                               "1", "in the unit of the channel", "assumed: 1 N of a sensor of forces");
+                               "in the unit of the channel", "assumed: 1 N of a sensor of forces");
 }
 
 }  // namespace slipbench

@@ -77,7 +77,7 @@ class Detector {
   // of the same instant. Null (the usual case): no part does.
   [[nodiscard]] virtual SampleListener* listener() { return nullptr; }
   // Returns one sentence for the user if the detector reads other frames than its sensor's, such as
-  // resampled ones; empty: it does not. Never changes.
+  // resampled ones, or has a threshold for another sensor; empty: neither. Never changes.
   [[nodiscard]] virtual std::string notice() const { return {}; }
   // Called once after the last update(). Throws InputError if the detector's backend fails as it
   // ends.

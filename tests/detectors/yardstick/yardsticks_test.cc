@@ -54,6 +54,21 @@ TEST(Deviation, IsThatOfASinusoid) {
   }
 }
 
+// A default threshold belongs to the sensor on which it was measured: about others the detector gives a notice.
+TEST(Yardsticks, SayThatADefaultThresholdIsOfAnotherSensor) {
+  const auto notice = [](const DetectorKind& kind, const FrameSource& source, double factor) {
+    Parameters parameters = defaults_of(kind.about.parameters);
+    parameters.set("threshold", factor * parameters.number("threshold"));
+    return kind.create(parameters, source)->notice();
+  };
+  const FrameSource forces{"pad", "papillarray", rate, {{"force", "N", {9, 3}, {}}}};
+  EXPECT_EQ(notice(deviation_detector(), scalar_source(24), 1.0), "");
+  EXPECT_THAT(notice(deviation_detector(), forces, 1.0),
+              testing::HasSubstr("default threshold of 6 was measured on a biotac_sp"));
+  EXPECT_EQ(notice(deviation_detector(), forces, 2.0), "");
+  EXPECT_THAT(notice(sum_change_detector(), forces, 1.0), testing::HasSubstr("default threshold of 1 is assumed"));
+}
+
 // A line with the slope b per frame: variance b^2 (n^2 - 1)/12 of n frames.
 TEST(Deviation, IsThatOfALine) {
   const Signal line = [](int k) { return std::vector<float>{0.25F * static_cast<float>(k)}; };

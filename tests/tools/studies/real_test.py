@@ -194,6 +194,22 @@ class Study(unittest.TestCase):
         self.assertEqual(deviation["alarms"], 0)
         self.assertAlmostEqual(deviation["minutes"], 2 * 39 / 20 / 60, 9)  # of two arrays
 
+    def test_damaged_tables_of_boxes_are_refused(self):
+        boxes = self.folder / "boxes"
+        write_boxes(boxes)
+        expected = "recordings.csv:2: expected the columns recording, a number, and object"
+        for table, text in (("rec,object\n0,11\n1,7\n", expected), ("recording;object\n0;11\n1;7\n", expected), ("recording\n0\n1\n", expected),
+                            ("recording,object\nzero,11\n1,7\n", expected), ("recording,object\n1,7\n", "has no row for recording 0, of r00_finger1.csv")):
+            (boxes / "recordings.csv").write_text(table, encoding="utf-8")
+            with self.subTest(table), self.assertRaisesRegex(InputError, f"{text}.*--only evaluates other sets than uskin-boxes"):
+                study(Options(recordings=str(self.folder)))
+
+    def test_a_table_of_boxes_may_begin_with_a_mark(self):
+        boxes = self.folder / "boxes"
+        write_boxes(boxes)
+        (boxes / "recordings.csv").write_text("recording,object\n0,11\n1,7\n", encoding="utf-8-sig")
+        self.assertEqual(study(Options(recordings=str(self.folder))).figures["uskin-boxes"]["objects"], ["11", "7"])
+
     def test_refusals(self):
         for options, text in ((Options(), "needs --recordings DIR"), (Options(recordings=str(self.folder / "none")), "expected a folder"),
                               (Options(recordings=str(self.folder)), "contains no known set"),

@@ -153,6 +153,7 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
         groups = [recordings.object[one.trial] if len(objects) > 1 else recordings.recording[one.trial] for one in answers]
         answers, thresholds = left_out(answers, groups)
         thresholds = [own * one / (1.0 - one) for one in thresholds if not math.isnan(one)]
+        notice = re.sub(r"(; )?the default threshold of [^;]*; choose [^;]*", "", notice)  # it has another
         if not answers:
             return Row(name, failure="no threshold: the other recordings have no labelled hold, or no labelled slip")
     figures = judged(answers, [recordings.recording[one.trial] for one in answers])
@@ -327,7 +328,10 @@ def study(options: Options) -> Result:
             if not places.get(about.name):
                 continue
             options.say(f"{about.name}: importing")
-            recordings = imported(about, places[about.name], Path(scratch))
+            try:
+                recordings = imported(about, places[about.name], Path(scratch))
+            except InputError as error:
+                raise InputError(f"{error}; --only evaluates other sets than {about.name}") from error
             rows = []
             for detector, yardstick in [*((str(path), False) for path in shipped_networks(about.sensor)),
                                         *((name, False) for name in CATALOGUE.get(about.sensor, ())), *((name, True) for name in YARDSTICKS)]:

@@ -62,14 +62,21 @@ def _named_object(params: Params, _: list[Path]) -> str:
 
 def _box_of(params: Params, folders: list[Path]) -> str:
     """The box of a recording of uskin_boxes, by the table next to its files; empty without it."""
+    from slipbench import InputError
+
     wanted = int(re.sub(r"\D", "", _file_stem(params, folders)))
     for folder in folders:
         table = folder / "recordings.csv"
-        if table.is_file():
-            with table.open(encoding="utf-8") as lines:
-                for row in csv.DictReader(lines):
-                    if int(row["recording"]) == wanted:
-                        return row["object"]
+        if not table.is_file():
+            continue
+        rows = list(csv.DictReader(table.read_text(encoding="utf-8-sig", errors="replace").splitlines()))
+        for line, row in enumerate(rows, start=2):
+            number, box = row.get("recording"), row.get("object")
+            if number is None or box is None or not number.strip().isdecimal():
+                raise InputError(f"{table}:{line}: expected the columns recording, a number, and object, separated by commas")
+            if int(number) == wanted:
+                return box.strip()
+        raise InputError(f"{table}: has no row for recording {wanted}, of {params['file']}")
     return ""
 
 
