@@ -337,7 +337,7 @@ std::string detector_for(const std::string& type, const std::set<std::string>& c
     const char* channel;
     const char* file;
   };
-  // On real recordings of a BioTac SP, deviation is better than the included network.
+  // No included network reads the electrodes of a BioTac SP alone.
   static constexpr std::array<Network, 5> networks{{{"gel_markers", "displacement", "scenes/learn/gel_slip.onnx"},
                                                     {"magnetic_skin", "field", "scenes/learn/magnetic_skin_slip.onnx"},
                                                     {"nib_pad", "si", "scenes/learn/nib_slip.onnx"},

@@ -138,7 +138,7 @@ std::string why_not_hdf5(const std::string& path, const std::string& message) {
   std::ranges::transform(text, text.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   if (text.starts_with("<!doctype html") || text.starts_with("<html"))
     return "is an HTML page, not an HDF5 file; download the file itself";
-  return "is not an HDF5 file";
+  return "is not an HDF5 file; `slipbench import` reads tables and bags";
 }
 
 // Checks the size of chunks without compression. Of a dataset's filters only shuffle keeps the
