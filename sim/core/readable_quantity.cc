@@ -18,6 +18,18 @@ std::string rounded(double number, int digits = 4) {
   return {buffer.data(), end};
 }
 
+// The number at the beginning of a text.
+double number_in(std::string_view text) {
+  double number = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+// "27.261 ms" -> "27.26 ms"
+std::string with_rounded_number(const std::string& text) {
+  return rounded(number_in(text)) + text.substr(std::min(text.find(' '), text.size()));
+}
+
 // Returns the first unit of `quantity` that follows a number in the text; null without one.
 const Unit* unit_in(std::string_view text, Quantity quantity) {
   const std::size_t first = text.find_first_not_of("[ ");
@@ -41,10 +53,10 @@ std::string readable_quantity(double value, Quantity quantity) {
   const double size = std::abs(value);
   if (quantity == Quantity::length && size >= 1e-5 && size < 1.0) return rounded(1e3 * value) + " mm";
   const std::string exact = format_quantity(value, quantity);
-  const std::size_t space = std::min(exact.find(' '), exact.size());
-  double number = 0.0;
-  std::from_chars(exact.data(), exact.data() + space, number);
-  return rounded(number) + exact.substr(space);
+  if (const std::string text = with_rounded_number(exact); text.find("e+") == std::string::npos) return text;
+  // In the unit in which the exact number is shortest, four digits need an exponent: 27261 us, not
+  // 27.26 ms.
+  return format_quantity(number_in(rounded(value)), quantity);
 }
 
 std::string bound_in_unit_of(std::string_view like, double bound, Quantity quantity, Bound side) {

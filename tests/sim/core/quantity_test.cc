@@ -154,6 +154,9 @@ TEST(ReadableQuantity, HasFourDigitsAndLengthsInMillimetres) {
   EXPECT_EQ(readable_quantity(2e-6, Quantity::length), "2 um");
   EXPECT_EQ(readable_quantity(0.0, Quantity::length), "0 m");
   EXPECT_EQ(readable_quantity(1.0 / 3000.0, Quantity::time), "333.3 us");
+  // 27261 us is the shortest exact text, but four digits of it are 2.726e+04.
+  EXPECT_EQ(readable_quantity(0.027261, Quantity::time), "27.26 ms");
+  EXPECT_EQ(readable_quantity(12346.0, Quantity::frequency), "12350 Hz");
   EXPECT_EQ(readable_quantity(30.0 * degree, Quantity::angle), "30 deg");
   EXPECT_EQ(readable_quantity(std::numeric_limits<double>::infinity(), Quantity::time), "inf");
 }
