@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,8 +16,11 @@
 namespace slipbench {
 namespace {
 
-// "2.7"
-std::string times_text(double ratio) { return format_number(std::round(10.0 * ratio) / 10.0); }
+// "2.7", "1.02": 1 % is a difference.
+std::string times_text(double ratio) {
+  const double digits = ratio < 2.0 ? 100.0 : 10.0;
+  return format_number(std::round(digits * ratio) / digits);
+}
 std::string hertz(double rate) { return readable_quantity(rate, Quantity::frequency); }
 std::string seconds(double time) { return readable_quantity(time, Quantity::time); }
 
@@ -30,24 +34,63 @@ void check_length(double step, double rate, const std::string& sensor) {
 
 constexpr const char* interpolating = "--resample of `detect` and `eval`";
 
-double median_step(std::span<const double> times) {
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < times.size(); ++k) steps.push_back(times[k] - times[k - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::ranges::nth_element(steps, middle);
-  return *middle;
+// At least half of all pairs of steps are not longer than two of these, so some step is no gap.
+double typical_step(std::span<const double> times) {
+  if (times.size() < 3) return times.back() - times.front();
+  std::vector<double> pairs;
+  for (std::size_t k = 2; k < times.size(); ++k) pairs.push_back(times[k] - times[k - 2]);
+  const auto middle = pairs.begin() + static_cast<std::ptrdiff_t>(pairs.size() / 2);
+  std::ranges::nth_element(pairs, middle);
+  return 0.5 * *middle;
 }
 
-// Counts the gaps in frames of `period` [s].
-void count_gaps(const FrameSource& source, double period, Resampling& resampling) {
+std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
+// "but the network reads 100 Hz or more, "
+std::string reading(const std::string& reader, double least, double rate) {
+  return "but " + reader + " reads " + hertz(least) + (least < rate ? " or more, " : ", ");
+}
+
+// Adds up the time in stretches that are slower than the detector needs.
+class Stretches {
+ public:
+  // `least`: rate that the detector needs [Hz].
+  explicit Stretches(double least) : least_(least) {}
+
+  void add(double step) {
+    duration_ += step;
+    if (++steps_ < stretch_steps) return;
+    const double rate = static_cast<double>(steps_) / duration_;
+    slowest_ = std::min(slowest_, rate);
+    if (rate < (1.0 - other_rate) * least_) slow_ += duration_;
+    steps_ = 0;
+    duration_ = 0.0;
+  }
+  [[nodiscard]] double slowest() const { return slowest_; }  // Hz; infinite: no stretch is complete
+  [[nodiscard]] double slow() const { return slow_; }        // s
+
+ private:
+  double least_;
+  std::size_t steps_ = 0;
+  double duration_ = 0.0;
+  double slowest_ = std::numeric_limits<double>::infinity(), slow_ = 0.0;
+};
+
+// Counts the gaps in frames of `period` [s], and looks for slow stretches between them. `least`:
+// rate that the detector needs [Hz].
+void count_gaps(const FrameSource& source, double period, double least, const std::string& reader, Resampling& resampling) {
   const std::span<const double> times = source.uneven_times;
   const bool any = source.interpolate;
   const std::string sensor = "sensor " + quote(source.sensor) + ": ";
   const double longest = std::max(longest_gap, longest_gap_frames * period);
   double together = 0.0;
+  Stretches stretches(least);
   for (std::size_t k = 1; k < times.size(); ++k) {
     const double step = times[k] - times[k - 1];
-    if (step <= gap_frames * period) continue;
+    if (step <= gap_frames * period) {
+      stretches.add(step);
+      continue;
+    }
     check_length(step, 1.0 / period, sensor);
     if (step > longest) resampling.made_up = true;
     if (step > longest && !any) {
@@ -60,13 +103,20 @@ void count_gaps(const FrameSource& source, double period, Resampling& resampling
     resampling.largest_gap = std::max(resampling.largest_gap, step);
     together += step;
   }
-  const double share = together / (times.back() - times.front());
+  const double duration = times.back() - times.front(), share = together / duration, slow = stretches.slow() / duration;
   if (share > largest_gap_share) resampling.made_up = true;
   if (share > largest_gap_share && !any) {
     throw InputError(sensor + "its samples are not evenly spaced: " + counted(resampling.gaps, "gap") + " of more than " +
-                     seconds(gap_frames * period) + " are " + std::to_string(std::lround(100.0 * share)) +
-                     " % of the recording; allowed: " + std::to_string(std::lround(100.0 * largest_gap_share)) +
-                     " %; interpolate with " + interpolating + " or with `import --rate`");
+                     seconds(gap_frames * period) + " are " + percent(share) + " of the recording; allowed: " +
+                     percent(largest_gap_share) + "; interpolate with " + interpolating + " or with `import --rate`");
+  }
+  if (stretches.slowest() < (1.0 - other_rate) / resampling.step) resampling.slowest = stretches.slowest();
+  if (slow > largest_gap_share) resampling.made_up = true;
+  if (slow > largest_gap_share && !any) {
+    throw InputError(sensor + "its rate of " + hertz(1.0 / resampling.step) + " falls to " + hertz(stretches.slowest()) + ", " +
+                     reading(reader, least, resampling.wanted) + "which " + percent(slow) +
+                     " of the recording do not reach; allowed: " + percent(largest_gap_share) + "; interpolate with " +
+                     interpolating + " or with `import --rate`");
   }
 }
 
@@ -179,10 +229,22 @@ class Resampled final : public Detector {
 
 }  // namespace
 
+double sampled_rate(std::span<const double> times) {
+  const double longest = gap_frames * typical_step(times);
+  double steps = 0.0, duration = 0.0;
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    const double step = times[k] - times[k - 1];
+    if (step > longest) continue;
+    steps += 1.0;
+    duration += step;
+  }
+  return steps / duration;
+}
+
 Resampling resampling_of(const FrameSource& source, double rate, const std::string& reader, double least) {
   Resampling resampling{.wanted = rate};
   const bool even = source.uneven_times.size() < 2;
-  if (!even) resampling.step = median_step(source.uneven_times);
+  if (!even) resampling.step = 1.0 / sampled_rate(source.uneven_times);
   const double sampled = even ? source.rate : 1.0 / resampling.step;
   const double ratio = sampled / rate, whole = std::round(ratio);
   const bool multiple = whole >= 1.0 && std::abs(ratio - whole) <= equal_rates * whole;
@@ -192,13 +254,18 @@ Resampling resampling_of(const FrameSource& source, double rate, const std::stri
   const double needed = least > 0.0 ? std::min(least, rate) : rate;
   resampling.made_up = resampling.slow && sampled < (1.0 - equal_rates) * needed;
   if (resampling.made_up && !source.interpolate) {
-    throw InputError("sensor " + quote(source.sensor) + " has " + hertz(sampled) + ", but " + reader + " reads " + hertz(needed) +
-                     (needed < rate ? " or more, " : ", ") + times_text(needed / sampled) + " times more; allowed: " +
-                     hertz(needed) + " or more; " + interpolating + " interpolates a slower recording");
+    throw InputError("sensor " + quote(source.sensor) + " has " + hertz(sampled) + ", " + reading(reader, needed, rate) +
+                     times_text(needed / sampled) + " times as much; allowed: " + hertz(needed) + " or more; " + interpolating +
+                     " interpolates a slower recording");
   }
   check_length(1.0 / sampled, resampling.rate, "sensor " + quote(source.sensor) + ": ");
-  if (!even) count_gaps(source, std::max(1.0 / resampling.rate, resampling.step), resampling);
+  if (!even) count_gaps(source, std::max(1.0 / resampling.rate, resampling.step), needed, reader, resampling);
   return resampling;
+}
+
+Resampling evening_of(const FrameSource& source, const std::string& reader) {
+  constexpr double any_rate = std::numeric_limits<double>::min();
+  return resampling_of(source, sampled_rate(source.uneven_times), reader, any_rate);
 }
 
 std::string resampling_text(const Resampling& resampling, const FrameSource& source, const std::string& reader) {
@@ -209,6 +276,7 @@ std::string resampling_text(const Resampling& resampling, const FrameSource& sou
   text += " for " + reader;
   if (resampling.gaps > 0)
     text += "; " + counted(resampling.gaps, "gap") + " of at most " + seconds(resampling.largest_gap) + " bridged";
+  if (resampling.slowest > 0.0) text += "; down to " + hertz(resampling.slowest) + " in places";
   if (resampling.made_up) text += "; the figures are of interpolated data";
   return text;
 }

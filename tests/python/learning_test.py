@@ -247,7 +247,7 @@ class Training(TrainingTest):
         self.assertEqual(learning.Engine(ranged.path).description["input"]["rates"], [100.0, 1000.0])
         result = slipbench.evaluate(ranged.path, slow)
         self.assertEqual((result["notice"], result["reads_hz"]), ("interpolated from 100 Hz to 1 kHz for ranged.onnx", {"frames": 1000.0, "least": 100.0}))
-        with self.assertRaisesRegex(InputError, "sensor 'pad' has 100 Hz, but the network reads 1 kHz, 10 times more; .*--resample"):
+        with self.assertRaisesRegex(InputError, "sensor 'pad' has 100 Hz, but the network reads 1 kHz, 10 times as much; .*--resample"):
             slipbench.evaluate(self.train().path, slow)
 
     # The greatest seed: the second of two members wraps to 0.

@@ -186,6 +186,33 @@ TEST(Replay, EvensOutALostSampleForDetectorsThatCountFrames) {
               mentions({"sensor pad", "import --rate"}));
 }
 
+// Steps of 11 and 9 ms in turn, without sample 70: 69 of each are 100 Hz, though their median is 11
+// ms. The values lie on a line over time, so frames 10 ms apart have the standard deviation above.
+TEST(Replay, EvensOutStepsThatAlternate) {
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.type = "skin";
+  sensor.rate = 99.3;
+  sensor.labels.truth = false;
+  std::vector<float> values;
+  for (int k = 0; k <= 140; ++k) {
+    if (k == 70) continue;
+    sensor.time.push_back(0.01 * k + (k % 2 == 1 ? 0.001 : 0.0));
+    values.push_back(static_cast<float>(100.0 * sensor.time.back()));
+  }
+  sensor.channels.push_back({"signal", "counts", {1}, values});
+  const double s = std::sqrt((50.0 * 50.0 - 1.0) / 12.0);
+  const Replayed replayed = replay(chosen_detector("deviation", {{"threshold", "10"}}), std::span(&sensor, 1), 0, 1, 0);
+  EXPECT_EQ(replayed.notice, "resampled evenly at 100 Hz for deviation; 1 gap of at most 20 ms bridged");
+  std::size_t estimates = 0;
+  for (std::size_t row = 0; row < sensor.time.size(); ++row) {
+    if (std::isnan(replayed.probability[row])) continue;
+    EXPECT_NEAR(replayed.probability[row], s / (s + 10.0), 1e-5) << row;
+    ++estimates;
+  }
+  EXPECT_GE(estimates, 45U) << "every second frame comes with the next one, in 90 rows with a whole window";
+}
+
 TEST(Replay, RefusesWhatTheLoopRefuses) {
   const Scene scene = parsed(stage("{type: force_ratio}"));
   TrialRecord record = run_trial(scene, 0, Recording::full).record;
