@@ -53,10 +53,24 @@ class DetectTest(unittest.TestCase):
         log[(log.index < 100) | (log.index >= 140)].to_csv(self.place / "gap.csv", index=False)  # a step of 0.41 s
         slipbench.import_recordings(self.place / "gap.csv", self.place / "gap.h5", map=self.place / "labelled.yaml")
         for judge in (slipbench.detect, slipbench.evaluate):
-            with self.assertRaisesRegex(slipbench.InputError, "sensor 'pad': a step of 0.41 s, 0.99 s after the first sample, .*--resample"):
+            with self.assertRaisesRegex(slipbench.InputError, "sensor 'pad': a step of 410 ms, 990 ms after the first sample, .*--resample"):
                 judge("deviation", self.place / "gap.h5")
             notice = judge("deviation", self.place / "gap.h5", resample=True)["notice"]
-            self.assertEqual(notice, "resampled evenly at 100 Hz for deviation; 1 gap of at most 0.41 s bridged; the figures are of interpolated data")
+            self.assertEqual(notice, "resampled evenly at 100 Hz for deviation; 1 gap of at most 410 ms bridged; the figures are of interpolated data")
+
+    def test_samples_that_import_made_up_are_stated(self):
+        # Every third sample, 33.3 Hz. At 100 Hz from 0 to 2.97 s: 298 samples, of which 100 are recorded.
+        log = pd.read_csv(self.place / "log.csv")
+        log.iloc[:298:3].to_csv(self.place / "slow.csv", index=False)
+        slipbench.import_recordings(self.place / "slow.csv", self.place / "faster.h5", map=self.place / "labelled.yaml", rate="100 Hz")
+        for judge in (slipbench.detect, slipbench.evaluate):
+            notice = judge("force_ratio", self.place / "faster.h5")["notice"]
+            self.assertEqual(notice, "`import --rate` interpolated 198 of 298 samples; the figures are of interpolated data")
+        # At its own rate, 30 of 300 samples lie in a gap, of which one in ten may.
+        log[(log.index < 100) | (log.index >= 130)].to_csv(self.place / "hole.csv", index=False)
+        slipbench.import_recordings(self.place / "hole.csv", self.place / "filled.h5", map=self.place / "labelled.yaml", rate="100 Hz")
+        self.assertEqual(slipbench.detect("force_ratio", self.place / "filled.h5")["notice"], "`import --rate` interpolated 30 of 300 samples, in gaps")
+        self.assertEqual(self.detect("labelled")["notice"], "")
 
     def test_missing_values_are_not_taken_for_readings(self):
         log = pd.read_csv(self.place / "log.csv")

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "detectors/resampling.h"
 #include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/trial/recorded_scene.h"
@@ -50,6 +51,23 @@ std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::s
   return sensors;
 }
 
+// How many samples `import --rate` interpolated, by the params of a trial; empty: none.
+std::string made_up_by_import(const std::string& params, std::size_t samples) {
+  const Json known = Json::parse(params, nullptr, false);
+  if (!known.is_object() || !known.contains("resampled") || !known.at("resampled").is_object()) return "";
+  const Json& resampled = known.at("resampled");
+  const auto number = [&](const char* key) {
+    const auto found = resampled.find(key);
+    return found != resampled.end() && found->is_number_unsigned() ? found->get<std::size_t>() : std::size_t{0};
+  };
+  const std::size_t made_up = number("samples_made_up"), in_gaps = number("samples_in_gaps");
+  if (made_up == 0 && in_gaps == 0) return "";
+  const std::string text = fmt::format("`import --rate` interpolated {} of {}{}", made_up > 0 ? made_up : in_gaps,
+                                       counted(samples, "sample"), made_up > 0 ? "" : ", in gaps");
+  const bool many = made_up > 0 || static_cast<double>(in_gaps) > largest_gap_share * static_cast<double>(samples);
+  return text + (many ? "; the figures are of interpolated data" : "");
+}
+
 }  // namespace
 
 Truth RecordedTrial::truth(TruthRule rule) const { return truth_of(scene ? &*scene : nullptr, record, sensor(), rule); }
@@ -63,6 +81,10 @@ RecordedTrial recorded_trial(const DatasetReader& reader, std::size_t trial, con
   result.read = chosen_sensor(names, sensor);
   result.sensors = in_order(result.record, names);
   result.replayed = replay(detector, result.sensors, result.read, result.record.seed, trial, interpolate);
+  if (const std::string made_up = made_up_by_import(result.record.params, result.record.num_samples()); !made_up.empty()) {
+    std::string& notice = result.replayed.notice;
+    notice += (notice.empty() ? "" : "; ") + made_up;
+  }
   if (has_scene(reader)) result.scene = recorded_scene(recorded_file(reader), result.record, catalogues);
   return result;
 }

@@ -29,11 +29,12 @@ struct RecordedTrial {
 
 // Reads a trial and runs the detector on it. `sensor`: name in the scene; empty: the only one.
 // Throws InputError for a trial with its outcome alone, for an unknown sensor, and as replay()
-// does. `interpolate`: as in replay().
+// does. `interpolate`: as in replay(). The notice of an imported trial also says how many of its
+// samples `import --rate` interpolated.
 RecordedTrial recorded_trial(const DatasetReader& reader, std::size_t trial, const DetectorScene& detector,
                              const std::string& sensor, const Catalogues& catalogues, bool interpolate = false);
 
-// Collects Detector::notice() of the trials into one line.
+// Collects Replayed::notice of the trials into one line.
 class Notices {
  public:
   // `notice`: of the next trial; empty: none.

@@ -30,7 +30,7 @@ struct Replayed {
   std::vector<double>
       probability;            // of slip, in the first row that sees an estimate; NaN elsewhere, and if the detector has none
   std::vector<double> named;  // number of the class, likewise
-  std::string notice;         // Detector::notice()
+  std::string notice;         // Detector::notice(); recorded_trial() adds to it
 };
 
 // Feeds a trial's samples to a detector made for it (make_detector), as the loop does: all channels
