@@ -89,8 +89,8 @@ def write_directions(folder):
             (folder / "csvs" / name / f"{thing}{number}.csv").write_text(text, encoding="utf-8")
 
 
-def write_boxes(folder):
-    """Two recordings of two fingers at 40 Hz: 0.5 s unknown, 1.5 s of a still hold, 1.5 s of slip with noise."""
+def write_boxes(folder, gap=0.0):
+    """Two recordings of two fingers at 40 Hz: 0.5 s unknown, 1.5 s of a still hold, with a longer step by gap [s], 1.5 s of slip with noise."""
     folder.mkdir()
     (folder / "recordings.csv").write_text("recording,object\n0,11\n1,7\n", encoding="utf-8")
     for recording in range(2):
@@ -101,7 +101,7 @@ def write_boxes(folder):
                 state = "unknown" if row < 20 else "hold" if row < 80 else "slip"
                 sway = [20.0 * noise.normal() if state == "slip" else 0.0 for _ in range(32)]
                 values = [f"{value:.2f}" for k in range(16) for value in (sway[2 * k], sway[2 * k + 1], 500.0)]
-                lines.append(",".join([f"{row / 40}", *values, state]))
+                lines.append(",".join([f"{row / 40 + (gap if row >= 40 else 0.0)}", *values, state]))
             (folder / f"r{recording:02d}_finger{finger}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -185,6 +185,14 @@ class Study(unittest.TestCase):
         self.assertIn("from 40 Hz to 100 Hz", network["notice"])
         [table] = [table for table in result.tables if table.title == "uskin-boxes: 2 recordings"]
         self.assertIn(network["notice"], table.note)
+
+    def test_a_long_gap_is_bridged_for_every_detector(self):
+        write_boxes(self.folder / "boxes", gap=0.4)
+        found = study(Options(recordings=str(self.folder))).figures["uskin-boxes"]["detectors"]
+        for name in ("deviation", "relative_deviation", "shear_ratio", "sum_change", "magnetic_skin_slip.onnx"):
+            self.assertEqual(found[name]["failure"], "", name)
+            self.assertIn("1 gap of at most 425 ms bridged", found[name]["notice"])
+        self.assertEqual(found["deviation"]["figures"]["auc_steady"]["value"], 1.0)
 
     def test_every_sensor_of_a_bag(self):
         write_bag(self.folder / "bags")

@@ -120,7 +120,8 @@ def judged(answers: Sequence[Answer], groups: Sequence[str]) -> dict[str, Any]:
 
 
 def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
-    """Runs a detector on a set. Recordings that are slower than a network reads are interpolated.
+    """Runs a detector on a set. As with `--resample`, recordings that are slower than a network reads are interpolated,
+    and long gaps for every detector.
 
     Args:
         recordings: the set
@@ -137,7 +138,7 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
     own = math.nan  # threshold of a yardstick, at which its score s/(s + threshold) is 0.5
     for sensor in recordings.sensors:
         try:
-            detected = slipbench.detect(detector, recordings.dataset, sensor=sensor, resample=not yardstick)
+            detected = slipbench.detect(detector, recordings.dataset, sensor=sensor, resample=True)
         except InputError as error:
             return Row(name, failure=reason_of(str(error), detector))
         answers += answers_of(detected)
