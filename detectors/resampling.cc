@@ -44,7 +44,7 @@ double typical_step(std::span<const double> times) {
   return 0.5 * *middle;
 }
 
-std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+std::string percent(double share) { return format_number(std::round(100.0 * share)) + " %"; }
 
 // "but the network reads 100 Hz or more, "
 std::string reading(const std::string& reader, double least, double rate) {
@@ -146,7 +146,10 @@ class Resampled final : public Detector {
 
   [[nodiscard]] const std::vector<Feature>& features() const override { return detector_->features(); }
   [[nodiscard]] SampleListener* listener() override { return detector_->listener(); }
-  [[nodiscard]] std::string notice() const override { return notice_; }
+  [[nodiscard]] std::string notice() const override {
+    const std::string own = detector_->notice();
+    return own.empty() ? notice_ : notice_ + "; " + own;
+  }
   void finish() override { detector_->finish(); }
 
  private:
