@@ -274,18 +274,31 @@ std::vector<Part> parts_of(const Board& board, const EntrantResults& entry) {
   return parts;
 }
 
-// Index of the threshold with the greatest score of the trials that `uses` selects; among equal
-// ones the greatest threshold.
+// False for disturbed recordings of which all slip, and for recordings of a real sensor whose onsets
+// are all unknown, which cannot earn credit.
+bool has_score(const Score& score, const TestSet& test_set) {
+  if (!test_set.disturbance.empty()) return score.judged > 0;
+  return test_set.track != Track::transfer || score.credited > 0;
+}
+
+// Index of the threshold with the greatest score of the trials that `uses` selects, or with the
+// greatest balanced accuracy of their samples if these have no score; among equal ones the greatest
+// threshold.
 std::size_t best_factor(const Board& board, const EntrantResults& entry, const std::function<bool(std::size_t)>& uses) {
   const std::size_t factors = threshold_factors().size();
   std::size_t best = 0;
   double greatest = -std::numeric_limits<double>::infinity();
   for (std::size_t place = 0; place < factors; ++place) {
     std::vector<Part> parts;
+    Confusion frames{};
     for (std::size_t k = 0; k < entry.answers.size(); ++k) {
-      if (uses(k)) parts.push_back(recording_part(entry.answers[k].at[place].judgement, board.test_set));
+      if (!uses(k)) continue;
+      const eval::Judgement& judgement = entry.answers[k].at[place].judgement;
+      parts.push_back(recording_part(judgement, board.test_set));
+      add(frames, judgement.frames);
     }
-    const double value = score_of(parts, board.test_set).value;
+    const Score score = score_of(parts, board.test_set);
+    const double value = has_score(score, board.test_set) ? score.value : balanced_slip_accuracy(frames);
     if (value > greatest) best = place;
     greatest = std::max(greatest, value);
   }
@@ -377,10 +390,11 @@ Json row_json(const Board& board, const EntrantResults& entry) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const eval::Judgement& judgement = entry.answers[k].judgement;
     // A slip that earns nothing is neither missed nor seen late.
-    const bool too_small = !entry.answers[k].grasp && !parts[k].credited && !std::isnan(judgement.slip_time);
+    const bool too_small =
+        !entry.answers[k].grasp && !parts[k].credited && judgement.onset_known && !std::isnan(judgement.slip_time);
     if (parts[k].judged && !too_small) judgements.push_back(judgement);
   }
-  const bool has_score = board.test_set.disturbance.empty() || score.judged > 0;
+  const bool scored = has_score(score, board.test_set);
   Json row = {{"rank", nullptr},
               {"detector", entry.entrant->name},
               {"kind", kind_word(entry.entrant->kind)},
@@ -388,17 +402,17 @@ Json row_json(const Board& board, const EntrantResults& entry) {
               {"parameters", entry.entrant->parameters},
               {"sha256", entry.entrant->sha256},
               {"score",
-               {{"value", has_score ? Json(score.value) : Json(nullptr)},
-                {"low", has_score ? or_null(interval.low) : Json(nullptr)},
-                {"high", has_score ? or_null(interval.high) : Json(nullptr)}}},
-              {"credit", score.credit},
+               {{"value", scored ? Json(score.value) : Json(nullptr)},
+                {"low", scored ? or_null(interval.low) : Json(nullptr)},
+                {"high", scored ? or_null(interval.high) : Json(nullptr)}}},
+              {"credit", board.test_set.track != Track::transfer || scored ? Json(score.credit) : Json(nullptr)},
               {"false_alarms_per_minute", score.alarms_per_minute},
               {"said", score.said},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (!entry.thresholds.empty()) row["thresholds"] = entry.thresholds;
   if (board.test_set.track == Track::loop) row["needless"] = score.needless;
   if (!board.test_set.disturbance.empty()) {
-    row["specificity"] = has_score ? Json(score.specificity) : Json(nullptr);
+    row["specificity"] = scored ? Json(score.specificity) : Json(nullptr);
     row["judged"] = score.judged;
   }
   if (entry.answers.front().grasp) row["grasps"] = grasps_json(entry);
@@ -467,7 +481,7 @@ Json board_json(Json json, Board board, Yardsticks& yardsticks) {
   double last = std::numeric_limits<double>::infinity();
   for (const EntrantResults& entry : board.entries) {
     Json row = row_json(board, entry);
-    if (is_ranked(*entry.entrant, board.test_set)) {
+    if (is_ranked(*entry.entrant, board.test_set) && !row.at("score").at("value").is_null()) {
       ++place;
       if (value(entry) < last) rank = place;  // equal scores share a rank
       last = value(entry);
@@ -672,6 +686,7 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
   const DatasetReader reader = whole_dataset(file);
   Board board{.test_set = {.track = Track::transfer}};
   std::string digests;
+  bool labelled = false;
   for (const std::size_t trial : chosen_trials(reader.trials().size(), 0)) {
     const std::size_t number = reader.trials()[trial];
     reader.check_recorded(number);
@@ -682,7 +697,8 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
     if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
       reject("{}: has a {}, but --sensor is {}", file, sensor.type, options.asked.sensor);
     // Throws for a recording without labels.
-    eval::label_states(sensor, rule_of(Track::transfer), false);
+    const std::vector<PadState> states = eval::label_states(sensor, rule_of(Track::transfer), false);
+    labelled = labelled || std::ranges::any_of(states, [](PadState state) { return state != unknown_state; });
     board.sensor = sensor.type;
     if (board.digests.empty()) add_entries(board, entrants, record, {0});
     board.digests.push_back(trial_identity(reader, number));
@@ -690,6 +706,7 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
     for (EntrantResults& entry : board.entries)
       entry.answers.push_back(recorded_answer(entry, nullptr, nullptr, record, rule_of(Track::transfer)));
   }
+  if (!labelled) eval::reject_unlabelled(file);
   Json json = {{"track", track_name(Track::transfer)},
                {"sensor", board.sensor},
                {"file", file},

@@ -83,7 +83,7 @@ Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   Part part = alarms_of(judgement);
   const bool slips = !std::isnan(judgement.slip_time);
   const bool by_distance = test_set.track != Track::transfer;
-  part.credited = slips && !(by_distance && judgement.whole_slip_distance < least_slip_distance);
+  part.credited = slips && judgement.onset_known && !(by_distance && judgement.whole_slip_distance < least_slip_distance);
   part.judged = test_set.disturbance.empty() || !slips;
   part.silent = std::isnan(judgement.alarm_time);
   if (part.credited && judgement.detection == Detection::seen) {
@@ -127,6 +127,7 @@ Score score_of(std::span<const Part> parts, const TestSet& test_set) {
   score.said = share(sum.said, sum.still);
   score.specificity = share(silent, judged);
   score.judged = static_cast<std::size_t>(judged);
+  score.credited = static_cast<std::size_t>(credited);
   // In a loop a false alarm already costs force.
   const double alarms = test_set.track == Track::loop ? 0.0 : score.alarms_per_minute;
   score.value = !test_set.disturbance.empty()

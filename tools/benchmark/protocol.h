@@ -82,7 +82,8 @@ struct Part {
 // Returns the part of a recording. The credit of a detected slip is
 // distance_credit(Judgement::slip_distance). It is 0 after an early alarm or without an alarm. A
 // recording that slips by less than least_slip_distance in all is not credited. In a recording of a
-// real sensor, whose slipped distance is unknown, the credit is half_delay / (half_delay + delay).
+// real sensor, whose slipped distance is unknown, the credit is half_delay / (half_delay + delay); a
+// recording in which the onset of the slip is unknown is not credited.
 Part recording_part(const eval::Judgement& judgement, const TestSet& test_set);
 // Returns the part of a grasp. `untightened`: the same grasp without tightening. If `untightened`
 // loses the box: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) within 0 and 1,
@@ -98,6 +99,7 @@ struct Score {
   double needless = 0.0;           // mean over the grasps that need no tightening; 0 if there are none
   double specificity = 0.0;        // share of the recordings without an alarm
   std::size_t judged = 0;          // number of trials
+  std::size_t credited = 0;        // of these, trials with a credit to earn
   // Disturbed recordings: specificity, 0 to 1. Other recordings: credit * min(1, alarm_limit /
   // alarms_per_minute) - said, -1 to 1. Loops: credit - said - needless, -2 to 1 (a false alarm
   // already costs force).

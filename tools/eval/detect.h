@@ -28,8 +28,9 @@ inline constexpr const char* detect_key = "slipbench_detect";
 //   alarms_per_minute, labels, wrong_share, samples: {time_s, state, probability, label}}]. An
 //   alarm lasts from the first estimate of slip to the first sample without; its `probability` is
 //   the maximum in between. `labels`: rule of the labels; null without labels, as are `wrong_share`
-//   and `label`. `state` and `label`: no_contact, non_slip, incipient or gross; a label may also be null, of a sample whose state is unknown. `probability` of a
-//   sample: null without a new estimate, and for a detector without a probability.
+//   and `label`. `state` and `label`: no_contact, non_slip, incipient or gross; a label may also be
+//   null, of a sample whose state is unknown. `probability` of a sample: null without a new estimate,
+//   and for a detector without a probability.
 //   `alarms_per_minute`: null for a trial of one sample.
 // - worst: indices into `trials`, the worst first: by the share of wrong samples if all trials have
 //   labels, else by alarms per minute

@@ -129,7 +129,7 @@ std::string scatter(const Json& result, const char* key, double scale, const std
   std::vector<Dot> dots;
   std::vector<double> places, delays;
   for (const Json& trial : result.at("trials")) {
-    const std::string detection = trial.at("detection").get<std::string>();
+    const Json& detection = trial.at("detection");
     if (trial.at(key).is_null() || (detection != "seen" && detection != "missed")) continue;
     if (detection == "seen" && trial.at("delay_s").is_null()) continue;  // a trial of one sample has no delay
     const double x = scale * trial.at(key).get<double>();

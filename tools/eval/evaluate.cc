@@ -180,6 +180,7 @@ Json broken_down(const std::vector<Judged>& trials, const Key& key) {
   for (const Judged& trial : trials) {
     const Group group = key(trial);
     if (group.name.empty()) return {};
+    if (!trial.judgement.labelled) continue;
     groups[group].push_back(trial.judgement);
   }
   if (groups.size() < 2 || groups.size() > most_groups) return {};
@@ -323,7 +324,7 @@ Json trial_json(const Judged& trial) {
     for (const std::size_t samples : row) frames += samples;
   }
   return {{"trial", judgement.trial},
-          {"detection", detection_word(judgement.detection)},
+          {"detection", judgement.labelled ? Json(detection_word(judgement.detection)) : Json(nullptr)},
           {"slip_time_s", or_null(judgement.slip_time)},
           {"alarm_time_s", or_null(judgement.alarm_time)},
           {"delay_s", or_null(judgement.delay)},
@@ -467,6 +468,7 @@ std::string evaluated(const Options& options) {
     judgements.push_back(trial.judgement);
     notices.add(trial.notice);
   }
+  if (std::ranges::none_of(judgements, &Judgement::labelled)) reject_unlabelled(options.dataset);
   Json json = {{result_key, 1},
                {"detector", {{"type", options.detector.type}, {"parameters", parameters_json(options.detector.parameters)}}},
                {"dataset", options.dataset},

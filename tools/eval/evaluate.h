@@ -67,10 +67,11 @@ inline constexpr const char* result_key = "slipbench_eval";
 //   force_ratio (medians; greatest force over the least that holds), reaction_time_s. Absent if the
 //   dataset has no detector on that sensor
 // - trials: [{trial, detection, slip_time_s, alarm_time_s, delay_s, false_alarms, frames, wrong,
-//   material, object, speed_m_s, friction, mask}]
+//   material, object, speed_m_s, friction, mask}]; detection: null for a trial without a known label
 // - worst: [{trial, why}], the trials to inspect first
 // Throws InputError, naming file and trial, for an incomplete dataset, for trials with their
-// outcome alone, for an unknown sensor or split, and as replay() and truth_of() do.
+// outcome alone, for an unknown sensor or split, if all labels are unknown, and as replay() and
+// truth_of() do.
 Json evaluate(const Options& options);
 
 // Name of a detector in results: its type, and the file or folder of a network or of memories.

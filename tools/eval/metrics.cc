@@ -20,6 +20,9 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+// Number of trials whose slip has a known onset.
+std::size_t dated(const Summary& counts) { return counts.slipping - counts.undated; }
+
 // Sums over trials.
 struct Pool {
   Summary counts;
@@ -29,16 +32,24 @@ struct Pool {
   double stick_alarms = 0.0, stick_time = 0.0, air_alarms = 0.0, air_time = 0.0, stuck_error = 0.0, stuck_frames = 0.0;
 
   void add(const Judgement& trial) {
+    if (!trial.labelled) {
+      ++counts.unlabelled;
+      return;
+    }
     ++counts.trials;
     slipbench::add(counts.frames, trial.frames);
-    switch (trial.detection) {
-      case Detection::quiet: break;
-      case Detection::false_alarm: ++counts.false_alarms; break;
-      case Detection::early: ++counts.early; break;
-      case Detection::seen: ++counts.seen; break;
-      case Detection::missed: ++counts.missed; break;
-    }
     if (!std::isnan(trial.slip_time)) ++counts.slipping;
+    if (!trial.onset_known) {
+      ++counts.undated;
+    } else {
+      switch (trial.detection) {
+        case Detection::quiet: break;
+        case Detection::false_alarm: ++counts.false_alarms; break;
+        case Detection::early: ++counts.early; break;
+        case Detection::seen: ++counts.seen; break;
+        case Detection::missed: ++counts.missed; break;
+      }
+    }
     if (!std::isnan(trial.delay)) delays.push_back(trial.delay);
     if (!std::isnan(trial.slip_distance)) distances.push_back(trial.slip_distance);
     if (trial.knows_distance && !std::isnan(trial.slip_time)) ++with_path;
@@ -67,7 +78,7 @@ constexpr std::size_t place_of(std::string_view key) {
 // In the order of `figures`, except the AUC, which is NaN.
 std::vector<double> figures_of(const Pool& pool) {
   const Confusion& frames = pool.counts.frames;
-  const auto slipping = static_cast<double>(pool.counts.slipping);
+  const auto slipping = static_cast<double>(dated(pool.counts));
   std::vector<double> values(figures.size(), nan);
   const auto set = [&values](std::string_view key, double value) { values[place_of(key)] = value; };
   set("recall_of_slip", recall_of_slip(frames));
@@ -93,11 +104,12 @@ std::vector<double> figures_of(const Pool& pool) {
   return values;
 }
 
-// Groups trials by experiment.
+// Groups the trials with labels by experiment.
 std::vector<std::vector<std::size_t>> experiments_of(std::span<const Judgement> trials) {
   std::vector<std::vector<std::size_t>> experiments;
   std::map<std::string, std::size_t> known;
   for (std::size_t k = 0; k < trials.size(); ++k) {
+    if (!trials[k].labelled) continue;
     const std::size_t next = experiments.size();
     const std::size_t place = trials[k].twin.empty() ? next : known.try_emplace(trials[k].twin, next).first->second;
     if (place == next) experiments.emplace_back();
@@ -202,6 +214,44 @@ double value_at(const std::vector<double>& time, const std::vector<double>& valu
   return std::lerp(values[next - 1], values[next], (t - time[next - 1]) / (time[next] - time[next - 1]));
 }
 
+// The first sample, up to `before`, in which an alarm is not on since the last sample without slip
+// before `before`.
+std::size_t first_new_alarm(const Truth& truth, const Replayed& replayed, std::size_t before) {
+  const auto holds = [&truth](std::size_t row) { return truth.state[row] != unknown_state && !slips(truth.state[row]); };
+  std::size_t row = before;
+  while (row > 0 && !holds(row - 1)) --row;
+  if (row > 0 && slips(replayed.seen[row - 1])) {
+    while (row < replayed.seen.size() && slips(replayed.seen[row])) ++row;
+  }
+  return row;
+}
+
+// Counts the slips and those that the detector finds, and settles the detection of a slip whose onset
+// is unknown.
+void judge_slips(const Truth& truth, const Replayed& replayed, Judgement& result) {
+  const std::size_t rows = truth.time.size();
+  for (std::size_t begin = 0, end = 0; begin < rows; begin = end + 1) {
+    const std::size_t before = end;  // the end of the slip before, whose alarm is not one of this slip
+    while (begin < rows && !slips(truth.state[begin])) ++begin;
+    for (end = begin; end < rows && slips(truth.state[end]);) ++end;
+    if (begin == rows || !truth.counts(truth.time[begin])) continue;
+    ++result.slips;
+    const bool known = truth.knows_onset(begin);
+    std::size_t row = begin;
+    while (row > before && truth.time[begin] - truth.time[row - 1] < slip_lead) --row;
+    if (!known) row = std::max(row, first_new_alarm(truth, replayed, begin));
+    while (row < end && !slips(replayed.seen[row])) ++row;
+    const bool found = row < end;
+    if (!known && truth.time[begin] == truth.first_slip) {
+      result.onset_known = false;
+      result.detection = found ? Detection::seen : Detection::missed;
+    }
+    if (!found) continue;
+    ++result.slips_found;
+    if (known && rows > 1) result.slip_delays.push_back(std::max(0.0, alarm_time(truth.time, replayed, row) - truth.time[begin]));
+  }
+}
+
 bool turns(const Scene* scene) {
   if (scene == nullptr) return false;
   const auto& values = scene->motion.parameters.values();
@@ -225,6 +275,7 @@ void judge_alarm(const Truth& truth, double grace, Judgement& result) {
     // Without slip it is a false alarm.
     (in_time(truth, result.alarm_time, grace) ? outcome.detection_time : outcome.false_alarm_time) = result.alarm_time;
   }
+  if (!result.onset_known) return;  // judge_slips() has settled it
   settle_detection(outcome, !std::isnan(truth.first_slip));
   result.detection = *outcome.detection;
   if (result.detection == Detection::seen && truth.time.size() > 1) {
@@ -260,29 +311,12 @@ std::vector<SeenAlarm> alarms_of(const std::vector<double>& time, const Replayed
   return alarms;
 }
 
-// Counts the slips and those that the detector finds.
-void judge_slips(const Truth& truth, const Replayed& replayed, Judgement& result) {
-  const std::size_t rows = truth.time.size();
-  for (std::size_t begin = 0, end = 0; begin < rows; begin = end + 1) {
-    const std::size_t before = end;  // the end of the slip before, whose alarm is not one of this slip
-    while (begin < rows && !slips(truth.state[begin])) ++begin;
-    for (end = begin; end < rows && slips(truth.state[end]);) ++end;
-    if (begin == rows || !truth.counts(truth.time[begin])) continue;
-    ++result.slips;
-    std::size_t row = begin;
-    while (row > before && truth.time[begin] - truth.time[row - 1] < slip_lead) --row;
-    while (row < end && !slips(replayed.seen[row])) ++row;
-    if (row == end) continue;
-    ++result.slips_found;
-    if (rows > 1) result.slip_delays.push_back(std::max(0.0, alarm_time(truth.time, replayed, row) - truth.time[begin]));
-  }
-}
-
 Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed, double grace) {
   const std::size_t rows = truth.time.size();
   if (truth.state.size() != rows || replayed.seen.size() != rows) throw std::logic_error("truth and answers differ in length");
   Judgement result;
   result.trial = trial;
+  result.labelled = std::ranges::any_of(truth.state, [](PadState state) { return state != unknown_state; });
   result.slip_time = truth.first_slip;
   result.knows_distance = !truth.slip_distance.empty();
   judge_slips(truth, replayed, result);
@@ -325,6 +359,13 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
 
 Estimate area_of(std::span<const Judgement> trials) { return auc_of(trials, experiments_of(trials)); }
 
+void reject_unlabelled(const std::string& dataset) {
+  reject(
+      "{}: all labels are unknown, so there is nothing to evaluate; use `slipbench detect`, which needs none, or import recordings "
+      "in which slip or hold is known",
+      dataset);
+}
+
 std::size_t wrong_frames(const Confusion& frames) {
   std::size_t wrong = 0;
   for (std::size_t truth = 0; truth < frames.size(); ++truth) {
@@ -356,11 +397,11 @@ Summary summarised(std::span<const Judgement> trials, bool with_intervals) {
     if (!std::isnan(values[k])) summary.estimates[k].interval = intervals[k];
   }
   if (!with_intervals) return summary;
-  if (summary.slipping > 0 && experiments.size() == trials.size()) {
-    summary.estimates[place_of("early")].interval = clopper_pearson(summary.early, summary.slipping);
+  if (dated(summary) > 0 && experiments.size() == summary.trials) {
+    summary.estimates[place_of("early")].interval = clopper_pearson(summary.early, dated(summary));
     if (!std::isnan(values[place_of("before_gross_slip")]))
       summary.estimates[place_of("before_gross_slip")].interval = clopper_pearson(all.before_gross_slip, all.with_path);
-    summary.estimates[place_of("missed")].interval = clopper_pearson(summary.missed, summary.slipping);
+    summary.estimates[place_of("missed")].interval = clopper_pearson(summary.missed, dated(summary));
   }
   summary.estimates[place_of("auc")] = auc_of(trials, experiments);
   return summary;
@@ -382,7 +423,9 @@ Json summary_json(const Summary& summary) {
   }
   const double slip_or_not = summary.estimates[place_of("balanced_slip_accuracy")].value;
   return {{"trials", summary.trials},
+          {"unlabelled", summary.unlabelled},
           {"slipping", summary.slipping},
+          {"undated", summary.undated},
           {"seen", summary.seen},
           {"early", summary.early},
           {"missed", summary.missed},
@@ -454,6 +497,7 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   truth.state = label_states(sensor, rule, turns(scene));
   truth.stuck_fraction = sensor.labels.stuck_fraction;
   truth.period = 1.0 / sensor.rate;
+  truth.recorded = !sensor.labels.truth;
   truth.any_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
   // The lift of an imported grasp is unknown: all of its samples count.
   if (record.outcome.grasp && scene != nullptr) {

@@ -35,9 +35,8 @@ std::string label_rule_name(TruthRule rule);
 std::string labels_title(TruthRule rule);
 
 // The pad's state in each sample of a sensor, [T]; unknown_state where the labels of a recording say
-// so. `turning`: true if the motion turns the pad,
-// which has_slipped needs. Throws InputError for has_slipped of another sensor, and for labels that
-// are invalid or not one per sample.
+// so. `turning`: true if the motion turns the pad, which has_slipped needs. Throws InputError for
+// has_slipped of another sensor, and for labels that are invalid or not one per sample.
 std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, bool turning);
 
 // Time of the first slip at or after `from` [s]: resolved within the step if the labels have
@@ -48,14 +47,16 @@ std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, b
 double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<PadState>& states, double from);
 
 struct Truth {
-  std::vector<double> time;           // [T] s, samples of the sensor
-  std::vector<PadState> state;        // [T]; samples of unknown_state are left out of every figure, as are alarms in them
+  std::vector<double> time;  // [T] s, samples of the sensor
+  // [T]; samples of unknown_state are left out of every figure, as are alarms in them.
+  std::vector<PadState> state;
   std::vector<bool> masked;           // [T] samples that are not judged, although alarms in them count; empty: none
   std::vector<float> stuck_fraction;  // [T], NaN without contact
   // [T] m, path slipped since the start: sum of the mean steps of the touching units. Empty:
   // unknown.
   std::vector<double> slip_distance;
-  double period = 0.0;  // s, sampling period
+  double period = 0.0;    // s, sampling period
+  bool recorded = false;  // the labels of a recording, which say nothing about the time before its first sample
 
   double first_slip = std::numeric_limits<double>::quiet_NaN();  // s, the slip to be detected: in a grasp the first of the lift
   // Closing fingers may make a grasp's sensor slip: from that slip to the lift no alarm counts, nor
@@ -66,6 +67,12 @@ struct Truth {
   // s, the first sample from first_slip on in which no touching unit sticks.
   double gross_slip = std::numeric_limits<double>::infinity();
 
+  // False for a slip that begins in a sample after one of unknown state, or with the first sample of
+  // a recording: it began at an unknown time before. `row`: its first sample. A recording of one
+  // sample has no onset to be missed.
+  [[nodiscard]] bool knows_onset(std::size_t row) const {
+    return row > 0 ? state[row - 1] != unknown_state : !recorded || time.size() == 1;
+  }
   // False for a sample that no figure counts.
   [[nodiscard]] bool judges(std::size_t row) const { return state[row] != unknown_state && (masked.empty() || !masked[row]); }
   // True if an alarm at that time counts (tools/dataset/outcome.md, Detection).
@@ -92,27 +99,35 @@ struct SeenAlarm {
 std::vector<SeenAlarm> alarms_of(const std::vector<double>& time, const Replayed& replayed);
 
 // A slip is found if the detector reports slip in one of its samples or less than this [s] before
-// the first.
+// the first. If the onset of the slip is unknown, an alarm that began in or before the last sample
+// without slip before it does not find it.
 inline constexpr double slip_lead = 0.5;
 
 // Result of a detector in one trial.
 struct Judgement {
   std::size_t trial = 0;
-  std::string twin;    // truth_sha256(): trials with equal values are one experiment; empty: unknown
-  Confusion frames{};  // samples by true state and detected state
+  std::string twin;      // truth_sha256(): trials with equal values are one experiment; empty: unknown
+  Confusion frames{};    // samples by true state and detected state
+  bool labelled = true;  // false: no sample has a known state, so the trial is in no figure
+  // False: the onset of the slip to be detected is unknown (Truth::knows_onset). slip_time is then
+  // the first sample that is known to slip, `detection` is `seen` if the slip is found, else `missed`,
+  // and there is no delay.
+  bool onset_known = true;
   // From the first alarm, as in every outcome (settle_detection).
   Detection detection = Detection::quiet;
-  double slip_time = std::numeric_limits<double>::quiet_NaN();            // s, true; NaN: no slip to be detected
-  double alarm_time = std::numeric_limits<double>::quiet_NaN();           // s, first counting alarm; NaN: none
-  double delay = std::numeric_limits<double>::quiet_NaN();                // s, Detection::seen only, in trials of several samples
+  double slip_time = std::numeric_limits<double>::quiet_NaN();   // s, true; NaN: no slip to be detected
+  double alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, first counting alarm; NaN: none
+  // s, of Detection::seen in trials of several samples and with a known onset.
+  double delay = std::numeric_limits<double>::quiet_NaN();
   bool knows_distance = false;                                            // Truth::slip_distance is known
   double whole_slip_distance = std::numeric_limits<double>::quiet_NaN();  // m, path slipped from slip_time on; NaN: unknown
   // m, path slipped from the first slip to the alarm; NaN if unknown, and for other detections than
   // `seen`.
   double slip_distance = std::numeric_limits<double>::quiet_NaN();
   bool before_gross_slip = false;  // the alarm of a seen slip came before gross slip; false if paths are unknown
-  // Slips of the trial that count: runs of slipping samples. `slip_delays` [s]: of the slips that are
-  // found, 0 for a report before the slip; it stays empty for a trial of one sample.
+  // Slips of the trial that count: runs of slipping samples. `slip_delays` [s]: of the slips with a
+  // known onset that are found, 0 for a report before the slip; it stays empty for a trial of one
+  // sample.
   std::size_t slips = 0, slips_found = 0;
   std::vector<double> slip_delays;
   // Number of alarms that begin while the pad truly sticks, and while it has no contact. An alarm
@@ -140,6 +155,9 @@ struct Estimate {
 // Area under the ROC curve of the probabilities, with its interval by experiment; NaN if a class is
 // missing.
 Estimate area_of(std::span<const Judgement> trials);
+
+// Throws InputError for a dataset of this name in which no sample of any trial has a known state.
+[[noreturn]] void reject_unlabelled(const std::string& dataset);
 
 // Number of samples wrongly classified as slip or as no slip.
 std::size_t wrong_frames(const Confusion& frames);
@@ -176,7 +194,12 @@ inline constexpr std::array figures{
 
 // Summary of a set of trials.
 struct Summary {
-  std::size_t trials = 0, slipping = 0, seen = 0, early = 0, missed = 0, false_alarms = 0;  // trials
+  // Trials with a known sample; `unlabelled` others are in no figure.
+  std::size_t trials = 0, unlabelled = 0;
+  // Trials that slip, and those of them whose onset is unknown, which are not in the shares and
+  // figures of trials that follow.
+  std::size_t slipping = 0, undated = 0;
+  std::size_t seen = 0, early = 0, missed = 0, false_alarms = 0;
   std::size_t slips = 0, slips_found = 0;
   Confusion frames{};
   std::array<Estimate, figures.size()> estimates;  // in the order of `figures`; NaN: undefined
@@ -191,10 +214,10 @@ inline constexpr std::uint64_t bootstrap_seed = 1;
 // Without `intervals`, neither intervals nor the AUC are computed.
 Summary summarised(std::span<const Judgement> trials, bool intervals = true);
 
-// {"trials", "slipping", "seen", "early", "missed", "false_alarms", "slips", "slips_found", "frames", "figures": {key:
-// {"value", "low", "high"}}, "constant": {"balanced_slip_accuracy", "balanced_accuracy",
-// "accuracy"} of the best constant answer, "called": {true state: {class: samples}}}. Undefined
-// values are null.
+// {"trials", "unlabelled", "slipping", "undated", "seen", "early", "missed", "false_alarms", "slips",
+// "slips_found", "frames", "figures": {key: {"value", "low", "high"}}, "constant":
+// {"balanced_slip_accuracy", "balanced_accuracy", "accuracy"} of the best constant answer, "called":
+// {true state: {class: samples}}}. Undefined values are null.
 Json summary_json(const Summary& summary);
 
 }  // namespace slipbench::eval

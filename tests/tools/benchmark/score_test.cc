@@ -43,6 +43,20 @@ TEST(Score, CreditFallsWithTheDelay) {
   EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), real).credit, 0.0);
 }
 
+// A slip whose onset is unknown has no delay, so there is no credit to earn, and nothing to lose.
+TEST(Score, SlipsWithoutAKnownOnsetHaveNothingToEarn) {
+  eval::Judgement one = judgement(Detection::seen, none, 0, 0);
+  one.onset_known = false;
+  const Part part = recording_part(one, real);
+  EXPECT_FALSE(part.credited);
+  EXPECT_EQ(part.credit, 0.0);
+  EXPECT_EQ(score_of(std::vector{part}, real).credited, 0U);
+  const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0), real);
+  const Score score = score_of(std::vector{part, seen}, real);
+  EXPECT_EQ(score.credited, 1U);
+  EXPECT_DOUBLE_EQ(score.credit, 0.5);
+}
+
 // In a simulated recording, a slip that is seen after 0, 1 or 3 times half_slip_distance earns 1, 1/2 or 1/4,
 // whatever the delay.
 TEST(Score, CreditFallsWithTheSlippedDistance) {

@@ -125,10 +125,83 @@ TEST(Judged, SamplesOfUnknownStateAreInNoFigure) {
   EXPECT_EQ(result.stick_alarms, 2U);
   EXPECT_NEAR(result.stick_time, 0.4, 1e-12);
   EXPECT_NEAR(result.air_time, 0.1, 1e-12);
-  EXPECT_EQ(result.detection, Detection::early) << "by the alarm that is on in sample 2";
+  EXPECT_EQ(result.detection, Detection::seen) << "the slip begins after sample 4, so no alarm is early";
   const Judgement aside = judged(0, known, seen({none, all, stick, stick, all, stick, stick, all, stick, stick}));
   EXPECT_EQ(aside.stick_alarms, 0U);
-  EXPECT_EQ(aside.detection, Detection::missed) << "no alarm in a sample of known state";
+  EXPECT_EQ(aside.slips_found, 1U) << "the alarm of sample 4 is after the last hold and less than 0.5 s before the slip";
+}
+
+// Holds in samples 1 and 2, unknown in 3 and 4, slips in 5 and 6, ends, and slips in 9. Somewhere in
+// samples 3 and 4 the first slip begins: an alarm that is on since sample 2 is not one of it, one that
+// begins in sample 3 or 5 finds it, without a delay. The slip of sample 9 begins after a hold, so its
+// alarm in sample 9 has the delay 0.
+TEST(Judged, ASlipAfterUnknownSamplesHasNoOnset) {
+  Truth after = truth();
+  after.state = {none, stick, stick, unknown_state, unknown_state, all, all, stick, stick, all};
+  after.stuck_fraction.clear();
+  after.recorded = true;
+  after.first_slip = after.any_slip = 0.5;
+  const auto answer = [&](std::vector<std::size_t> rows) {
+    std::vector<PadState> states(10, stick);
+    for (const std::size_t row : rows) states[row] = all;
+    return judged(0, after, seen(states));
+  };
+  const Judgement held = answer({1, 2, 3, 4, 5, 6});
+  EXPECT_FALSE(held.onset_known);
+  EXPECT_EQ(held.detection, Detection::missed) << "the alarm of the hold is still on";
+  EXPECT_EQ(held.slips, 2U);
+  EXPECT_EQ(held.slips_found, 0U);
+  EXPECT_EQ(held.stick_alarms, 1U) << "in the hold it is false";
+  const Judgement renewed = answer({2, 3, 5});
+  EXPECT_EQ(renewed.slips_found, 1U) << "a second alarm begins in sample 5";
+  for (const auto& rows : {std::vector<std::size_t>{3, 4, 5, 6}, {5}, {6}}) {
+    const Judgement found = answer(rows);
+    EXPECT_EQ(found.detection, Detection::seen);
+    EXPECT_EQ(found.slips_found, 1U);
+    EXPECT_TRUE(std::isnan(found.delay));
+    EXPECT_TRUE(found.slip_delays.empty());
+  }
+  const Judgement second = answer({9});
+  EXPECT_EQ(second.detection, Detection::missed);
+  ASSERT_EQ(second.slip_delays.size(), 1U);
+  EXPECT_EQ(second.slip_delays[0], 0.0);
+  // A recording that slips from its first sample on; a simulation knows when that slip began.
+  after.state.assign(10, all);
+  after.first_slip = after.any_slip = 0.0;
+  EXPECT_FALSE(answer({4}).onset_known);
+  EXPECT_TRUE(std::isnan(answer({4}).delay));
+  EXPECT_EQ(answer({4}).slips_found, 1U);
+  after.recorded = false;
+  EXPECT_NEAR(answer({4}).delay, 0.4, 1e-12);
+}
+
+// One trial is seen after 0.1 s, one is missed; in one the onset is unknown, and one has unknown
+// labels only. Shares are of the two slips with a known onset: 1 of 2 is missed. Clopper and Pearson
+// for 1 of 2: 1 - (1 - low)^2 = 0.025.
+TEST(Summary, TrialsWithUnknownOnsetOrLabelsAreCountedApart) {
+  std::vector<Judgement> trials(4);
+  for (std::size_t k = 0; k < 3; ++k) {
+    trials[k].slip_time = 1.0;
+    trials[k].slips = 1;
+  }
+  trials[0].detection = Detection::seen;
+  trials[0].delay = 0.1;
+  trials[1].detection = Detection::missed;
+  trials[2].detection = Detection::missed;
+  trials[2].onset_known = false;
+  trials[3].labelled = false;
+  const Json json = summary_json(summarised(trials));
+  EXPECT_EQ(json.at("trials"), 3);
+  EXPECT_EQ(json.at("unlabelled"), 1);
+  EXPECT_EQ(json.at("slipping"), 3) << "so none of the three is without slip";
+  EXPECT_EQ(json.at("undated"), 1);
+  EXPECT_EQ(json.at("slips"), 3);
+  EXPECT_EQ(json.at("seen"), 1);
+  EXPECT_EQ(json.at("missed"), 1);
+  const Json& missed = json.at("figures").at("missed");
+  EXPECT_EQ(missed.at("value"), 0.5);
+  EXPECT_NEAR(missed.at("low").get<double>(), 1.0 - std::sqrt(0.975), 1e-9);
+  EXPECT_EQ(json.at("figures").at("delay_median_s").at("value"), 0.1);
 }
 
 // Slips at 0.1 s and from 0.8 s on. Reported at 0.9 s: found after 0.1 s; at 0.4 s, 0.4 s before:

@@ -164,8 +164,14 @@ std::string eval_text(const Json& result, const Style& style) {
   const eval::Tables tables = eval::tables_of(result);
   text += Table(tables.figures).text(style);
   text += fmt::format("  slipping trials: {}, detected {}, early {}, missed {}; trials without slip: {}, false alarms {}\n",
-                      count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
-                      count("false_alarms"));
+                      count("slipping") - count("undated"), count("seen"), count("early"), count("missed"),
+                      count("trials") - count("slipping"), count("false_alarms"));
+  if (const std::size_t undated = count("undated"); undated > 0) {
+    text += fmt::format("  {} with a slip whose onset is unknown: no delay, and neither detected, early nor missed\n",
+                        counted(undated, "trial"));
+  }
+  if (const std::size_t unlabelled = count("unlabelled"); unlabelled > 0)
+    text += fmt::format("  {} with unknown labels only, in no figure\n", counted(unlabelled, "trial"));
   if (const std::string note = eval::yardstick_note(result); !note.empty()) text += fmt::format("  {}\n", note);
   if (result.contains("loop")) text += loop_text(result.at("loop"));
   text += "\n" + Table(tables.called).text(style);

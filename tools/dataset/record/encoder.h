@@ -2,6 +2,7 @@
 // which worker threads do.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
