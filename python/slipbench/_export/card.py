@@ -9,6 +9,7 @@ import json
 import os
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from slipbench import Dataset, StoredTrial
@@ -101,8 +102,21 @@ def _series(data: Dataset, request: Request) -> Iterator[Series]:
     trial = data[request.trials[0]]
     series: list[Series] = []
     for sensor, has in _first(data, request).items():
-        series += [*sensor_series(has, sensor), *label_series(has, sensor, request.labels)]
+        series += [*sensor_series(has, sensor), *(_with_all_codes(data, request, one) for one in label_series(has, sensor, request.labels))]
     yield from filter(holds, [*series, *body_series(trial), *control_series(trial)])
+
+
+def _with_all_codes(data: Dataset, request: Request, series: Series) -> Series:
+    """Labels with the codes of all trials. A recording has the code of unknown labels only if it has
+    such labels."""
+    if series.name != "state_recorded":
+        return series
+    codes = codes_of(series)
+    for number in request.trials:
+        group = data[number].labels.get(series.owner)
+        for name in group if group is not None else ():
+            codes |= json.loads(str(group[name].attrs.get("codes", "{}")))
+    return replace(series, codes=json.dumps(codes))
 
 
 def _kinds(data: Dataset, request: Request) -> list[str]:

@@ -8,6 +8,7 @@ some of its dependencies.
 import gzip
 import hashlib
 import json
+import subprocess
 import unittest
 
 import h5py
@@ -15,7 +16,7 @@ import numpy as np
 import pyarrow.parquet
 import yaml
 
-from _made import ExportTest, contents, export, import_table, make
+from _made import PROGRAM, ExportTest, contents, export, import_table, make
 
 STAGE = "papillarray/stage.yaml"
 # Scene, and the folder of the card below the output.
@@ -133,6 +134,20 @@ class Croissant(ExportTest):
         folder, about = self.exported("myrmex-csv", "myrmex/slip.yaml")  # counts alone
         self.assertIn("\n# Recordings of myrmex\n", (folder / "README.md").read_text())
         self.assertNotIn("labels", about["description"])
+
+    def test_a_card_has_the_codes_of_all_trials(self):
+        # Only the second recording has a sample with an unknown label.
+        logs = self.folder / "logs"
+        logs.mkdir()
+        for name, label in (("a", "hold"), ("b", "unknown")):
+            (logs / f"{name}.csv").write_text("t,f,s\n0,1,hold\n0.01,2,slip\n" + f"0.02,3,{label}\n")
+        (self.folder / "map.yaml").write_text(
+            "sensor: pad\ntype: own\nfiles: '*.csv'\ntime: {column: t}\nchannels: {force: {unit: N, columns: [f]}}\n"
+            "state: {column: s, values: {hold: non_slip, slip: gross, unknown: unknown}, rule: invented}\n")
+        dataset = str(self.folder / "both.h5")
+        subprocess.run([PROGRAM, "import", str(logs), "--map", str(self.folder / "map.yaml"), "-o", dataset], check=True, capture_output=True)
+        export(dataset, self.folder / "coded", "--format", "csv")
+        self.assertRegex((self.folder / "coded/README.md").read_text(), "3 gross, 4 unknown")
 
     def test_texts_of_a_dataset_are_not_links_in_its_card(self):
         """CommonMark: a backslash escapes the next punctuation. GitHub's Markdown makes links of bare addresses, but not in code."""
