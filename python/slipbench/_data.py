@@ -440,8 +440,8 @@ class Dataset(Mapping[int, StoredTrial]):
         Raises:
             InputError: an argument is invalid, no trial is chosen, for example because the mask of
             `part` is empty, a trial lacks such labels or channels, every trial is shorter than a
-            window, trials differ in the sensor's rate by more than 1 % or in the
-            unit or shape of a channel, or a recording's samples are not evenly spaced, which
+            window, the label of every window is unknown, trials differ in the sensor's rate by
+            more than 1 % or in the unit or shape of a channel, or a recording's samples are not evenly spaced, which
             windows require.
         """
         return Windows(self, whole_number(length, "length"), whole_number(stride, "stride"), sensor, channels, labels, part, trials)
@@ -476,8 +476,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     their labels, 0 hold, 1 slip.
 
     A window's label is that of its last sample. Samples without contact are hold. Windows of a
-    recording whose last sample has an unknown label are left out. No window spans two trials. A trial is read once and cached: the chosen channels of all trials must fit into
-    memory. Windows can be pickled: the copy opens the dataset again, by its path.
+    recording whose last sample has an unknown label are left out. No window spans two trials. A
+    trial is read once and cached: the chosen channels of all trials must fit into memory. Windows can be pickled: the copy opens the dataset again, by its path.
     """
 
     def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, part: str,
@@ -505,6 +505,9 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         if short and len(short) == len(samples):
             longest = int(np.argmax(samples))
             raise _core.InputError(f"length {length}: the longest trial, {self._trials[longest]}, has {counted(samples[longest], 'sample')}; allowed: 1 to {samples[longest]}")
+        if not self._ends[-1]:
+            raise _core.InputError(f"labels {labels!r}: the label of each window of {counted(len(samples), 'trial')} is unknown; "
+                                   "use recordings in which hold or slip is known")
         if short:
             warnings.warn(f"{len(short)} of {counted(len(samples), 'trial')} {'has' if len(short) == 1 else 'have'} fewer than {length} samples and no window: "
                           f"{', '.join(map(str, short[:10]))}{' ...' if len(short) > 10 else ''}", stacklevel=3)

@@ -762,6 +762,9 @@ class Layouts(ImportTest):
             self.assertEqual([windows.time(k) for k in range(2)], [0.3, 0.4])
             # With a stride of 2, windows end with the samples 1, 3 and 5, of which 3 has a label.
             self.assertEqual(data.windows(length=2, stride=2, labels="recorded").arrays()[0][:, :, 0].tolist(), [[2, 3]])
+            # The only window of six samples ends with sample 5.
+            with self.assertRaisesRegex(slipbench.InputError, "label of each window of 1 trial is unknown"):
+                data.windows(length=6, labels="recorded")
         self.assertTrue(slipbench.verify(output)["holds"])
         found = slipbench.detect("deviation", output, self.folder / "found.html")
         self.assertEqual(found["trials"][0]["samples"]["label"], ["non_slip", None, None, "gross", "gross", None])
@@ -1178,6 +1181,10 @@ class PublicSets(ImportTest):
         counts, unit = trials[0][3]["counts"]
         self.assertEqual((counts.shape, unit), ((3, 16, 3), "counts"))
         np.testing.assert_allclose(counts[1, 1], [1.3, 1.4, 1.5], rtol=1e-6)
+        # The three samples of the first 0.2 s have the level of row 1, so row 2 is one count above it.
+        field, unit = trials[0][3]["field"]
+        self.assertEqual((field.shape, unit), ((3, 16, 3), "uT"))
+        np.testing.assert_allclose(field[2, 15], [0.601, 0.601, 0.968], rtol=1e-5)
 
     def test_fabric_slide(self):
         titles = ", ".join(["timestamp", "proximity1", "proximity2", *(f"channel{k}" for k in range(1, 17))])
