@@ -113,9 +113,9 @@ def _with_all_codes(data: Dataset, request: Request, series: Series) -> Series:
         return series
     codes = codes_of(series)
     for number in request.trials:
-        group = data[number].labels.get(series.owner)
-        for name in group if group is not None else ():
-            codes |= json.loads(str(group[name].attrs.get("codes", "{}")))
+        if (group := data[number].labels.get(series.owner)) is not None:
+            for name in group:
+                codes |= json.loads(str(group[name].attrs.get("codes", "{}")))
     return replace(series, codes=json.dumps(codes))
 
 
