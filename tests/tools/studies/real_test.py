@@ -141,7 +141,7 @@ class Study(unittest.TestCase):
         result = study(Options(recordings=str(self.folder)))
         found = result.figures["biotacsp-dos"]
         self.assertEqual((found["recordings"], found["objects"]), (8, ["pen", "sponge"]))
-        deviation = found["detectors"]["deviation"]
+        deviation = found["detectors"]["deviation, chosen threshold"]
         # Standard deviations about 2 and 20 counts in any window: all pairs are in order, and any threshold in between is right.
         self.assertEqual(deviation["figures"]["auc"]["value"], 1.0)
         self.assertEqual((deviation["slips"], deviation["slips_found"]), (4, 4))
@@ -151,6 +151,10 @@ class Study(unittest.TestCase):
             self.assertTrue(2.5 < threshold < 19.0, threshold)
         # The first 49 of 150 samples have no estimate, so that 101 of 150 slipping samples are seen: (101/150 + 1)/2.
         self.assertAlmostEqual(deviation["figures"]["balanced_slip_accuracy"]["value"], 0.5 * (101 / 150 + 1.0), 12)
+        # The default threshold, 6 counts, lies between 2 and 20 too. Each slip begins with its recording, so no delay is known.
+        shipped = found["detectors"]["deviation"]
+        self.assertEqual((shipped["threshold"], shipped["thresholds"], shipped["slips_found"]), (6.0, [], 4))
+        self.assertIsNone(shipped["figures"]["slip_delay_median_s"]["value"])
         self.assertIn("pdc", found["detectors"]["biotac_grasp.onnx"]["failure"])
         self.assertIn("three axes", found["detectors"]["shear_ratio"]["failure"])
         # Nothing changes in the invented fabric.
@@ -167,6 +171,26 @@ class Study(unittest.TestCase):
         self.assertNotIn("biotacsp-dos", missing)
         json.dumps(result.figures)
 
+    def test_a_set_with_one_class_has_shares_at_the_default_threshold(self):
+        # Two recordings of 150 samples that all slip. deviation has a value from sample 49 on, about 2 in the one, below its threshold of 6, and
+        # about 20 in the other: it finds one of two slips, in 101 of 300 samples.
+        folder = self.folder / "slide"
+        folder.mkdir()
+        for number, sd in ((1, 2.0), (2, 20.0)):
+            noise = RandomStream(1, number, "slide")
+            titles = ["timestamp", "pdc", *(f"pac{k}" for k in range(1, 23)), *(f"ele{k}" for k in range(1, 20))]
+            lines = [",".join(titles)] + [",".join([f"{row / 100}", "2000", *["2000"] * 22, *(f"{round(3000 + sd * noise.normal())}" for _ in range(19))])
+                                          for row in range(150)]
+            (folder / f"mat{number}_1_bio.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        result = study(Options(recordings=str(self.folder)))
+        found = result.figures["biotac-slide"]["detectors"]
+        self.assertNotIn("deviation, chosen threshold", found)
+        deviation = found["deviation"]
+        self.assertEqual((deviation["slips"], deviation["slips_found"]), (2, 1))
+        self.assertAlmostEqual(deviation["figures"]["recall_of_slip"]["value"], 101 / 300, 12)
+        [table] = [table for table in result.tables if table.title == "biotac-slide: 2 recordings with one class"]
+        self.assertIn(["deviation", "50.0 % of 2", "33.7 %", "-", "-", "6, default"], table.rows)
+
     def test_only_some_sets(self):
         write_fabric(self.folder / "fabric")
         self.assertEqual(list(study(Options(recordings=str(self.folder), only=("fabric-slide",))).figures), ["fabric-slide"])
@@ -176,7 +200,7 @@ class Study(unittest.TestCase):
         result = study(Options(recordings=str(self.folder)))
         found = result.figures["uskin-boxes"]
         self.assertEqual((found["recordings"], found["objects"]), (2, ["11", "7"]), "two fingers are one recording")
-        deviation = found["detectors"]["deviation"]
+        deviation = found["detectors"]["deviation, chosen threshold"]
         # Half a second after its beginning, a window of 0.5 s is in the slip, where it deviates; before the slip nothing does.
         self.assertEqual(deviation["figures"]["auc_steady"]["value"], 1.0)
         self.assertEqual(deviation["slips"], 4)

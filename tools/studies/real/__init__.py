@@ -22,6 +22,7 @@ from slipbench_studies.result import Chart, Curve, Options, Result, Table
 YARDSTICKS = ("deviation", "relative_deviation", "shear_ratio", "sum_change")
 # Other detectors of the catalogue that read the channels of a sensor.
 CATALOGUE = {"papillarray": ("force_ratio", "stuck_fraction", "shear_rate", "gst_hd"), "taxels": ("force_ratio", "shear_rate")}
+CHOSEN = ", chosen threshold"  # behind the name of a yardstick
 HEAD = ["detector", "AUC", "AUC, steady", "balanced accuracy", "slips found", "false alarms per minute", "delay", "threshold"]
 
 
@@ -58,6 +59,7 @@ class Row:
     Attributes:
         detector: its name, or that of its file
         figures: summary() with groups by recording; empty: it could not run
+        threshold: default threshold of a yardstick, as it ships; NaN: another detector, or `thresholds`
         by_object: (lowest, highest) of figures over objects, or intervals by object, with the key
             "interval"
         thresholds: of the yardstick, in its unit, chosen on other recordings; empty: the detector's
@@ -68,6 +70,7 @@ class Row:
 
     detector: str
     figures: dict[str, Any] = field(default_factory=dict)
+    threshold: float = math.nan
     by_object: dict[str, Any] = field(default_factory=dict)
     thresholds: list[float] = field(default_factory=list)
     notice: str = ""
@@ -119,18 +122,18 @@ def judged(answers: Sequence[Answer], groups: Sequence[str]) -> dict[str, Any]:
     return found
 
 
-def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
-    """Runs a detector on a set. As with `--resample`, recordings that are slower than a network reads are interpolated,
-    and long gaps for every detector.
+def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> list[Row]:
+    """Runs a detector on a set. Recordings that are slower than a network reads are interpolated, as
+    with `--resample`, and long gaps for every detector.
 
     Args:
         recordings: the set
         detector: name or file
-        yardstick: True: its threshold is chosen on other objects, or recordings if there are no
-            objects
+        yardstick: True: evaluated twice, at its default threshold and, if the labels of the set have
+            both classes, at one that is chosen on other objects, or recordings if there are no objects
 
     Returns:
-        its row
+        its rows
     """
     name = Path(detector).name
     answers: list[Answer] = []
@@ -140,25 +143,30 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> Row:
         try:
             detected = slipbench.detect(detector, recordings.dataset, sensor=sensor, resample=True)
         except InputError as error:
-            return Row(name, failure=reason_of(str(error), detector))
+            return [Row(name, failure=reason_of(str(error), detector))]
         answers += answers_of(detected)
-        notice = notice or str(detected["notice"]).replace(f" for {name}", "")
+        # The table states the thresholds of yardsticks.
+        notice = notice or re.sub(r"(; )?the default threshold of [^;]*; choose [^;]*", "", str(detected["notice"])).replace(f" for {name}", "")
         own = detected["detector"]["parameters"].get("threshold", own)
     if not any(len(one.labels) and one.known.any() for one in answers):
         alarms = sum(int(((one.seen[1:] >= 2) & (one.seen[:-1] < 2)).sum()) for one in answers)
         minutes = sum(one.time[-1] - one.time[0] for one in answers) / 60.0
-        return Row(name, {"alarms": alarms, "minutes": minutes}, notice=notice)
-    thresholds: list[float] = []
+        return [Row(name, {"alarms": alarms, "minutes": minutes}, own, notice=notice)]
+
+    def row(title: str, some: list[Answer], threshold: float, thresholds: list[float]) -> Row:
+        figures = judged(some, [recordings.recording[one.trial] for one in some])
+        return Row(title, figures, threshold, by_object(some, recordings), thresholds, notice)
+
+    rows = [row(name, answers, own, [])]
+    slips = sum(int(one.slips.sum()) for one in answers)
+    if not yardstick or slips in (0, sum(int(one.known.sum()) for one in answers)):
+        return rows
     objects = recordings.objects
-    if yardstick:
-        groups = [recordings.object[one.trial] if len(objects) > 1 else recordings.recording[one.trial] for one in answers]
-        answers, thresholds = left_out(answers, groups)
-        thresholds = [own * one / (1.0 - one) for one in thresholds if not math.isnan(one)]
-        notice = re.sub(r"(; )?the default threshold of [^;]*; choose [^;]*", "", notice)  # it has another
-        if not answers:
-            return Row(name, failure="no threshold: the other recordings have no labelled hold, or no labelled slip")
-    figures = judged(answers, [recordings.recording[one.trial] for one in answers])
-    return Row(name, figures, by_object(answers, recordings), thresholds, notice)
+    groups = [recordings.object[one.trial] if len(objects) > 1 else recordings.recording[one.trial] for one in answers]
+    chosen, thresholds = left_out(answers, groups)
+    if not chosen:
+        return [*rows, Row(name + CHOSEN, failure="no threshold: the other recordings have no labelled hold, or no labelled slip")]
+    return [*rows, row(name + CHOSEN, chosen, math.nan, [own * one / (1.0 - one) for one in thresholds if not math.isnan(one)])]
 
 
 def by_object(answers: Sequence[Answer], recordings: Recordings) -> dict[str, Any]:
@@ -197,7 +205,8 @@ def _seconds(value: float) -> str:
 
 
 FORMATS = {"auc": "{:.3f}".format, "auc_steady": "{:.3f}".format, "balanced_slip_accuracy": _share, "slips_found": _share, "false_alarms_per_minute": "{:.1f}".format,
-           "slip_delay_median_s": _seconds}
+           "slip_delay_median_s": _seconds, "recall_of_slip": _share, "false_alarm_share": _share}
+ONE_CLASS_HEAD = ["detector", "slips found", "slip samples called slip", "hold samples called slip", "false alarms per minute", "threshold"]
 
 
 def cell(figure: Any, key: str) -> str:
@@ -211,7 +220,7 @@ def cell(figure: Any, key: str) -> str:
 def threshold_text(row: Row) -> str:
     """The threshold of a yardstick, or where the detector's comes from."""
     if not row.thresholds:
-        return "its own"
+        return "its own" if math.isnan(row.threshold) else f"{row.threshold:.3g}, default"
     low, high = min(row.thresholds), max(row.thresholds)
     return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} to {high:.3g}"
 
@@ -219,10 +228,25 @@ def threshold_text(row: Row) -> str:
 def row_cells(row: Row) -> list[str]:
     """The cells of a judged detector, in the order of HEAD."""
     figures = row.figures["figures"]
-    found = cell(figures["slips_found"], "slips_found")
-    return [row.detector, cell(figures["auc"], "auc"), cell(figures["auc_steady"], "auc_steady"), cell(figures["balanced_slip_accuracy"], "balanced_slip_accuracy"),
-            found if found == "-" else f"{found} of {row.figures['slips']}", cell(figures["false_alarms_per_minute"], "false_alarms_per_minute"),
-            cell(figures["slip_delay_median_s"], "slip_delay_median_s"), threshold_text(row)]
+    return [row.detector, *(cell(figures[key], key) for key in ("auc", "auc_steady", "balanced_slip_accuracy")), found_text(row),
+            *(cell(figures[key], key) for key in ("false_alarms_per_minute", "slip_delay_median_s")), threshold_text(row)]
+
+
+def found_text(row: Row) -> str:
+    """The share of slips that are found, of how many."""
+    found = cell(row.figures["figures"]["slips_found"], "slips_found")
+    return found if found == "-" else f"{found} of {row.figures['slips']}"
+
+
+def has_both_classes(row: Row) -> bool:
+    """True if the labels of the samples contain slip and hold."""
+    return row.figures["figures"]["balanced_slip_accuracy"]["value"] is not None
+
+
+def one_class_cells(row: Row) -> list[str]:
+    """The cells of a judged detector, in the order of ONE_CLASS_HEAD."""
+    figures = row.figures["figures"]
+    return [row.detector, found_text(row), *(cell(figures[key], key) for key in ("recall_of_slip", "false_alarm_share", "false_alarms_per_minute")), threshold_text(row)]
 
 
 def notices_text(rows: Sequence[Row]) -> str:
@@ -242,16 +266,22 @@ def tables_of(recordings: Recordings, rows: Sequence[Row]) -> list[Table]:
     """
     about, objects = recordings.about, recordings.objects
     groups = len(set(recordings.recording.values()))
-    with_figures = [row for row in rows if "figures" in row.figures]
+    one_class = [row for row in rows if "figures" in row.figures and not has_both_classes(row)]
+    with_figures = [row for row in rows if "figures" in row.figures and has_both_classes(row)]
     tables = []
+    if one_class:
+        tables.append(Table(f"{about.name}: {counted(groups, 'recording')} with one class", ONE_CLASS_HEAD, [one_class_cells(row) for row in one_class],
+                            f"{about.repository}; slip is known {about.known}. All samples with a known label have the same one, so no accuracy is defined and no "
+                            f"threshold can be chosen. In brackets: 95 % intervals by recording.{notices_text(one_class)}"))
     if with_figures:
         chosen = "objects" if len(objects) > 1 else "recordings"
         tables.append(Table(f"{about.name}: {counted(groups, 'recording')}", HEAD, [row_cells(row) for row in with_figures],
                             f"{about.repository}; slip is known {about.known}. In brackets: 95 % intervals by recording"
                             + ("." if groups >= FEWEST else f", only of AUC, since there are fewer than {FEWEST} recordings.")
-                            + " Yardsticks come last, the best first; their thresholds are chosen on other "
-                            f"{chosen}. A slip is found if slip is reported in it or up to 0.5 s before. Steady: samples whose label has been the same for "
-                            f"{STEADY:g} s.{notices_text(with_figures)}"))
+                            + " Yardsticks have their default threshold; those with a chosen threshold come last, the best first, and their thresholds are "
+                            f"chosen on other {chosen}. A slip is found if slip is reported in it or up to 0.5 s before, but not by an alarm that is on since "
+                            "the hold before a slip whose onset is unknown. The delay is that of slips with a known onset. Steady: samples whose label has been "
+                            f"the same for {STEADY:g} s.{notices_text(with_figures)}"))
     ranged = [row for row in with_figures if row.by_object]
     if ranged:
         keys = ("auc", "auc_steady", "balanced_slip_accuracy", "slips_found", "false_alarms_per_minute")
@@ -271,7 +301,7 @@ def tables_of(recordings: Recordings, rows: Sequence[Row]) -> list[Table]:
 
 
 def best_first(rows: Sequence[Row]) -> list[Row]:
-    """Detectors in their order, then yardsticks by falling steady AUC."""
+    """Detectors in their order, then yardsticks with a chosen threshold by falling steady AUC."""
     def place(row: Row) -> float:
         area = row.figures["figures"]["auc_steady"]["value"] if row.thresholds else None
         return -math.inf if not row.thresholds else math.inf if area is None else -area
@@ -281,7 +311,8 @@ def best_first(rows: Sequence[Row]) -> list[Row]:
 
 def chart_of(recordings: Recordings, rows: Sequence[Row]) -> list[Chart]:
     """The areas under the curves of a set with their intervals; empty if none is defined."""
-    shown = [row for row in rows if "figures" in row.figures and row.figures["figures"]["auc"]["value"] is not None]
+    # The area of a yardstick does not depend on its threshold, so its second row is not drawn.
+    shown = [row for row in rows if "figures" in row.figures and row.figures["figures"]["auc"]["value"] is not None and not row.thresholds]
     if not shown:
         return []
 
@@ -333,23 +364,24 @@ def study(options: Options) -> Result:
                 recordings = imported(about, places[about.name], Path(scratch))
             except InputError as error:
                 raise InputError(f"{error}; --only evaluates other sets than {about.name}") from error
-            rows = []
+            rows: list[Row] = []
             for detector, yardstick in [*((str(path), False) for path in shipped_networks(about.sensor)),
                                         *((name, False) for name in CATALOGUE.get(about.sensor, ())), *((name, True) for name in YARDSTICKS)]:
                 options.say(f"{about.name}: {Path(detector).name}")
-                rows.append(evaluated(recordings, detector, yardstick))
+                rows += evaluated(recordings, detector, yardstick)
             rows = best_first(rows)
             tables += tables_of(recordings, rows)
             charts += chart_of(recordings, rows)
             figures[about.name] = {"recordings": len(set(recordings.recording.values())), "objects": recordings.objects,
-                                   "detectors": {row.detector: {**row.figures, "by_object": row.by_object, "thresholds": row.thresholds, "notice": row.notice,
+                                   "detectors": {row.detector: {**row.figures, "by_object": row.by_object, "thresholds": row.thresholds,
+                                                                "threshold": None if math.isnan(row.threshold) else row.threshold, "notice": row.notice,
                                                                 "failure": row.failure} for row in rows}}
     missing = [about for about in SETS if about.name in places and not places[about.name]]
     if missing:
         tables.append(Table("Sets that were not found", ["set", "repository", "files"],
                             [[about.name, about.repository or "none known", about.layout] for about in missing]))
     return Result("Detectors on public recordings of real sensors", "not from a paper: public recordings, docs/results/real_recordings.md", figures,
-                  ["Networks have the threshold of their file. The threshold of a yardstick is chosen for the greatest balanced accuracy on the other objects, "
-                   "or on the other recordings of a set without objects.",
+                  ["Networks have the threshold of their file, yardsticks their default threshold. A second row of a yardstick has the threshold with the greatest "
+                   "balanced accuracy on the other objects, or on the other recordings of a set without objects.",
                    "Intervals are 95 % intervals by recording: bootstrap, and Obuchowski for AUC. Samples with unknown labels are in no figure."],
                   tables, charts, remarks=["No set states the path of the object by sample, so the slipped distance at the alarm is unknown."])

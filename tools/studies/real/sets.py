@@ -42,8 +42,10 @@ def _bags_of(message: str) -> Callable[[Path], list[Path]]:
                 bag = Bag(str(path), {})
                 bag.find("", message)
                 found.append(path)
-            except InputError:
-                pass  # a bag of other messages
+            except InputError as error:
+                if bag is None:
+                    raise InputError(f"reproduce: {error}; repair the bag, or move it out of the folder") from error
+                # A bag of other messages.
             finally:
                 if bag is not None:
                     bag.close()
