@@ -242,6 +242,12 @@ class Study(unittest.TestCase):
         (boxes / "recordings.csv").write_text("recording,object\n0,11\n1,7\n", encoding="utf-8-sig")
         self.assertEqual(study(Options(recordings=str(self.folder))).figures["uskin-boxes"]["objects"], ["11", "7"])
 
+    def test_a_damaged_bag_is_named(self):
+        write_fabric(self.folder / "fabric")
+        (self.folder / "hand.bag").write_bytes(b"#ROSBAG V2.0\nabc")
+        with self.assertRaisesRegex(InputError, "hand.bag.*repair the bag, or move it"):
+            study(Options(recordings=str(self.folder)))
+
     def test_refusals(self):
         for options, text in ((Options(), "needs --recordings DIR"), (Options(recordings=str(self.folder / "none")), "expected a folder"),
                               (Options(recordings=str(self.folder)), "contains no known set"),
