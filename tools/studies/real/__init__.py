@@ -151,13 +151,13 @@ def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> list[Ro
     if not any(len(one.labels) and one.known.any() for one in answers):
         alarms = sum(int(((one.seen[1:] >= 2) & (one.seen[:-1] < 2)).sum()) for one in answers)
         minutes = sum(one.time[-1] - one.time[0] for one in answers) / 60.0
-        return [Row(name, {"alarms": alarms, "minutes": minutes}, own, notice=notice)]
+        return [Row(name, {"alarms": alarms, "minutes": minutes}, own if yardstick else math.nan, notice=notice)]
 
     def row(title: str, some: list[Answer], threshold: float, thresholds: list[float]) -> Row:
         figures = judged(some, [recordings.recording[one.trial] for one in some])
         return Row(title, figures, threshold, by_object(some, recordings), thresholds, notice)
 
-    rows = [row(name, answers, own, [])]
+    rows = [row(name, answers, own if yardstick else math.nan, [])]
     slips = sum(int(one.slips.sum()) for one in answers)
     if not yardstick or slips in (0, sum(int(one.known.sum()) for one in answers)):
         return rows
