@@ -192,7 +192,7 @@ TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {
   EXPECT_THAT(refusal(parameters("none"), papillarray()), mentions({"detector.model", "no network"}));
   EXPECT_THAT(refusal(parameters("/nowhere.onnx"), papillarray()), mentions({"detector.model", "/nowhere.onnx", "opened"}));
   EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), papillarray(150.0)),
-              mentions({"mlp13.onnx", "150 Hz", "200 Hz", "1.3 times"}));
+              mentions({"mlp13.onnx", "150 Hz", "200 Hz", "1.33 times"}));
   FrameSource other = papillarray();
   other.type = "biotac_sp";
   EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), other), mentions({"mlp13.onnx", "papillarray", "biotac_sp"}));
