@@ -174,14 +174,13 @@ class Resampled final : public Detector {
         move(last, due - last.at, before, now, before);
       else
         blend(before, last, due);
-    } else if (about_.slow || !joined(last, now)) {
-      blend(last, now, due);
-    } else if (due - last.at > 0.5 * (now.at - last.at)) {
-      return false;
-    } else if (taken_ > 2 && joined(before, last)) {
-      move(last, due - last.at, before, now, last);
     } else {
-      blend(last, now, due);
+      const bool has_slope = !about_.slow && joined(last, now);
+      if (has_slope && due - last.at > 0.5 * (now.at - last.at)) return false;
+      if (has_slope && taken_ > 2 && joined(before, last))
+        move(last, due - last.at, before, now, last);
+      else
+        blend(last, now, due);
     }
     pass_on(made_);
     return true;
