@@ -308,7 +308,7 @@ std::size_t best_factor(const Board& board, const EntrantResults& entry, const s
 // Gives each yardstick that chooses its threshold the one that is best on the other half of the
 // trials; pairs of trials alternate, since they share a motion. If a half has no slip that can earn
 // credit, one threshold is chosen on all trials. Returns the best of them with the threshold that is
-// best on all trials; nullopt if there is none.
+// best on all trials; nullopt without a yardstick that chooses.
 std::optional<Entrant> choose_thresholds(Board& board) {
   const std::vector<double> factors = threshold_factors();
   std::optional<Entrant> best;

@@ -428,7 +428,7 @@ JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, 
   return judged;
 }
 
-// The best yardstick on the same trials; null if there is none.
+// The best yardstick on the same trials; null if no yardstick reads the sensor.
 Json yardstick_json(const DatasetReader& reader, const Options& options, TruthRule labels, const JudgedTrials& judged_trials) {
   const std::optional<ChosenYardstick> best = judged_trials.yardsticks.best();
   if (!best) return {};

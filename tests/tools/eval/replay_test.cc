@@ -162,14 +162,20 @@ TEST(Replay, TakesAProbabilityOnceAnEstimate) {
   EXPECT_THROW(replay(std::make_unique<Probable>(0.75), std::span(&sensor, 1), 0), InputError) << "1.5 at 0.2 s exceeds 1";
 }
 
-// `deviation` counts the frames of 0.5 s, here 50. Values of a straight line, 1 each 10 ms, with one
-// sample lost: the line through the gap keeps the standard deviation sqrt((50^2 - 1)/12).
-TEST(Replay, EvensOutALostSampleForDetectorsThatCountFrames) {
+// A recording at 100 Hz that has lost a sample, so that its mean rate is lower; without samples yet.
+SensorRecord uneven_recording() {
   SensorRecord sensor;
   sensor.name = "pad";
   sensor.type = "skin";
   sensor.rate = 99.3;
   sensor.labels.truth = false;
+  return sensor;
+}
+
+// `deviation` counts the frames of 0.5 s, here 50. Values of a straight line, 1 each 10 ms, with one
+// sample lost: the line through the gap keeps the standard deviation sqrt((50^2 - 1)/12).
+TEST(Replay, EvensOutALostSampleForDetectorsThatCountFrames) {
+  SensorRecord sensor = uneven_recording();
   std::vector<float> values;
   for (int k = 0; k < 140; ++k) {
     if (k == 70) continue;
@@ -189,11 +195,7 @@ TEST(Replay, EvensOutALostSampleForDetectorsThatCountFrames) {
 // Steps of 11 and 9 ms in turn, without sample 70: 69 of each are 100 Hz, though their median is 11
 // ms. The values lie on a line over time, so frames 10 ms apart have the standard deviation above.
 TEST(Replay, EvensOutStepsThatAlternate) {
-  SensorRecord sensor;
-  sensor.name = "pad";
-  sensor.type = "skin";
-  sensor.rate = 99.3;
-  sensor.labels.truth = false;
+  SensorRecord sensor = uneven_recording();
   std::vector<float> values;
   for (int k = 0; k <= 140; ++k) {
     if (k == 70) continue;
