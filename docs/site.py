@@ -22,13 +22,24 @@ PAGE, PICTURE = ".md", (".png", ".svg")
 LANGUAGES = {".h": "cpp", ".cc": "cpp", ".py": "python", ".yaml": "yaml", ".txt": "cmake"}
 PYTHON = "python.md"
 FORMS = ".github"  # templates of issues and pull requests, not pages
-TEX = {r"\\frac\{([^}]*)\}\{([^}]*)\}": r"(\1)/(\2)", r"\\text\{([^}]*)\}": r"\1", r"\\cdot": "·", r"\\mu ?": "μ ", r"\\ge": "≥", r"\\,|\s": " "}
+TEX = {
+    r"\\frac\{([^}]*)\}\{([^}]*)\}": r"(\1)/(\2)",
+    r"\\text\{([^}]*)\}": r"\1",
+    r"\\cdot": "·",
+    r"\\mu ?": "μ ",
+    r"\\ge": "≥",
+    r"\\,|\s": " ",
+}
 
 
 @functools.cache
 def ours():
     """The project's texts and pictures."""
-    return [path for path in project_files(ROOT) if path.suffix in (PAGE, *PICTURE) and path.parts[0] != FORMS]
+    return [
+        path
+        for path in project_files(ROOT)
+        if path.suffix in (PAGE, *PICTURE) and path.parts[0] != FORMS
+    ]
 
 
 def page_of(target, path):
@@ -37,7 +48,11 @@ def page_of(target, path):
     if not place or ":" in place or Path(place).suffix in (PAGE, *PICTURE):
         return target
     folder = (ROOT / path).parent / place
-    return (f"{place}/README.md" if (folder / "README.md").exists() else f"{place}.md") + hash_sign + rest
+    return (
+        (f"{place}/README.md" if (folder / "README.md").exists() else f"{place}.md")
+        + hash_sign
+        + rest
+    )
 
 
 def linked(text, path):
@@ -58,16 +73,27 @@ def source(path):
         if file.suffix == ".ipynb":
             cells = json.loads(text)["cells"]
             texts = [(cell["cell_type"], "".join(cell["source"])) for cell in cells]
-            return "\n\n".join(linked(re.sub(r"\$+([^$]+)\$+", lambda found: formula(found[1]), body), path.relative_to(ROOT))
-                               if kind == "markdown" else f"```python\n{body}\n```" for kind, body in texts)
-        parts.append(f"```{LANGUAGES.get(file.suffix, 'text')} title=\"{file.name}\"\n{text.rstrip()}\n```")
+            return "\n\n".join(
+                linked(
+                    re.sub(r"\$+([^$]+)\$+", lambda found: formula(found[1]), body),
+                    path.relative_to(ROOT),
+                )
+                if kind == "markdown"
+                else f"```python\n{body}\n```"
+                for kind, body in texts
+            )
+        parts.append(
+            f'```{LANGUAGES.get(file.suffix, "text")} title="{file.name}"\n{text.rstrip()}\n```'
+        )
     return "\n\n".join(parts)
 
 
 @functools.cache
 def made():
     """{page: its Markdown} for the pages without a file in the project."""
-    pages = {f"{folder}/headers.md": headers.page(ROOT, folder) for folder in headers.folders(ROOT)} | {PYTHON: reference.page()}
+    pages = {
+        f"{folder}/headers.md": headers.page(ROOT, folder) for folder in headers.folders(ROOT)
+    } | {PYTHON: reference.page()}
     for path in [path for path in project_files(ROOT) if path.suffix in (PAGE, ".ipynb")]:
         for target in LINK.findall((ROOT / path).read_text(encoding="utf-8")):
             page, place = page_of(target, path).partition("#")[0], target.partition("#")[0]
@@ -85,12 +111,24 @@ def named(nav):
 
 
 def on_config(config):
-    config.mdx_configs["toc"] = {"slugify": lambda text, _: anchor(text), "permalink": True, "toc_depth": "2-4"}
-    config.nav[-1]["Reference"] += [{"Python": PYTHON}, {"C++": [{f"{folder}": f"{folder}/headers.md"} for folder in headers.folders(ROOT)]}]
+    config.mdx_configs["toc"] = {
+        "slugify": lambda text, _: anchor(text),
+        "permalink": True,
+        "toc_depth": "2-4",
+    }
+    config.nav[-1]["Reference"] += [
+        {"Python": PYTHON},
+        {"C++": [{f"{folder}": f"{folder}/headers.md"} for folder in headers.folders(ROOT)]},
+    ]
     rest = {}
-    for path in sorted({path.as_posix() for path in ours() if path.suffix == PAGE} | made().keys() - named(config.nav)):
+    for path in sorted(
+        {path.as_posix() for path in ours() if path.suffix == PAGE}
+        | made().keys() - named(config.nav)
+    ):
         if path not in named(config.nav):
-            rest.setdefault(path.split("/")[0] if "/" in path else "project", []).append({path.removesuffix("/README.md").removesuffix(".md"): path})
+            rest.setdefault(path.split("/")[0] if "/" in path else "project", []).append(
+                {path.removesuffix("/README.md").removesuffix(".md"): path}
+            )
     config.nav.append({"All folders": [{folder: pages} for folder, pages in rest.items()]})
     return config
 
@@ -112,7 +150,14 @@ def on_files(files, config):
 def on_page_markdown(markdown, page, config, files):
     if page.file.src_uri in made():
         return markdown
-    markdown = re.sub(r"^```(\w+) no-run$", r"```\1", linked(markdown, page.file.src_uri), flags=re.MULTILINE)
+    markdown = re.sub(
+        r"^```(\w+) no-run$", r"```\1", linked(markdown, page.file.src_uri), flags=re.MULTILINE
+    )
     markdown = re.sub(r"^```(\w+) (\S+)$", r'```\1 title="\2"', markdown, flags=re.MULTILINE)
     # In GitHub's Markdown a list or a table may follow a line of text directly.
-    return re.sub(r"^(?![-*|#] ?|\d+\. |```)(\S.*)\n(?=[-*] |1\. |\|)", r"\1\n\n", markdown, flags=re.MULTILINE)
+    return re.sub(
+        r"^(?![-*|#] ?|\d+\. |```)(\S.*)\n(?=[-*] |1\. |\|)",
+        r"\1\n\n",
+        markdown,
+        flags=re.MULTILINE,
+    )

@@ -33,11 +33,15 @@ def check_system():
 
     Elsewhere than on Debian CMake reports missing libraries.
     """
-    found = subprocess.run([SETUP / "setup.sh", "missing", "build"], capture_output=True, text=True, check=False)
+    found = subprocess.run(
+        [SETUP / "setup.sh", "missing", "build"], capture_output=True, text=True, check=False
+    )
     missing = found.stdout.split()
     if found.returncode == 0 and missing:
-        sys.exit(f"slipbench: `pip install` compiles slipbench, and Debian packages are missing for that. Run this as root, then try again:\n"
-                 f"  apt-get update && apt-get install --yes --no-install-recommends {' '.join(missing)}")
+        sys.exit(
+            f"slipbench: `pip install` compiles slipbench, and Debian packages are missing for that. Run this as root, then try again:\n"
+            f"  apt-get update && apt-get install --yes --no-install-recommends {' '.join(missing)}"
+        )
 
 
 def get_requires_for_build_wheel(config_settings=None):

@@ -41,28 +41,54 @@ def figure(title):
 
 def draw_units(axes, places, states, size):
     """Draws the units of the pad at their positions in mm."""
-    axes.scatter(*(1000 * places.T), c=[COLOURS[state] for state in states], s=size, edgecolors="#5b6470", linewidths=0.6)
+    axes.scatter(
+        *(1000 * places.T),
+        c=[COLOURS[state] for state in states],
+        s=size,
+        edgecolors="#5b6470",
+        linewidths=0.6,
+    )
     axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
     axes.margins(0.2)
 
 
 def draw_shares(axes, time, states):
     """Draws the share of units in each state over time."""
-    axes.stackplot(time, *[(states == state).mean(axis=1) for state in (1, 3, 2, 0)], colors=[COLOURS[state] for state in (1, 3, 2, 0)])
-    axes.set(xlabel="time (s)", ylabel="units", ylim=(0, 1), yticks=(0, 1), xlim=(time[0], time[-1]))
+    axes.stackplot(
+        time,
+        *[(states == state).mean(axis=1) for state in (1, 3, 2, 0)],
+        colors=[COLOURS[state] for state in (1, 3, 2, 0)],
+    )
+    axes.set(
+        xlabel="time (s)", ylabel="units", ylim=(0, 1), yticks=(0, 1), xlim=(time[0], time[-1])
+    )
 
 
 def mixed(states):
     """Sample at which the states of the units differ most."""
-    return int(np.argmax(np.minimum((states == 1).sum(axis=1), ((states == 2) | (states == 3)).sum(axis=1))))
+    return int(
+        np.argmax(
+            np.minimum((states == 1).sum(axis=1), ((states == 2) | (states == 3)).sum(axis=1))
+        )
+    )
 
 
 def mark(axes, time, words):
     axes.axvline(time, color="#d1495b", linewidth=1.2)
     begin, end = axes.dataLim.intervalx
     room = time - begin > (end - begin) / 4  # space for the text left of the line
-    axes.annotate(words, (time, 0.96), xycoords=("data", "axes fraction"), xytext=(-4 if room else 4, 0), textcoords="offset points",
-                  ha="right" if room else "left", va="top", fontsize=8, color="#d1495b", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
+    axes.annotate(
+        words,
+        (time, 0.96),
+        xycoords=("data", "axes fraction"),
+        xytext=(-4 if room else 4, 0),
+        textcoords="offset points",
+        ha="right" if room else "left",
+        va="top",
+        fontsize=8,
+        color="#d1495b",
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
+    )
 
 
 def trial_picture(title, scene, sensor, draw_reading, *, draw_pad=None, trial=0):
@@ -77,7 +103,11 @@ def trial_picture(title, scene, sensor, draw_reading, *, draw_pad=None, trial=0)
         draw_units(left, record.labels[pad.name].unit_positions, states[at], 3000 / len(states[at]))
         left.set_title(f"pad at {pad.t[at]:.2f} s", fontsize=9)
     draw_reading(reading, record, pad)
-    mark(reading, record.outcome.get("judged_slip_time_s") or record.outcome["first_slip_time_s"], "slip begins")
+    mark(
+        reading,
+        record.outcome.get("judged_slip_time_s") or record.outcome["first_slip_time_s"],
+        "slip begins",
+    )
     draw_shares(shares, pad.t, states)
     return picture
 
@@ -98,6 +128,7 @@ def counts(channel, words):
         values = pad.channels[channel].reshape(len(time), -1)
         axes.plot(time, values[:, np.argsort(-np.ptp(values, axis=0))[:6]], linewidth=0.8)
         axes.set_ylabel(f"{words}\n(counts)")
+
     return draw
 
 
@@ -116,10 +147,21 @@ def closer(axes, record, pad, _):
 
 
 def markers(axes, record, pad, at):
-    draw_units(axes, record.labels[pad.name].unit_positions, record.labels[pad.name].unit_state[at], 30)
+    draw_units(
+        axes, record.labels[pad.name].unit_positions, record.labels[pad.name].unit_state[at], 30
+    )
     places, moved = pad.channels["pixel"][0], 1000 * pad.channels["displacement"][at]
     scale = 16.0 / np.ptp(places[:, 0])  # mm per pixel: nine markers span 16 mm
-    axes.quiver(scale * (places[:, 0] - 160), scale * (120 - places[:, 1]), *moved.T[:2], angles="xy", scale_units="xy", scale=0.2, width=0.012, zorder=3)
+    axes.quiver(
+        scale * (places[:, 0] - 160),
+        scale * (120 - places[:, 1]),
+        *moved.T[:2],
+        angles="xy",
+        scale_units="xy",
+        scale=0.2,
+        width=0.012,
+        zorder=3,
+    )
     axes.set_title("markers' motion, five-fold", fontsize=9)
     axes.set(xlim=(-7, 7), ylim=(-7, 7))
 
@@ -145,18 +187,37 @@ def soft_skin():
     radius, depth, friction, modulus = 40.0, 0.15, 0.8, 0.15  # mm, N/mm^2: values of the scene
     reach = np.sqrt(radius * depth)
     load = 16 / 3 * modulus * np.sqrt(radius) * depth**1.5
-    slides = 9 * friction * load / (32 * modulus * reach)  # mm, displacement at which the whole contact slides
+    slides = (
+        9 * friction * load / (32 * modulus * reach)
+    )  # mm, displacement at which the whole contact slides
     body = record.bodies["pad"]
     way = 1000 * np.interp(pad.t, body.t, body.pose[:, 0])
     there = slice(np.argmax(way > 0), np.argmax(way))
-    picture, left, reading, shares = figure("A sphere is pushed along a soft skin (soft_skin/sphere.yaml)")
+    picture, left, reading, shares = figure(
+        "A sphere is pushed along a soft skin (soft_skin/sphere.yaml)"
+    )
     at = there.start + np.argmax(way[there] > 0.6 * slides)
-    draw_units(left, record.labels[pad.name].unit_positions, record.labels[pad.name].unit_state[at], 3000 / 256)
+    draw_units(
+        left,
+        record.labels[pad.name].unit_positions,
+        record.labels[pad.name].unit_state[at],
+        3000 / 256,
+    )
     angle, stuck = np.linspace(0, 2 * np.pi, 100), reach * np.sqrt(0.4)
     left.plot(stuck * np.cos(angle), stuck * np.sin(angle), color="black", linewidth=1)
     left.set_title("at 0.6 of the way; line: theory", fontsize=9)
-    reading.plot(pad.t[there], np.linalg.norm(record.labels[pad.name].force[there, :, :2].sum(axis=1), axis=1), label="tangential force (N)")
-    reading.plot(pad.t[there], friction * load * (1 - np.clip(1 - way[there] / slides, 0, 1) ** 1.5), "k--", linewidth=1, label="theory")
+    reading.plot(
+        pad.t[there],
+        np.linalg.norm(record.labels[pad.name].force[there, :, :2].sum(axis=1), axis=1),
+        label="tangential force (N)",
+    )
+    reading.plot(
+        pad.t[there],
+        friction * load * (1 - np.clip(1 - way[there] / slides, 0, 1) ** 1.5),
+        "k--",
+        linewidth=1,
+        label="theory",
+    )
     reading.legend(fontsize=8, loc="lower right")
     draw_shares(shares, pad.t[there], record.labels[pad.name].unit_state[there])
     return picture
@@ -165,12 +226,26 @@ def soft_skin():
 def benchmark():
     """Draws the truth of one recording of each sensor."""
     picture, axes = plt.subplots(5, figsize=(7, 3), dpi=100, layout="constrained")
-    picture.suptitle("What slip detectors are judged by: the truth of one recording a sensor (benchmark/slip-3)", fontsize=10)
-    for axis, name in zip(axes, ("papillarray", "nib_pad", "piezo_skin", "myrmex", "gel_markers"), strict=True):
-        record = slipbench.Scene.load(SCENES / f"benchmark/slip-3/open_{name}.yaml").run(trial=1)  # odd ones slip
+    picture.suptitle(
+        "What slip detectors are judged by: the truth of one recording a sensor (benchmark/slip-3)",
+        fontsize=10,
+    )
+    for axis, name in zip(
+        axes, ("papillarray", "nib_pad", "piezo_skin", "myrmex", "gel_markers"), strict=True
+    ):
+        record = slipbench.Scene.load(SCENES / f"benchmark/slip-3/open_{name}.yaml").run(
+            trial=1
+        )  # odd ones slip
         pad = next(iter(record.sensors.values()))
-        axis.imshow(record.labels[pad.name].state[None], aspect="auto", cmap=ListedColormap(PAD_COLOURS), vmin=0, vmax=3, interpolation="nearest",
-                    extent=(pad.t[0], pad.t[-1], 0, 1))
+        axis.imshow(
+            record.labels[pad.name].state[None],
+            aspect="auto",
+            cmap=ListedColormap(PAD_COLOURS),
+            vmin=0,
+            vmax=3,
+            interpolation="nearest",
+            extent=(pad.t[0], pad.t[-1], 0, 1),
+        )
         axis.set_yticks([])
         axis.set_ylabel(name, rotation=0, ha="right", va="center", fontsize=9)
         axis.tick_params(labelsize=7)
@@ -190,15 +265,23 @@ def plain_mujoco():
         data.ctrl[:] = 4.0 - 3.2 * max(0.0, data.time - 0.5)
         mujoco.mj_step(model, data)
         read = pad.read(data)
-        time.append(data.time), forces.append(np.array(read.force)), states.append(np.array(read.unit_state, dtype=int).ravel())
+        (
+            time.append(data.time),
+            forces.append(np.array(read.force)),
+            states.append(np.array(read.unit_state, dtype=int).ravel()),
+        )
     time, forces, states = np.array(time), np.array(forces), np.array(states)
     at = mixed(states)
     places = 0.007 * np.stack(np.meshgrid((1, 0, -1), (1, 0, -1)), axis=-1).reshape(-1, 2)
-    picture, left, reading, shares = figure("Two pads in plain MuJoCo let a box slip (mujoco/hold.xml)")
+    picture, left, reading, shares = figure(
+        "Two pads in plain MuJoCo let a box slip (mujoco/hold.xml)"
+    )
     draw_units(left, places, states[at], 330)
     left.set_title(f"left pad at {time[at]:.2f} s", fontsize=9)
     reading.plot(time, forces[:, :, 2].sum(axis=1), label="normal force (N)")
-    reading.plot(time, np.linalg.norm(forces[:, :, :2].sum(axis=1), axis=1), label="tangential force (N)")
+    reading.plot(
+        time, np.linalg.norm(forces[:, :, :2].sum(axis=1), axis=1), label="tangential force (N)"
+    )
     reading.legend(fontsize=8, loc="center left")
     mark(reading, time[np.argmax((states == 2).any(axis=1))], "slip begins")
     draw_shares(shares, time, states)
@@ -207,18 +290,56 @@ def plain_mujoco():
 
 PICTURES = {
     "benchmark": benchmark,
-    "biotac_sp": lambda: trial_picture("BioTac SP slides and turns", "biotac_sp/slip.yaml", "pad", counts("electrodes", "six electrodes")),
-    "bodies": lambda: trial_picture("A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed),
-    "gel_markers": lambda: trial_picture("A sphere is dragged over a gel with markers", "gel_markers/gelsight_mini.yaml", "gel", whole, draw_pad=markers),
+    "biotac_sp": lambda: trial_picture(
+        "BioTac SP slides and turns",
+        "biotac_sp/slip.yaml",
+        "pad",
+        counts("electrodes", "six electrodes"),
+    ),
+    "bodies": lambda: trial_picture(
+        "A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed
+    ),
+    "gel_markers": lambda: trial_picture(
+        "A sphere is dragged over a gel with markers",
+        "gel_markers/gelsight_mini.yaml",
+        "gel",
+        whole,
+        draw_pad=markers,
+    ),
     "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
-    "magnetic_skin": lambda: trial_picture("A ball drags a magnetic skin", "magnetic_skin/uskin.yaml", "skin", counts("counts", "six axes")),
+    "magnetic_skin": lambda: trial_picture(
+        "A ball drags a magnetic skin",
+        "magnetic_skin/uskin.yaml",
+        "skin",
+        counts("counts", "six axes"),
+    ),
     "mujoco": plain_mujoco,
-    "myrmex": lambda: trial_picture("Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image),
-    "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters")),
-    "papillarray": lambda: trial_picture("Press and slide of nine pillars", "papillarray/stage.yaml", "pad", tangential),
-    "piezo_skin": lambda: trial_picture("A tip slides over a piezoelectric skin", "piezo_skin/slide.yaml", "pad", counts("signal", "signal"),
-                                        draw_pad=closer),
-    "learn": lambda: trial_picture("A BioTac SP waits, then slides", "learn/biotac_sp.yaml", "pad", counts("electrodes", "six electrodes"), trial=760),
+    "myrmex": lambda: trial_picture(
+        "Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image
+    ),
+    "nib_pad": lambda: trial_picture(
+        "A plate turns under a nib pad",
+        "nib_pad/rotational.yaml",
+        "pad",
+        counts("fr", "two clusters"),
+    ),
+    "papillarray": lambda: trial_picture(
+        "Press and slide of nine pillars", "papillarray/stage.yaml", "pad", tangential
+    ),
+    "piezo_skin": lambda: trial_picture(
+        "A tip slides over a piezoelectric skin",
+        "piezo_skin/slide.yaml",
+        "pad",
+        counts("signal", "signal"),
+        draw_pad=closer,
+    ),
+    "learn": lambda: trial_picture(
+        "A BioTac SP waits, then slides",
+        "learn/biotac_sp.yaml",
+        "pad",
+        counts("electrodes", "six electrodes"),
+        trial=760,
+    ),
     "soft_skin": soft_skin,
 }
 
@@ -230,7 +351,9 @@ def main(folder):
         place.parent.mkdir(parents=True, exist_ok=True)
         picture = draw()
         picture.canvas.draw()
-        Image.fromarray(np.asarray(picture.canvas.buffer_rgba())).convert("RGB").quantize(256).save(place, optimize=True)
+        Image.fromarray(np.asarray(picture.canvas.buffer_rgba())).convert("RGB").quantize(256).save(
+            place, optimize=True
+        )
         plt.close(picture)
         print(place)
 

@@ -8,11 +8,12 @@ from collections.abc import Iterator
 
 import pdoc.doc
 import pdoc.docstrings
-
 import slipbench
 
 # Representation of NDArray[float32] by numpy.
-ARRAY = re.compile(r"numpy\.ndarray\[tuple\[typing\.Any, \.\.\.\], numpy\.dtype\[(?:numpy\.|typing\.)?(\w+)\]\]")
+ARRAY = re.compile(
+    r"numpy\.ndarray\[tuple\[typing\.Any, \.\.\.\], numpy\.dtype\[(?:numpy\.|typing\.)?(\w+)\]\]"
+)
 
 
 def is_public(doc: pdoc.doc.Doc) -> bool:
@@ -37,7 +38,12 @@ def entries(doc: pdoc.doc.Doc, level: int) -> Iterator[str]:
     yield f"{'#' * level} {doc.qualname or doc.modulename} {{#{doc.fullname}}}"
     if doc.kind != "module":
         yield f"```python\n{declaration(doc)}\n```"
-    yield re.sub(r"^#{6} (.+):$", r"**\1**\n", pdoc.docstrings.convert(doc.docstring, "google", None), flags=re.MULTILINE)
+    yield re.sub(
+        r"^#{6} (.+):$",
+        r"**\1**\n",
+        pdoc.docstrings.convert(doc.docstring, "google", None),
+        flags=re.MULTILINE,
+    )
     for member in getattr(doc, "own_members", []):
         if is_public(member):
             yield from entries(member, level + 1)
@@ -45,7 +51,11 @@ def entries(doc: pdoc.doc.Doc, level: int) -> Iterator[str]:
 
 def page() -> str:
     """The whole page."""
-    names = sorted(module.name for module in pkgutil.iter_modules(slipbench.__path__) if not module.name.startswith("_"))
+    names = sorted(
+        module.name
+        for module in pkgutil.iter_modules(slipbench.__path__)
+        if not module.name.startswith("_")
+    )
     modules = [slipbench, *(importlib.import_module(f"slipbench.{name}") for name in names)]
     parts = [part for module in modules for part in entries(pdoc.doc.Module(module), 2)]
     return "\n\n".join([f"# Python, version {slipbench.__version__}", *parts])

@@ -14,29 +14,102 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from slipbench.bin._core import InputError, version as __version__
 from slipbench._commands import PathLike, export, import_recordings, merge, report, verify
-from slipbench._data import Arrays, Dataset, StoredBody, StoredControl, StoredLabels, StoredSensor, StoredTrial, Windows, open
+from slipbench._data import (
+    Arrays,
+    Dataset,
+    StoredBody,
+    StoredControl,
+    StoredLabels,
+    StoredSensor,
+    StoredTrial,
+    Windows,
+    open,
+)
 from slipbench._detect import detect
-from slipbench._own import (Command, Controller, Detector, Estimate, Frame, Layout, OwnSensor, SensorSource, Slip, Source, State, controller, detector,
-                            sensor)
+from slipbench._own import (
+    Command,
+    Controller,
+    Detector,
+    Estimate,
+    Frame,
+    Layout,
+    OwnSensor,
+    SensorSource,
+    Slip,
+    Source,
+    State,
+    controller,
+    detector,
+    sensor,
+)
 from slipbench._scene import Check, Scene, Sweep, describe, evaluate, list_names, scenes
 from slipbench._trial import Body, Contact, Control, Labels, Sensor, Trial
 from slipbench._values import RandomStream, parse_quantity
+from slipbench.bin._core import InputError
+from slipbench.bin._core import version as __version__
 
 if TYPE_CHECKING:
     from slipbench.learning import Recipe, Trained
 
 __all__ = [
-    "Arrays", "Body", "Check", "Command", "Contact", "Control", "Controller", "Dataset", "Detector", "Estimate",
-    "Frame", "InputError", "Labels", "Layout", "OwnSensor", "RandomStream", "Scene", "Sensor", "SensorSource", "Slip",
-    "Source", "State", "StoredBody", "StoredControl", "StoredLabels", "StoredSensor", "StoredTrial", "Sweep", "Trial",
-    "Windows", "__version__", "controller", "describe", "detect", "detector", "evaluate", "export", "import_recordings",
-    "list_names", "merge", "open", "parse_quantity", "report", "scenes", "sensor", "train", "verify",
+    "Arrays",
+    "Body",
+    "Check",
+    "Command",
+    "Contact",
+    "Control",
+    "Controller",
+    "Dataset",
+    "Detector",
+    "Estimate",
+    "Frame",
+    "InputError",
+    "Labels",
+    "Layout",
+    "OwnSensor",
+    "RandomStream",
+    "Scene",
+    "Sensor",
+    "SensorSource",
+    "Slip",
+    "Source",
+    "State",
+    "StoredBody",
+    "StoredControl",
+    "StoredLabels",
+    "StoredSensor",
+    "StoredTrial",
+    "Sweep",
+    "Trial",
+    "Windows",
+    "__version__",
+    "controller",
+    "describe",
+    "detect",
+    "detector",
+    "evaluate",
+    "export",
+    "import_recordings",
+    "list_names",
+    "merge",
+    "open",
+    "parse_quantity",
+    "report",
+    "scenes",
+    "sensor",
+    "train",
+    "verify",
 ]
 
 
-def train(dataset: PathLike | Sequence[PathLike], *, output: PathLike, recipe: str | Recipe = "slip_gru", **options: Any) -> Trained:
+def train(
+    dataset: PathLike | Sequence[PathLike],
+    *,
+    output: PathLike,
+    recipe: str | Recipe = "slip_gru",
+    **options: Any,
+) -> Trained:
     """Trains a slip detector on datasets and writes its ONNX file: `slipbench.learning.train()`,
     which needs PyTorch.
 

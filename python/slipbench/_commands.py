@@ -18,7 +18,9 @@ PathLike = str | os.PathLike[str]
 _SWITCHES = ("all", "compress", "points")  # options without a value
 
 
-def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)) -> dict[str, Any]:
+def _run(
+    command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)
+) -> dict[str, Any]:
     """Runs `slipbench command files --option value`. Options that are None, False, an empty text or
     an empty list are omitted; 0 is passed.
 
@@ -28,15 +30,28 @@ def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good:
     for name, value in options.items():
         given = plain(value, name)
         if isinstance(given, bool) and name not in _SWITCHES:
-            raise _core.InputError(f"{name.replace('-', '_')}: expected a number or a text, found {given}")
+            raise _core.InputError(
+                f"{name.replace('-', '_')}: expected a number or a text, found {given}"
+            )
         if given is True:
             words.append(f"--{name}")
         elif given is not None and given is not False and given not in ("", []):
             words.append(f"--{name}={','.join(given) if isinstance(given, list) else given}")
-    place = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")]))
-    done = subprocess.run([sys.executable, "-m", "slipbench", *words], capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": place})
+    place = os.pathsep.join(
+        filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")])
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "slipbench", *words],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": place},
+    )
     if done.returncode not in good:
-        raise _core.InputError(done.stderr.strip().removeprefix("slipbench: ") or f"{command} ended with exit status {done.returncode}")
+        raise _core.InputError(
+            done.stderr.strip().removeprefix("slipbench: ")
+            or f"{command} ended with exit status {done.returncode}"
+        )
     result: dict[str, Any] = json.loads(done.stdout)
     return result
 
@@ -72,9 +87,21 @@ def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None
     return _run("report", [dataset], {"output": output, "trial": trial})
 
 
-def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = "", label_speed: str | float = "", sensors: str | Sequence[str] = (),
-           rate: str | float = "", split: str = "", trial: int | None = None, licence: str = "", points: bool = False,
-           compress: bool = False) -> dict[str, Any]:
+def export(
+    dataset: PathLike,
+    output: PathLike,
+    *,
+    format: str,
+    labels: str = "",
+    label_speed: str | float = "",
+    sensors: str | Sequence[str] = (),
+    rate: str | float = "",
+    split: str = "",
+    trial: int | None = None,
+    licence: str = "",
+    points: bool = False,
+    compress: bool = False,
+) -> dict[str, Any]:
     """Writes a dataset in another format, like `slipbench export`.
 
     Args:
@@ -102,12 +129,34 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
     Raises:
         InputError: the program's own message.
     """
-    return _run("export", [dataset], {"output": output, "format": format, "labels": labels, "label-speed": label_speed, "sensors": _several(sensors),
-                                      "rate": rate, "split": split, "trial": trial, "licence": licence, "points": points, "compress": compress})
+    return _run(
+        "export",
+        [dataset],
+        {
+            "output": output,
+            "format": format,
+            "labels": labels,
+            "label-speed": label_speed,
+            "sensors": _several(sensors),
+            "rate": rate,
+            "split": split,
+            "trial": trial,
+            "licence": licence,
+            "points": points,
+            "compress": compress,
+        },
+    )
 
 
-def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike = "", *, format: str = "", map: PathLike = "",
-                      rate: str | float = "", seed: int | None = None) -> dict[str, Any]:
+def import_recordings(
+    sources: PathLike | Sequence[PathLike],
+    output: PathLike = "",
+    *,
+    format: str = "",
+    map: PathLike = "",
+    rate: str | float = "",
+    seed: int | None = None,
+) -> dict[str, Any]:
     """Imports recordings of real sensors into a dataset, like `slipbench import`.
 
     Args:
@@ -128,7 +177,11 @@ def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike =
     Raises:
         InputError: the program's own message.
     """
-    return _run("import", _paths(sources, "sources"), {"output": output, "format": format, "map": map, "rate": rate, "seed": seed})
+    return _run(
+        "import",
+        _paths(sources, "sources"),
+        {"output": output, "format": format, "map": map, "rate": rate, "seed": seed},
+    )
 
 
 def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:

@@ -15,7 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench._program import counted
-from slipbench._trial import Body, Contact, Control, Labels, Row, Sensor, shape_text, table, trial_table, trial_text
+from slipbench._trial import (
+    Body,
+    Contact,
+    Control,
+    Labels,
+    Row,
+    Sensor,
+    shape_text,
+    table,
+    trial_table,
+    trial_text,
+)
 from slipbench._values import index as whole_number
 from slipbench.bin import _core
 
@@ -37,7 +48,14 @@ def reading(what: h5py.Group | h5py.Dataset, *errors: type[Exception]) -> Iterat
         yield
     except _core.InputError:
         raise
-    except errors or (OSError, RuntimeError, LookupError, TypeError, ValueError, MemoryError) as error:
+    except errors or (
+        OSError,
+        RuntimeError,
+        LookupError,
+        TypeError,
+        ValueError,
+        MemoryError,
+    ) as error:
         raise _core.InputError(f"{what.file.filename}: {what.name}: is damaged: {error}") from error
 
 
@@ -53,11 +71,15 @@ def _member(group: h5py.Group, name: str) -> Any:
     if link is None:
         raise KeyError(name)
     if not isinstance(link, h5py.HardLink):
-        raise _core.InputError(f"{group.file.filename}: {group.name}/{name} is a link to another file, but a dataset must contain all of its data")
+        raise _core.InputError(
+            f"{group.file.filename}: {group.name}/{name} is a link to another file, but a dataset must contain all of its data"
+        )
     with reading(group):
         found = group[name]
         if isinstance(found, h5py.Dataset) and (found.external or found.is_virtual):
-            raise _core.InputError(f"{group.file.filename}: {found.name} is stored in another file, but a dataset must contain all of its data")
+            raise _core.InputError(
+                f"{group.file.filename}: {found.name} is stored in another file, but a dataset must contain all of its data"
+            )
     return Array(found.id, readonly=True) if isinstance(found, h5py.Dataset) else found
 
 
@@ -101,7 +123,9 @@ class Arrays(Mapping[str, "h5py.Dataset"]):
     def _array(self, name: str) -> Any:
         """The whole array `name`, read now. Raises AttributeError if there is none."""
         if name.split("/")[0] not in self:
-            raise AttributeError(f"{self._group.file.filename}: {self._group.name} has no {name!r}; it has {', '.join([*self, *self.attrs])}")
+            raise AttributeError(
+                f"{self._group.file.filename}: {self._group.name} has no {name!r}; it has {', '.join([*self, *self.attrs])}"
+            )
         return _kept(self[name][:])
 
     def _arrays(self, names: Sequence[str]) -> Iterator[Row]:
@@ -141,7 +165,10 @@ class _Read:
 
     def __dir__(self) -> list[str]:
         # For completion: attributes that were not read yet are not in __dict__.
-        return [*super().__dir__(), *(field.name for field in fields(type(self)) if self._has(field.name))]  # type: ignore[arg-type]
+        return [
+            *super().__dir__(),
+            *(field.name for field in fields(type(self)) if self._has(field.name)),
+        ]  # type: ignore[arg-type]
 
 
 class _Channels(Mapping[str, Any]):
@@ -181,11 +208,16 @@ class StoredSensor(_Read, Arrays, Sensor):
             case "channels":
                 return _Channels(self, {channel: channel for channel in channels})
             case "channel_time":
-                return _Channels(self, {channel: f"{channel}_t" for channel in channels if f"{channel}_t" in self})
+                return _Channels(
+                    self,
+                    {channel: f"{channel}_t" for channel in channels if f"{channel}_t" in self},
+                )
             case "units":
                 return {channel: str(self[channel].attrs["unit"]) for channel in channels}
         if name != "t" and name not in channels:
-            raise AttributeError(f"sensor {self.name!r} has no channel or attribute {name!r}; channels: {', '.join(channels)}")
+            raise AttributeError(
+                f"sensor {self.name!r} has no channel or attribute {name!r}; channels: {', '.join(channels)}"
+            )
         return self._array(name)
 
     def _title(self) -> str:
@@ -205,14 +237,20 @@ class StoredLabels(_Read, Arrays, Labels):
 
     def _read(self, name: str) -> Any:
         if name.startswith("event_"):
-            return self._array("events/" + {"event_time": "t"}.get(name, name.removeprefix("event_")))
+            return self._array(
+                "events/" + {"event_time": "t"}.get(name, name.removeprefix("event_"))
+            )
         for key in (name, f"{name}_s"):
             if key in self.attrs and name not in ("frame", "rule"):
                 return _kept(np.array(self.attrs[key]))
         return self._array(name)
 
     def _has(self, name: str) -> bool:
-        return "events" in self._names if name.startswith("event_") else name in self._names or name in self.attrs or f"{name}_s" in self.attrs
+        return (
+            "events" in self._names
+            if name.startswith("event_")
+            else name in self._names or name in self.attrs or f"{name}_s" in self.attrs
+        )
 
 
 class StoredBody(_Read, Arrays, Body):
@@ -232,9 +270,14 @@ class StoredControl(_Read, Arrays, Control):
             return float(self.attrs["rate_hz"])
         if name in ("detector", "controller", "sensor"):
             return str(self.attrs.get(name, ""))
-        if name in ("command", "measured_position", "grip_force", "arm") and self._place(name) not in self:
+        if (
+            name in ("command", "measured_position", "grip_force", "arm")
+            and self._place(name) not in self
+        ):
             kind = np.float32 if name in ("grip_force", "arm") else np.uint8
-            return _kept(np.empty({"command": (0, 3), "arm": (0, 2)}.get(name, (0,)), kind))  # as for a simulated open recording
+            return _kept(
+                np.empty({"command": (0, 3), "arm": (0, 2)}.get(name, (0,)), kind)
+            )  # as for a simulated open recording
         return self._array(self._place(name))
 
     @staticmethod
@@ -249,7 +292,11 @@ def is_recording(labels: Arrays) -> bool:
 
 def rules_of(labels: Arrays) -> dict[str, str]:
     """The rules of the labels, each with its array."""
-    return {rule: array for rule, array in (RECORDED if is_recording(labels) else RULES).items() if array in labels}
+    return {
+        rule: array
+        for rule, array in (RECORDED if is_recording(labels) else RULES).items()
+        if array in labels
+    }
 
 
 def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
@@ -257,7 +304,9 @@ def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
     evenly spaced, so that their indices cannot replace time."""
     times, resolution = sensor["t"][:], float(sensor.attrs.get("time_resolution_s", 0.0))
     if not _core.evenly_spaced(times, resolution):
-        raise _core.InputError(f"{place}: its samples are not evenly spaced ({_core.timing_text(times, resolution)}); allowed: {allowed}")
+        raise _core.InputError(
+            f"{place}: its samples are not evenly spaced ({_core.timing_text(times, resolution)}); allowed: {allowed}"
+        )
 
 
 def check_units(place: str, found: Mapping[str, str], needed: Mapping[str, str]) -> None:
@@ -271,7 +320,9 @@ def check_units(place: str, found: Mapping[str, str], needed: Mapping[str, str])
     """
     for name, unit in needed.items():
         if name in found and found[name] != unit:
-            raise _core.InputError(f"{place}: channel {name} is in {found[name]!r}, but it is read in {unit}{_core.other_unit_remedy(found[name], unit)}")
+            raise _core.InputError(
+                f"{place}: channel {name} is in {found[name]!r}, but it is read in {unit}{_core.other_unit_remedy(found[name], unit)}"
+            )
 
 
 class StoredTrial:
@@ -327,7 +378,11 @@ class StoredTrial:
         """The control loop. None: the scene has neither detector nor controller."""
         if "control" not in self._made:
             with reading(self._group):
-                self._made["control"] = StoredControl(_member(self._group, "control")) if "control" in self._group else None
+                self._made["control"] = (
+                    StoredControl(_member(self._group, "control"))
+                    if "control" in self._group
+                    else None
+                )
         found: StoredControl | None = self._made["control"]
         return found
 
@@ -382,7 +437,9 @@ class Dataset(Mapping[int, StoredTrial]):
             with reading(file):
                 self.complete = self.complete and int(file.attrs.get("complete", 0)) == 1
                 self.failed += json.loads(file.attrs.get("failed", "[]"))
-                self._where |= {int(name.removeprefix("demo_")): file for name in _member(file, "data")}
+                self._where |= {
+                    int(name.removeprefix("demo_")): file for name in _member(file, "data")
+                }
         self.trials = sorted(self._where)
 
     def __getitem__(self, trial: int) -> StoredTrial:
@@ -405,7 +462,10 @@ class Dataset(Mapping[int, StoredTrial]):
         for file in self._files:
             with reading(file):
                 if "mask" in file:
-                    trials += [int(name.removeprefix("demo_")) for name in _member(_member(file, "mask"), part).asstr()[:]]
+                    trials += [
+                        int(name.removeprefix("demo_"))
+                        for name in _member(_member(file, "mask"), part).asstr()[:]
+                    ]
         return sorted(trials)
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -416,8 +476,17 @@ class Dataset(Mapping[int, StoredTrial]):
         rows = [{**self[trial].params, **self[trial].outcome} for trial in self.trials]
         return pandas.DataFrame(rows, index=pandas.Index(self.trials, name="trial"))
 
-    def windows(self, *, length: int, stride: int = 1, sensor: str = "", channels: Sequence[str] = (), labels: str = "strict",
-                part: str = "", trials: Sequence[int] | None = None) -> Windows:
+    def windows(
+        self,
+        *,
+        length: int,
+        stride: int = 1,
+        sensor: str = "",
+        channels: Sequence[str] = (),
+        labels: str = "strict",
+        part: str = "",
+        trials: Sequence[int] | None = None,
+    ) -> Windows:
         """Creates windows of a sensor's samples with one label each, for training.
 
         Warns of trials that are shorter than a window.
@@ -444,7 +513,16 @@ class Dataset(Mapping[int, StoredTrial]):
             more than 1 % or in the unit or shape of a channel, or a recording's samples are not evenly spaced, which
             windows require.
         """
-        return Windows(self, whole_number(length, "length"), whole_number(stride, "stride"), sensor, channels, labels, part, trials)
+        return Windows(
+            self,
+            whole_number(length, "length"),
+            whole_number(stride, "stride"),
+            sensor,
+            channels,
+            labels,
+            part,
+            trials,
+        )
 
     def close(self) -> None:
         """Closes the files."""
@@ -458,11 +536,15 @@ class Dataset(Mapping[int, StoredTrial]):
         if not self._files[0]:
             return f"<slipbench.Dataset {self._path}: closed>"
         first = self[self.trials[0]].sensors if self.trials else {}
-        sensors = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in first.items())
+        sensors = "; ".join(
+            f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in first.items()
+        )
         return f"<slipbench.Dataset {self._path}: {counted(len(self), 'trial')}; {sensors or 'only outcomes'}>"
 
     def _repr_html_(self) -> str:
-        return trial_table(repr(self), self[self.trials[0]].sensors if self._files[0] and self.trials else {})
+        return trial_table(
+            repr(self), self[self.trials[0]].sensors if self._files[0] and self.trials else {}
+        )
 
     def __enter__(self) -> Dataset:
         return self
@@ -480,43 +562,73 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     trial is read once and cached: the chosen channels of all trials must fit into memory. Windows can be pickled: the copy opens the dataset again, by its path.
     """
 
-    def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, part: str,
-                 trials: Sequence[int] | None) -> None:
+    def __init__(
+        self,
+        dataset: Dataset,
+        length: int,
+        stride: int,
+        sensor: str,
+        channels: Sequence[str],
+        labels: str,
+        part: str,
+        trials: Sequence[int] | None,
+    ) -> None:
         if length < 1 or stride < 1:
             raise _core.InputError(f"length {length}, stride {stride}; allowed: 1 or more")
         if labels not in (known := RULES | RECORDED):
             raise _core.InputError(f"labels {labels!r}; allowed: {', '.join(map(repr, known))}")
         self._dataset, self._length, self._stride, self._rule = dataset, length, stride, labels
-        self._sensor, self._channels = sensor, [channels] if isinstance(channels, str) else list(channels)
+        self._sensor, self._channels = (
+            sensor,
+            [channels] if isinstance(channels, str) else list(channels),
+        )
         self._arguments = (dataset, length, stride, sensor, self._channels, labels, part, trials)
         self._trials = dataset.mask(part) if part else list(dataset.trials)
         if trials is not None:
             if unknown := sorted(set(trials) - set(self._trials)):
-                raise _core.InputError(f"trials: {', '.join(map(str, unknown))}; allowed: the numbers of the {part or 'dataset'}'s trials")
+                raise _core.InputError(
+                    f"trials: {', '.join(map(str, unknown))}; allowed: the numbers of the {part or 'dataset'}'s trials"
+                )
             self._trials = sorted(set(trials))
         if not self._trials:
             raise _core.InputError(self._empty_text(part, trials))
-        self._kept: dict[int, tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]] = {}
+        self._kept: dict[
+            int, tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]
+        ] = {}
         samples = [self._samples(trial) for trial in self._trials]
         self._check_alike()
-        self._starts = [self._known_starts(trial, count) for trial, count in zip(self._trials, samples, strict=True)]
+        self._starts = [
+            self._known_starts(trial, count)
+            for trial, count in zip(self._trials, samples, strict=True)
+        ]
         self._ends = np.cumsum([0] + [len(starts) for starts in self._starts]).tolist()
-        short = [trial for trial, count in zip(self._trials, samples, strict=True) if count < length]
+        short = [
+            trial for trial, count in zip(self._trials, samples, strict=True) if count < length
+        ]
         if short and len(short) == len(samples):
             longest = int(np.argmax(samples))
-            raise _core.InputError(f"length {length}: the longest trial, {self._trials[longest]}, has {counted(samples[longest], 'sample')}; allowed: 1 to {samples[longest]}")
+            raise _core.InputError(
+                f"length {length}: the longest trial, {self._trials[longest]}, has {counted(samples[longest], 'sample')}; allowed: 1 to {samples[longest]}"
+            )
         if not self._ends[-1]:
-            raise _core.InputError(f"labels {labels!r}: the label of each window of {counted(len(samples), 'trial')} is unknown; "
-                                   "use recordings in which hold or slip is known")
+            raise _core.InputError(
+                f"labels {labels!r}: the label of each window of {counted(len(samples), 'trial')} is unknown; "
+                "use recordings in which hold or slip is known"
+            )
         if short:
-            warnings.warn(f"{len(short)} of {counted(len(samples), 'trial')} {'has' if len(short) == 1 else 'have'} fewer than {length} samples and no window: "
-                          f"{', '.join(map(str, short[:10]))}{' ...' if len(short) > 10 else ''}", stacklevel=3)
+            warnings.warn(
+                f"{len(short)} of {counted(len(samples), 'trial')} {'has' if len(short) == 1 else 'have'} fewer than {length} samples and no window: "
+                f"{', '.join(map(str, short[:10]))}{' ...' if len(short) > 10 else ''}",
+                stacklevel=3,
+            )
 
     def _empty_text(self, part: str, trials: Sequence[int] | None) -> str:
         """The error of windows without any trial: what was chosen, and how many trials each mask
         has."""
         dataset = self._dataset
-        masks = ", ".join(f"{name!r} {len(dataset.mask(name))}" for name in ("train", "valid", "test"))
+        masks = ", ".join(
+            f"{name!r} {len(dataset.mask(name))}" for name in ("train", "valid", "test")
+        )
         if trials is not None and len(trials) == 0:
             return f"trials: found an empty list; expected numbers of trials, or None for all of them; trials in the masks: {masks}"
         return f"{f'part {part!r}' if part else 'the dataset'} has no trials; trials in the masks: {masks}, of {len(dataset)} in the dataset"
@@ -526,8 +638,10 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         if self._sensor in names:
             return self._sensor
         if self._sensor or len(names) != 1:
-            raise _core.InputError(f"trial {trial.trial}: sensor {self._sensor!r}; allowed: "
-                                   f"{', '.join(map(repr, names)) or 'nothing, only outcomes were recorded'}")
+            raise _core.InputError(
+                f"trial {trial.trial}: sensor {self._sensor!r}; allowed: "
+                f"{', '.join(map(repr, names)) or 'nothing, only outcomes were recorded'}"
+            )
         return names[0]
 
     def _states(self, trial: StoredTrial, name: str) -> h5py.Dataset:
@@ -538,8 +652,14 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         if labels is None or self._rule not in rules:
             found = ", ".join(map(repr, rules)) or "no labels"
             which = "recording" if labels is None or is_recording(labels) else "simulated trial"
-            raise _core.InputError(f"trial {trial.trial}: labels {self._rule!r}: the {which} has {found}; "
-                                   + (f"pass {' or '.join(f'labels={rule!r}' for rule in rules)}" if rules else "use a recording with labels"))
+            raise _core.InputError(
+                f"trial {trial.trial}: labels {self._rule!r}: the {which} has {found}; "
+                + (
+                    f"pass {' or '.join(f'labels={rule!r}' for rule in rules)}"
+                    if rules
+                    else "use a recording with labels"
+                )
+            )
         return labels[rules[self._rule]]
 
     def _known_starts(self, number: int, samples: int) -> range | NDArray[np.int64]:
@@ -548,7 +668,9 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         if self._rule not in RECORDED or not starts:
             return starts
         trial = self._dataset[number]
-        ends = np.asarray(self._states(trial, self._name(trial))[:])[self._length - 1 :: self._stride]
+        ends = np.asarray(self._states(trial, self._name(trial))[:])[
+            self._length - 1 :: self._stride
+        ]
         known = ends != _core.unknown_state
         return starts if known.all() else np.asarray(starts, np.int64)[known]
 
@@ -570,20 +692,48 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             channels = self._chosen_channels(sensor)
             for channel in channels:
                 if channel not in sensor or len(sensor[channel]) != samples:
-                    at_rate = [one for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples]
-                    raise _core.InputError(f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
-                                           f"allowed: channels={[str(one) for one in at_rate]}")
+                    at_rate = [
+                        one for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples
+                    ]
+                    raise _core.InputError(
+                        f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
+                        f"allowed: channels={[str(one) for one in at_rate]}"
+                    )
             rate = float(sensor.attrs["rate_hz"])
-            alike = [(channel, sensor[channel].shape[1:], str(sensor[channel].attrs["unit"])) for channel in channels]
+            alike = [
+                (channel, sensor[channel].shape[1:], str(sensor[channel].attrs["unit"]))
+                for channel in channels
+            ]
             if first is None:
                 first = number, rate, alike
             if abs(rate - first[1]) > 0.01 * first[1]:
-                same = [one for one in self._trials if abs(float(self._dataset[one].sensors[self._name(self._dataset[one])].attrs["rate_hz"]) - rate) <= 0.01 * rate]
-                raise _core.InputError(f"trial {number}: sensor {name!r} has {rate:g} Hz, but {first[1]:g} Hz in trial {first[0]}, so that windows of {self._length} samples "
-                                       f"differ in time; choose trials of one rate, such as trials={same[:10]}{' ...' if len(same) > 10 else ''}")
+                same = [
+                    one
+                    for one in self._trials
+                    if abs(
+                        float(
+                            self._dataset[one]
+                            .sensors[self._name(self._dataset[one])]
+                            .attrs["rate_hz"]
+                        )
+                        - rate
+                    )
+                    <= 0.01 * rate
+                ]
+                raise _core.InputError(
+                    f"trial {number}: sensor {name!r} has {rate:g} Hz, but {first[1]:g} Hz in trial {first[0]}, so that windows of {self._length} samples "
+                    f"differ in time; choose trials of one rate, such as trials={same[:10]}{' ...' if len(same) > 10 else ''}"
+                )
             if alike != first[2]:
-                texts = [", ".join(f"{channel} {shape_text(shape, unit)}" for channel, shape, unit in one) for one in (alike, first[2])]
-                raise _core.InputError(f"trial {number}: sensor {name!r} has {texts[0]} per sample, but {texts[1]} in trial {first[0]}; choose alike trials by trials=[...]")
+                texts = [
+                    ", ".join(
+                        f"{channel} {shape_text(shape, unit)}" for channel, shape, unit in one
+                    )
+                    for one in (alike, first[2])
+                ]
+                raise _core.InputError(
+                    f"trial {number}: sensor {name!r} has {texts[0]} per sample, but {texts[1]} in trial {first[0]}; choose alike trials by trials=[...]"
+                )
 
     def __reduce__(self) -> Any:
         return Windows, self._arguments
@@ -592,18 +742,37 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return f"<slipbench.Windows {len(self)} of {counted(self._length, 'sample')} every {self._stride}, {counted(len(self._trials), 'trial')}, labels {self._rule}>"
 
     def _repr_html_(self) -> str:
-        values = (len(self), *self[0][0].shape) if len(self) and self._dataset._files[0] else (len(self), self._length)
-        return table(repr(self).strip("<>"), [("values", values, ""), ("labels", (len(self),), "0 hold, 1 slip")])
+        values = (
+            (len(self), *self[0][0].shape)
+            if len(self) and self._dataset._files[0]
+            else (len(self), self._length)
+        )
+        return table(
+            repr(self).strip("<>"),
+            [("values", values, ""), ("labels", (len(self),), "0 hold, 1 slip")],
+        )
 
-    def _read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]:
+    def _read(
+        self, number: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]:
         if number not in self._kept:
             trial = self._dataset[number]
             name = self._name(trial)
             sensor = trial.sensors[name]
-            check_evenly_spaced(f"trial {number}: sensor {name!r}", sensor, "one rate throughout, as `slipbench import --rate RATE` makes it")
+            check_evenly_spaced(
+                f"trial {number}: sensor {name!r}",
+                sensor,
+                "one rate throughout, as `slipbench import --rate RATE` makes it",
+            )
             states = self._states(trial, name)
             samples = len(states)
-            values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in self._chosen_channels(sensor)], axis=1)
+            values = np.concatenate(
+                [
+                    np.asarray(sensor[channel][:], np.float32).reshape(samples, -1)
+                    for channel in self._chosen_channels(sensor)
+                ],
+                axis=1,
+            )
             codes = np.asarray(states[:])
             slips = ((codes >= 2) & (codes != _core.unknown_state)).astype(np.uint8)
             self._kept[number] = values, slips, np.asarray(sensor["t"][:], np.float64)
@@ -618,11 +787,15 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         values, slips, _, first = self._found(index)
         return values[first : first + self._length], int(slips[first + self._length - 1])
 
-    def _found(self, index: int) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64], int]:
+    def _found(
+        self, index: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64], int]:
         """Values, labels and times of the trial of window `index`, and the window's first
         sample."""
         place = self._place(index)
-        return *self._read(self._trials[place]), int(self._starts[place][index % len(self) - self._ends[place]])
+        return *self._read(self._trials[place]), int(
+            self._starts[place][index % len(self) - self._ends[place]]
+        )
 
     def _place(self, index: int) -> int:
         if not -len(self) <= index < len(self):
@@ -654,16 +827,23 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         columns = self._read(self.trial(0))[0].shape[1] if len(self) else 0
         size = 4 * len(self) * self._length * columns
         if size > _MOST_BYTES:
-            raise _core.InputError(f"{counted(len(self), 'window')} of {counted(self._length, 'sample')} of {counted(columns, 'value')} need {size /  1e9:.3g} GB; allowed: "
-                                   f"{_MOST_BYTES / 1e9:g} GB; use a greater stride, a shorter length or fewer channels")
-        X, y = np.empty((len(self), self._length, columns), np.float32), np.empty(len(self), np.uint8)
+            raise _core.InputError(
+                f"{counted(len(self), 'window')} of {counted(self._length, 'sample')} of {counted(columns, 'value')} need {size / 1e9:.3g} GB; allowed: "
+                f"{_MOST_BYTES / 1e9:g} GB; use a greater stride, a shorter length or fewer channels"
+            )
+        X, y = (
+            np.empty((len(self), self._length, columns), np.float32),
+            np.empty(len(self), np.uint8),
+        )
         at = 0
         for trial, starts, count in zip(self._trials, self._starts, counts, strict=True):
             if not count:
                 continue
             values, slips, _ = self._read(trial)
             chosen = slice(0, starts.stop, starts.step) if isinstance(starts, range) else starts
-            X[at : at + count] = np.lib.stride_tricks.sliding_window_view(values, self._length, axis=0)[chosen].swapaxes(1, 2)
+            X[at : at + count] = np.lib.stride_tricks.sliding_window_view(
+                values, self._length, axis=0
+            )[chosen].swapaxes(1, 2)
             y[at : at + count] = slips[self._length - 1 :][chosen]
             at += count
         return X, y, np.repeat(np.asarray(self._trials, np.int64), counts)

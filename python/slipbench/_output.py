@@ -27,7 +27,10 @@ def sync_folder(folder: Path) -> None:
     try:
         os.fsync(descriptor)
     except OSError as error:
-        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # file systems that cannot sync folders
+        if error.errno not in (
+            errno.EINVAL,
+            errno.ENOTSUP,
+        ):  # file systems that cannot sync folders
             raise
     finally:
         os.close(descriptor)
@@ -37,10 +40,14 @@ def _open_locked(path: Path, flags: int) -> BinaryIO:
     """Opens a regular file without following links and locks it against other runs."""
     try:
         # O_NONBLOCK: a named pipe without a reader is refused, too.
-        descriptor = os.open(path, flags | os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
+        descriptor = os.open(
+            path, flags | os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o666
+        )
     except OSError as error:
         if error.errno == errno.ELOOP:
-            raise _core.InputError(f"cannot write {path}: it is a symbolic link, which would not be followed; remove it") from None
+            raise _core.InputError(
+                f"cannot write {path}: it is a symbolic link, which would not be followed; remove it"
+            ) from None
         raise
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -120,7 +127,12 @@ class NewFiles:
         for folder in folders:
             sync_folder(folder)
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         for path, file in self._files.items():
             with contextlib.suppress(OSError):
                 partial_path(path).unlink()

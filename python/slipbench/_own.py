@@ -198,25 +198,46 @@ class OwnSensor(Protocol):
         [3, E] m along the surface."""
 
 
-def layout_of(said: Any) -> tuple[float, list[list[float]], list[int], list[tuple[str, str, list[int]]]]:
+def layout_of(
+    said: Any,
+) -> tuple[float, list[list[float]], list[int], list[tuple[str, str, list[int]]]]:
     """Checks the result of a sensor's layout() and converts it for the program."""
     if not isinstance(said, Layout):
         raise TypeError(f"layout() returned {said!r}; expected a Layout")
     tips = np.asarray(said.tips, float)
     if tips.ndim != 2 or tips.shape[1] != 3:
         raise ValueError(f"tips of shape {tips.shape}; expected (points, 3)")
-    each = [np.broadcast_to(np.asarray(value, float), shape)
-            for value, shape in ((said.directions, tips.shape), (said.k_normal, len(tips)), (said.k_tangential, len(tips)))]
-    units = range(len(tips)) if said.units is None else np.broadcast_to(np.asarray(said.units, int), len(tips))
-    return (float(said.rate), np.column_stack([tips, *each]).tolist(), [int(unit) for unit in units],
-            [(name, unit, [int(extent) for extent in shape]) for name, (shape, unit) in said.channels.items()])
+    each = [
+        np.broadcast_to(np.asarray(value, float), shape)
+        for value, shape in (
+            (said.directions, tips.shape),
+            (said.k_normal, len(tips)),
+            (said.k_tangential, len(tips)),
+        )
+    ]
+    units = (
+        range(len(tips))
+        if said.units is None
+        else np.broadcast_to(np.asarray(said.units, int), len(tips))
+    )
+    return (
+        float(said.rate),
+        np.column_stack([tips, *each]).tolist(),
+        [int(unit) for unit in units],
+        [
+            (name, unit, [int(extent) for extent in shape])
+            for name, (shape, unit) in said.channels.items()
+        ],
+    )
 
 
 def readings_of(said: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[np.float32]]:
     """Checks the result of a sensor's measure(), and returns it in the order of the channels."""
     channels = said if isinstance(said, dict) else {name: said for name in shapes}
     if channels.keys() != shapes.keys():
-        raise KeyError(f"measure() returned {', '.join(map(str, channels))}; allowed: {', '.join(shapes)}")
+        raise KeyError(
+            f"measure() returned {', '.join(map(str, channels))}; allowed: {', '.join(shapes)}"
+        )
     arrays = [np.ascontiguousarray(channels[name], np.float32) for name in shapes]
     for (name, shape), array in zip(shapes.items(), arrays):
         if array.shape != shape:
@@ -227,7 +248,11 @@ def readings_of(said: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[n
 def estimate_of(said: Any) -> Estimate:
     """Checks the result of a detector."""
     estimate = said if isinstance(said, Estimate) else Estimate(said)
-    if isinstance(estimate.state, bool) or not isinstance(estimate.state, numbers.Integral) or not 0 <= int(estimate.state) <= 3:
+    if (
+        isinstance(estimate.state, bool)
+        or not isinstance(estimate.state, numbers.Integral)
+        or not 0 <= int(estimate.state) <= 3
+    ):
         raise TypeError(f"update() returned {said!r}; expected a State, 0 to 3, or an Estimate")
     if not 0.0 <= estimate.latency < math.inf:
         raise ValueError(f"a latency of {estimate.latency} s; allowed: 0 s or more")
@@ -241,8 +266,14 @@ def command_of(said: Any) -> Command:
     command = said if isinstance(said, Command) else Command(said)
     for name in ("position", "speed", "force"):
         value = getattr(command, name)
-        if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 0 <= int(value) <= 255:
-            raise TypeError(f"act() returned {said!r}; expected a position of 0 to 255, or a Command with such numbers")
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, numbers.Integral)
+            or not 0 <= int(value) <= 255
+        ):
+            raise TypeError(
+                f"act() returned {said!r}; expected a position of 0 to 255, or a Command with such numbers"
+            )
     return command
 
 
@@ -261,7 +292,15 @@ def _registering(register: Callable[..., None], name: str) -> Callable[[Any], An
         summary = ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
         declared = getattr(made, "parameters", {}).items()
         own_names.add(name)
-        register(name, made, summary, [(key, value if isinstance(value, str) else repr(float(value))) for key, value in declared])
+        register(
+            name,
+            made,
+            summary,
+            [
+                (key, value if isinstance(value, str) else repr(float(value)))
+                for key, value in declared
+            ],
+        )
         return made
 
     return decorate

@@ -71,19 +71,27 @@ def watched(stream: TextIO) -> bool:
 
 def styled(stream: TextIO, code: str, text: str) -> str:
     """Text in a colour or weight, if the stream is a terminal and NO_COLOR is not set."""
-    return f"\033[{code}m{text}\033[0m" if watched(stream) and not os.environ.get("NO_COLOR") else text
+    return (
+        f"\033[{code}m{text}\033[0m" if watched(stream) and not os.environ.get("NO_COLOR") else text
+    )
 
 
 def text_width() -> int:
     """Columns of text on stdout."""
-    return max(LEAST_WIDTH, min(WIDTH, shutil.get_terminal_size((WIDTH, 1)).columns)) if watched(sys.stdout) else WIDTH
+    return (
+        max(LEAST_WIDTH, min(WIDTH, shutil.get_terminal_size((WIDTH, 1)).columns))
+        if watched(sys.stdout)
+        else WIDTH
+    )
 
 
 def printable(text: str, lines: bool = False) -> str:
     """Text for a terminal or a page, with control characters, and characters that change the
     direction of text or are invisible, as escapes. Line ends stay with `lines`. The text may come
     from an untrusted file."""
-    return _core.printable(text.encode("utf-8", "backslashreplace").decode(), lines)  # names of files may not be UTF-8
+    return _core.printable(
+        text.encode("utf-8", "backslashreplace").decode(), lines
+    )  # names of files may not be UTF-8
 
 
 def say(text: str) -> None:
@@ -96,7 +104,9 @@ def say(text: str) -> None:
             sys.stderr.write(text)
             sys.stderr.flush()
         except OSError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())  # otherwise the exit would fail to write the rest
+            os.dup2(
+                os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno()
+            )  # otherwise the exit would fail to write the rest
 
 
 def say_error(message: str) -> None:
@@ -116,7 +126,9 @@ def write_result(write: Callable[[], None]) -> int:
     except OSError as error:
         say_error(f"cannot write to standard output: {error.strerror}")
         if sys.stdout is not None:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise the exit would fail to write the rest
+            os.dup2(
+                os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
+            )  # otherwise the exit would fail to write the rest
         return BAD_INPUT
     return GOOD
 
@@ -130,8 +142,14 @@ def catch_signals() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
 
-def run_command(work: Callable[[], int], *, needs: str = "", install: str = "", target: str = "",
-                interrupted: Callable[[], str] = lambda: "interrupted; nothing is kept") -> int:
+def run_command(
+    work: Callable[[], int],
+    *,
+    needs: str = "",
+    install: str = "",
+    target: str = "",
+    interrupted: Callable[[], str] = lambda: "interrupted; nothing is kept",
+) -> int:
     """Runs a command and ends it as the program ends its own: every error is one message on stderr.
 
     Args:
@@ -167,16 +185,24 @@ def run_command(work: Callable[[], int], *, needs: str = "", install: str = "", 
         message = "out of memory"
     except Exception as error:  # noqa: BLE001  a bug: the user is the only one who can report it
         message = _internal(error)
-    sys.unraisablehook = lambda _: None  # writers that are destroyed unclosed would repeat the error with a traceback
+    sys.unraisablehook = lambda _: (
+        None
+    )  # writers that are destroyed unclosed would repeat the error with a traceback
     say_error(message)
     return BAD_INPUT
 
 
 def _internal(error: Exception) -> str:
-    """"internal error, please report it: KeyError: 'x', at _import/text.py:12": the kind of an
+    """ "internal error, please report it: KeyError: 'x', at _import/text.py:12": the kind of an
     error, its first line, and the innermost line of the package."""
     root = Path(__file__).parent
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).is_relative_to(root)]
-    place = f", at {Path(frames[-1].filename).relative_to(root)}:{frames[-1].lineno}" if frames else ""
+    frames = [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if Path(frame.filename).is_relative_to(root)
+    ]
+    place = (
+        f", at {Path(frames[-1].filename).relative_to(root)}:{frames[-1].lineno}" if frames else ""
+    )
     first = next(iter(str(error).splitlines()), "")
     return f"internal error, please report it: {type(error).__name__}{': ' if first else ''}{first}{place}"

@@ -19,8 +19,13 @@ class _Failed(Exception):
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.getgroup("slipbench").addoption("--slipbench-draws", type=int, default=0, metavar="N",
-                                           help="Trials of each cell of a scene's sweep (default: of the scene)")
+    parser.getgroup("slipbench").addoption(
+        "--slipbench-draws",
+        type=int,
+        default=0,
+        metavar="N",
+        help="Trials of each cell of a scene's sweep (default: of the scene)",
+    )
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
@@ -47,13 +52,19 @@ class _SceneItem(pytest.Item):
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         # The program's messages name file and line; a traceback would hide them.
-        return str(excinfo.value) if isinstance(excinfo.value, (_Failed, InputError)) else super().repr_failure(excinfo, style)
+        return (
+            str(excinfo.value)
+            if isinstance(excinfo.value, (_Failed, InputError))
+            else super().repr_failure(excinfo, style)
+        )
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, None, f"{self.path.name}: expect"
 
 
-def _checked(scene: Scene | str | os.PathLike[str], config: pytest.Config, options: dict[str, Any]) -> Check:
+def _checked(
+    scene: Scene | str | os.PathLike[str], config: pytest.Config, options: dict[str, Any]
+) -> Check:
     scene = scene if isinstance(scene, Scene) else Scene.load(scene)
     return scene.check(**{"draws": config.getoption("--slipbench-draws"), **options})
 
@@ -67,6 +78,7 @@ def slipbench_check(pytestconfig: pytest.Config) -> Callable[..., Check]:
     expectations, or its negative control keeps all of them, and with the program's message if the
     scene is unreadable or cannot run.
     """
+
     def check(scene: Scene | str | os.PathLike[str], **options: Any) -> Check:
         try:
             result = _checked(scene, pytestconfig, options)

@@ -39,7 +39,9 @@ def overrides_of(values: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     """Pairs of dotted path and YAML text, as for `--set`."""
     for path in values or {}:
         if not isinstance(path, str):
-            raise _core.InputError(f"expected dotted paths as keys, such as 'motion.speed', found {path!r}")
+            raise _core.InputError(
+                f"expected dotted paths as keys, such as 'motion.speed', found {path!r}"
+            )
     return [(path, yaml(value, path)) for path, value in (values or {}).items()]
 
 
@@ -53,8 +55,10 @@ def naming_unknown_classes() -> Iterator[None]:
         unknown = re.search(r"unknown (?:sensor|detector|controller|type) '(\w+)'", str(error))
         if unknown is None or multiprocessing.parent_process() is None:
             raise
-        raise _core.InputError(f"{error}. If {unknown[1]!r} is a Python class, this worker process does not know it: register it in a module that the "
-                               "worker imports, not in a script below `if __name__ == '__main__'`") from None
+        raise _core.InputError(
+            f"{error}. If {unknown[1]!r} is a Python class, this worker process does not know it: register it in a module that the "
+            "worker imports, not in a script below `if __name__ == '__main__'`"
+        ) from None
 
 
 def _key_paths(value: Any, path: str = "") -> Iterator[str]:
@@ -168,7 +172,13 @@ class Scene:
         overrides: pairs of dotted path and YAML text, as for `--set`
     """
 
-    def __init__(self, path: str, overrides: list[tuple[str, str]], told: dict[str, str] | None = None, text: str | None = None) -> None:
+    def __init__(
+        self,
+        path: str,
+        overrides: list[tuple[str, str]],
+        told: dict[str, str] | None = None,
+        text: str | None = None,
+    ) -> None:
         """`told`: warnings issued so far, by subject. `text`: text of a scene that is not read from
         the file at `path`."""
         self.path = path
@@ -183,17 +193,41 @@ class Scene:
             self._told.update(found)
             warn(text for about, text in found.items() if (told or {}).get(about) != text)
 
-    def _warn(self, draws: int = 0, trials: int = 0, seed: int | None = None, output: str = "",
-              apart: tuple[bool, float] = (False, math.inf)) -> None:
+    def _warn(
+        self,
+        draws: int = 0,
+        trials: int = 0,
+        seed: int | None = None,
+        output: str = "",
+        apart: tuple[bool, float] = (False, math.inf),
+    ) -> None:
         """Issues the program's warnings for these trials, once each."""
-        found = {about: text for about, text in self._warnings(draws, trials, seed, True, output, *apart).items() if about not in self._told}
+        found = {
+            about: text
+            for about, text in self._warnings(draws, trials, seed, True, output, *apart).items()
+            if about not in self._told
+        }
         self._told.update(found)
         warn(found.values())
 
-    def _warnings(self, draws: int, trials: int, seed: int | None, build: bool, output: str, isolate: bool, limit: float) -> dict[str, str]:
+    def _warnings(
+        self,
+        draws: int,
+        trials: int,
+        seed: int | None,
+        build: bool,
+        output: str,
+        isolate: bool,
+        limit: float,
+    ) -> dict[str, str]:
         """The program's warnings, by subject."""
         with self._naming_keys():
-            return {about: self._with_keys(text) for about, text in self._core.warnings(draws, trials, seed, build, output, isolate, limit)}
+            return {
+                about: self._with_keys(text)
+                for about, text in self._core.warnings(
+                    draws, trials, seed, build, output, isolate, limit
+                )
+            }
 
     @contextmanager
     def _naming_keys(self) -> Iterator[None]:
@@ -210,8 +244,12 @@ class Scene:
         if os.path.basename(self.path) != DICT or self._text is None:
             return text
         keys = list(_key_paths(json.loads(self._text)))
-        named = re.sub(rf"{re.escape(self.path)}:(\d+)", lambda found: keys[int(found[1]) - 1] or DICT, text)
-        return re.sub(r"^(\S+): (?=\1(?![\w.]))", "", named)  # "motion.tilt: motion.tilt has 3 entries"
+        named = re.sub(
+            rf"{re.escape(self.path)}:(\d+)", lambda found: keys[int(found[1]) - 1] or DICT, text
+        )
+        return re.sub(
+            r"^(\S+): (?=\1(?![\w.]))", "", named
+        )  # "motion.tilt: motion.tilt has 3 entries"
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
@@ -238,7 +276,9 @@ class Scene:
             InputError: as `load()`, with "<text>" as the file's name; or `text` is not a str.
         """
         if not isinstance(text, str):
-            raise _core.InputError(f"text: expected a scene's YAML as str, found {shown(text)}; Scene.load() reads a file, from_dict() takes a dict")
+            raise _core.InputError(
+                f"text: expected a scene's YAML as str, found {shown(text)}; Scene.load() reads a file, from_dict() takes a dict"
+            )
         return cls(os.path.join(os.fspath(folder), "<text>"), [], text=text)
 
     @classmethod
@@ -259,8 +299,14 @@ class Scene:
                 `values` is not a dict.
         """
         if not isinstance(values, Mapping):
-            raise _core.InputError(f"values: expected a dict of a scene's keys, found {shown(values)}; Scene.load() reads a file, from_text() takes YAML")
-        return cls(os.path.join(os.fspath(folder), DICT), [], text=json.dumps(plain(values, "scene"), indent=2) + "\n")
+            raise _core.InputError(
+                f"values: expected a dict of a scene's keys, found {shown(values)}; Scene.load() reads a file, from_text() takes YAML"
+            )
+        return cls(
+            os.path.join(os.fspath(folder), DICT),
+            [],
+            text=json.dumps(plain(values, "scene"), indent=2) + "\n",
+        )
 
     def set(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
         """Returns the scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"},
@@ -270,7 +316,12 @@ class Scene:
         folder. None removes a key. `values` allows any path, `more` only single words. Sweeps of a set path, or of paths below it, are removed. Raises
         InputError, naming the key, for an invalid value.
         """
-        return Scene(self.path, self.overrides + overrides_of({**(values or {}), **more}), self._told, self._text)
+        return Scene(
+            self.path,
+            self.overrides + overrides_of({**(values or {}), **more}),
+            self._told,
+            self._text,
+        )
 
     @property
     def text(self) -> str:
@@ -316,16 +367,22 @@ class Scene:
         cells = self.trials(1)
         draws = _MOST_TRIALS // cells
         self._warn()
-        return self._simulate(_core.trial_of_episode(cells, draws, seed, episode), draws, 0, seed, "full", None)
+        return self._simulate(
+            _core.trial_of_episode(cells, draws, seed, episode), draws, 0, seed, "full", None
+        )
 
-    def _simulate(self, trial: int, draws: int, limit: int, seed: int, record: str, stop: _core.Stop | None) -> Trial:
+    def _simulate(
+        self, trial: int, draws: int, limit: int, seed: int, record: str, stop: _core.Stop | None
+    ) -> Trial:
         with self._naming_keys():
             if record == "contact":
                 made, contacts = self._core.run_with_contact(trial, draws, limit, seed, stop)
                 return Trial(made, contacts)
             return Trial(self._core.run(trial, draws, limit, seed, record == "full", stop))
 
-    def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
+    def sweep(
+        self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full"
+    ) -> Sweep:
         """Iterates over all trials of the scene's sweep, in order: `for trial in scene.sweep()`.
 
         `draws`: draws per cell of the grid; 0: as in the scene. `seed`, `record`: as for `run()`.
@@ -336,11 +393,26 @@ class Scene:
         _check_record(record)
         count = self.trials(draws)
         self._warn(draws, seed=seed)
-        return Sweep(lambda trial, stop: self._simulate(trial, draws, 0, chosen, record, stop), count, jobs or os.cpu_count() or 1)
+        return Sweep(
+            lambda trial, stop: self._simulate(trial, draws, 0, chosen, record, stop),
+            count,
+            jobs or os.cpu_count() or 1,
+        )
 
-    def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
-              resume: bool = False, progress: Callable[[int, int], None] | None = None, isolate: bool | None = None,
-              trial_limit: float | None = None) -> dict[str, Any]:
+    def write(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        draws: int = 0,
+        trials: int = 0,
+        seed: int | None = None,
+        jobs: int = 0,
+        record: str = "full",
+        resume: bool = False,
+        progress: Callable[[int, int], None] | None = None,
+        isolate: bool | None = None,
+        trial_limit: float | None = None,
+    ) -> dict[str, Any]:
         """Runs the sweep and writes it as a dataset to `path`. The content is that of `slipbench
         sweep`, or with `trials` that of `slipbench run --trials`.
 
@@ -362,7 +434,19 @@ class Scene:
         apart = self._apart(isolate, trial_limit, trials or self.trials(draws))
         self._warn(draws, trials, seed, os.fspath(path), apart)
         with self._naming_keys():
-            summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, record == "full", resume, progress, *apart))
+            summary: dict[str, Any] = json.loads(
+                self._core.write(
+                    os.fspath(path),
+                    draws,
+                    trials,
+                    seed,
+                    jobs,
+                    record == "full",
+                    resume,
+                    progress,
+                    *apart,
+                )
+            )
         warn(one["text"] for one in summary["warnings"])
         if summary.get("interrupted"):
             raise KeyboardInterrupt
@@ -370,8 +454,16 @@ class Scene:
             progress(summary["planned"], summary["planned"])
         return summary
 
-    def check(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, folder: str = "", isolate: bool | None = None,
-              trial_limit: float | None = None) -> Check:
+    def check(
+        self,
+        *,
+        draws: int = 0,
+        seed: int | None = None,
+        jobs: int = 0,
+        folder: str = "",
+        isolate: bool | None = None,
+        trial_limit: float | None = None,
+    ) -> Check:
         """Compares the scene's `expect` with its trials, like `slipbench check`.
 
         `draws`, `seed`, `jobs`: as for `sweep()`; `isolate`, `trial_limit`: as for `write()`.
@@ -379,7 +471,9 @@ class Scene:
         without a file.
         """
         if self._text is not None:
-            raise _core.InputError(f"{self.path}: check() needs a scene in a file, for its replay command; use Scene.load()")
+            raise _core.InputError(
+                f"{self.path}: check() needs a scene in a file, for its replay command; use Scene.load()"
+            )
         _check_counts(draws=draws, seed=seed, jobs=jobs)
         apart = self._apart(isolate, trial_limit, self.trials(draws))
         self._warn(draws, seed=seed, apart=apart)
@@ -392,7 +486,11 @@ class Scene:
 
     def _has_own_parts(self) -> bool:
         """True if the scene may name a user's Python class or a plugin."""
-        return any(name in text for name in ("plugin", *own_names) for text in [self.text, *(value for _, value in self.overrides)])
+        return any(
+            name in text
+            for name in ("plugin", *own_names)
+            for text in [self.text, *(value for _, value in self.overrides)]
+        )
 
     def _apart(self, isolate: bool | None, time: float | None, trials: int) -> tuple[bool, float]:
         """Returns whether `trials` trials run in separate processes, as `write()` documents,
@@ -402,7 +500,11 @@ class Scene:
         if time is not None and isolate is False:
             raise _core.InputError("isolate=False cannot be combined with trial_limit")
         if isolate is None:
-            own = trials > 1 and self._has_own_parts() and not {"torch", "ipykernel"} & sys.modules.keys()
+            own = (
+                trials > 1
+                and self._has_own_parts()
+                and not {"torch", "ipykernel"} & sys.modules.keys()
+            )
             isolate = time is not None or own
         if isolate and sys.stdout is not None:
             sys.stdout.flush()  # otherwise each process would print the buffer
@@ -415,7 +517,9 @@ class Scene:
         return f"<p>{escape(repr(self).strip('<>'))}</p><pre>{escape(self.text)}</pre>"
 
 
-def _restored(path: str, overrides: list[tuple[str, str]], told: dict[str, str], text: str) -> Scene:
+def _restored(
+    path: str, overrides: list[tuple[str, str]], told: dict[str, str], text: str
+) -> Scene:
     """Restores a pickled scene. Reads its file again if it is unchanged, else uses the pickled
     text."""
     try:
@@ -455,8 +559,17 @@ def list_names() -> dict[str, Any]:
     return listed
 
 
-def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapping[str, Any] | None = None, labels: str = "", sensor: str = "",
-             split: str = "", all_trials: bool = False, resample: bool = False) -> dict[str, Any]:
+def evaluate(
+    detector: str,
+    dataset: str | os.PathLike[str],
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    labels: str = "",
+    sensor: str = "",
+    split: str = "",
+    all_trials: bool = False,
+    resample: bool = False,
+) -> dict[str, Any]:
     """Evaluates a detector on the trials of the file `dataset`. Returns the output of `slipbench
     eval DETECTOR DATASET --json`.
 
@@ -471,5 +584,9 @@ def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapp
     recording is read, and the detector run, in a child process.
     """
     pairs = overrides_of(parameters)
-    result: dict[str, Any] = json.loads(_core.evaluate(detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials, resample))
+    result: dict[str, Any] = json.loads(
+        _core.evaluate(
+            detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials, resample
+        )
+    )
     return result

@@ -66,15 +66,19 @@ class Request:
 
 
 def clock_text(seconds: float) -> str:
-    """"12 s", "3:05", "1:02:03"."""
+    """ "12 s", "3:05", "1:02:03"."""
     whole = max(round(seconds), 0)
     if whole < 60:
         return f"{whole} s"
-    return f"{whole // 60}:{whole % 60:02}" if whole < 3600 else f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}"
+    return (
+        f"{whole // 60}:{whole % 60:02}"
+        if whole < 3600
+        else f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}"
+    )
 
 
 def share_text(share: float | None) -> str:
-    """"98.1 %", "-" for None or NaN."""
+    """ "98.1 %", "-" for None or NaN."""
     return "-" if share is None or math.isnan(share) else f"{100 * share:.1f} %"
 
 
@@ -108,7 +112,9 @@ class ProgressReporter:
         text = "" if self._members == 1 else f"network {member + 1}/{self._members}, "
         text += f"step {report.step}/{report.steps}, loss {report.loss:.4f}"
         if not math.isnan(report.validation):
-            text += f", validation {share_text(report.validation)}{' (best)' if report.best else ''}"
+            text += (
+                f", validation {share_text(report.validation)}{' (best)' if report.best else ''}"
+            )
         if report.step < report.steps:
             text += f", ETA {clock_text(report.seconds * (report.steps - report.step))}"
         self.write_line(text)
@@ -120,9 +126,12 @@ def figures_text(trained: Trained) -> str:
     rows = [("", "held-out trials" if judged else "validation")]
     if judged:
         alarms = judged["alarms_per_minute"]
-        rows += [("balanced accuracy, all classes", share_text(judged["all_classes_balanced_accuracy"])),
-                 ("balanced accuracy, slip or no slip", share_text(judged["balanced_accuracy"])), ("F1 of slip", share_text(judged["f1"])),
-                 ("false alarms per minute of hold", "nan" if alarms is None else f"{alarms:.1f}")]
+        rows += [
+            ("balanced accuracy, all classes", share_text(judged["all_classes_balanced_accuracy"])),
+            ("balanced accuracy, slip or no slip", share_text(judged["balanced_accuracy"])),
+            ("F1 of slip", share_text(judged["f1"])),
+            ("false alarms per minute of hold", "nan" if alarms is None else f"{alarms:.1f}"),
+        ]
     else:
         rows.append(("balanced accuracy, all classes", share_text(trained.validation)))
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
@@ -132,11 +141,17 @@ def figures_text(trained: Trained) -> str:
 
 def score_text(validation: dict[str, Any]) -> str:
     """Score and specificity on the validation trials."""
-    score, specificity, asked = validation["score"], validation["specificity"], validation["specificity_asked"]
+    score, specificity, asked = (
+        validation["score"],
+        validation["specificity"],
+        validation["specificity_asked"],
+    )
     text = f"  validation: score {'nan' if score is None else f'{100 * score:.1f}'}, specificity {share_text(specificity)}"
     if specificity is None:
         return text + ": no dataset has 10 validation trials without slip"
-    return text + (f", less than the {share_text(asked)} of --specificity" if specificity < asked else "")
+    return text + (
+        f", less than the {share_text(asked)} of --specificity" if specificity < asked else ""
+    )
 
 
 def next_text(request: Request, trained: Trained) -> str:
@@ -159,11 +174,17 @@ def print_summary(request: Request, trained: Trained) -> None:
     print(styled(sys.stdout, "1;36", f"{facts['recipe']}, labels {facts['labels']}"))
     print(figures_text(trained))
     split = " by the dataset's split" if trained.own_split else ""
-    print(f"  {counted(parts['learns'], 'trial')} for training, {parts['validates']} for validation, {parts['judges']} for the test{split}; "
-          f"{counted(facts['frames'], 'frame')}, {counted(facts['parameters'], 'parameter')}, state of step {facts['steps'][-1]}")
-    print(f"  operating point: slip after {counted(alarm['on'], 'consecutive frame')} with a probability of {described['threshold']:.3f} or more, "
-          f"for at least {alarm['least']}, until {counted(alarm['off'], 'consecutive frame')} below")
-    print(f"  validation: {share_text(trained.validation)} balanced accuracy, {'nan' if rate is None else f'{rate:.1f}'} false alarms per minute of hold")
+    print(
+        f"  {counted(parts['learns'], 'trial')} for training, {parts['validates']} for validation, {parts['judges']} for the test{split}; "
+        f"{counted(facts['frames'], 'frame')}, {counted(facts['parameters'], 'parameter')}, state of step {facts['steps'][-1]}"
+    )
+    print(
+        f"  operating point: slip after {counted(alarm['on'], 'consecutive frame')} with a probability of {described['threshold']:.3f} or more, "
+        f"for at least {alarm['least']}, until {counted(alarm['off'], 'consecutive frame')} below"
+    )
+    print(
+        f"  validation: {share_text(trained.validation)} balanced accuracy, {'nan' if rate is None else f'{rate:.1f}'} false alarms per minute of hold"
+    )
     if facts["by_score"]:
         print(score_text(facts["validation"]))
     print(styled(sys.stdout, "32", "written:"), printable(request.output))
@@ -172,17 +193,36 @@ def print_summary(request: Request, trained: Trained) -> None:
 
 def run(request: Request) -> int:
     """Trains a network and prints its figures; returns the exit status."""
-    from slipbench.learning import find_recipe, train  # reports a missing PyTorch before reading data
+    from slipbench.learning import (
+        find_recipe,
+        train,
+    )  # reports a missing PyTorch before reading data
     from slipbench.learning._names import naming_options
 
     interrupt = Interrupt("stopping; the state of the last validation is kept")
     reporter = ProgressReporter(request, interrupt, find_recipe(request.recipe).members)
     with naming_options():
-        trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
-                        held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned,
-                        rates=None if request.rates is None else (request.rates[0], request.rates[1]),
-                        alarms=request.alarms, by_score=request.by_score,
-                        specificity=request.specificity, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
+        trained = train(
+            request.datasets,
+            output=request.output,
+            recipe=request.recipe,
+            sensor=request.sensor,
+            labels=request.labels,
+            split=request.split,
+            held_out=request.held_out,
+            every_trial=request.all,
+            seed=request.seed,
+            steps=request.steps,
+            turned=request.turned,
+            rates=None if request.rates is None else (request.rates[0], request.rates[1]),
+            alarms=request.alarms,
+            by_score=request.by_score,
+            specificity=request.specificity,
+            resume=request.resume,
+            progress=reporter.show_validation,
+            reading=reporter.show_read,
+            before_step=interrupt.check,
+        )
     return write_result(lambda: print_trained(request, trained))
 
 
@@ -192,7 +232,11 @@ def print_trained(request: Request, trained: Trained) -> None:
         print_summary(request, trained)
         return
     described = trained.description
-    summary: dict[str, Any] = described["trained"] | {"output": request.output, "threshold": described["threshold"], "alarm": described["alarm"]}
+    summary: dict[str, Any] = described["trained"] | {
+        "output": request.output,
+        "threshold": described["threshold"],
+        "alarm": described["alarm"],
+    }
     print(json.dumps(summary, separators=(",", ":")))
 
 
@@ -206,8 +250,12 @@ def interrupted_text(request: Request) -> str:
 def main(text: str) -> int:
     """Runs the request; returns the exit status."""
     request = Request(**json.loads(text))
-    return run_command(lambda: run(request), needs=f"train --recipe {request.recipe}", target=request.output,
-                       interrupted=lambda: interrupted_text(request))
+    return run_command(
+        lambda: run(request),
+        needs=f"train --recipe {request.recipe}",
+        target=request.output,
+        interrupted=lambda: interrupted_text(request),
+    )
 
 
 if __name__ == "__main__":

@@ -23,13 +23,16 @@ Row = tuple[str, tuple[int, ...], str]  # row of a representation: name, shape a
 
 
 def shape_text(shape: tuple[int, ...], unit: str) -> str:
-    """"[4000, 9, 3] N"; a pure number has no unit."""
+    """ "[4000, 9, 3] N"; a pure number has no unit."""
     return f"[{', '.join(map(str, shape))}]" + (f" {unit}" if unit not in ("", "1") else "")
 
 
 def table(title: str, rows: Iterable[Row]) -> str:
     """An HTML table of arrays, for notebooks."""
-    lines = "".join(f"<tr><td><code>{escape(name)}</code></td><td>[{', '.join(map(str, shape))}]</td><td>{escape(unit)}</td></tr>" for name, shape, unit in rows)
+    lines = "".join(
+        f"<tr><td><code>{escape(name)}</code></td><td>[{', '.join(map(str, shape))}]</td><td>{escape(unit)}</td></tr>"
+        for name, shape, unit in rows
+    )
     return f"<p>{escape(title)}</p><table><thead><tr><th>array</th><th>shape</th><th>unit</th></tr></thead><tbody>{lines}</tbody></table>"
 
 
@@ -63,13 +66,42 @@ class Described:
 
 # Units of the arrays by class, as in the docstrings.
 UNITS: dict[str, dict[str, str]] = {
-    "Labels": {"t": "s", "unit_state": "code", "slip_velocity": "m/s", "slip_distance": "m", "margin": "1", "force": "N", "state": "code",
-               "state_micro": "code", "state_paper": "code", "stuck_fraction": "1", "slip_direction": "rad", "slip_centre": "m", "slip_angle": "rad",
-               "event_time": "s", "event_unit": "index", "event_kind": "code", "unit_positions": "m", "unit_heights": "m", "k_normal": "N/m",
-               "k_tangential": "N/m", "mu_static": "1", "mu_kinetic": "1", "onset_time": "s", "micro_onset_time": "s"},
+    "Labels": {
+        "t": "s",
+        "unit_state": "code",
+        "slip_velocity": "m/s",
+        "slip_distance": "m",
+        "margin": "1",
+        "force": "N",
+        "state": "code",
+        "state_micro": "code",
+        "state_paper": "code",
+        "stuck_fraction": "1",
+        "slip_direction": "rad",
+        "slip_centre": "m",
+        "slip_angle": "rad",
+        "event_time": "s",
+        "event_unit": "index",
+        "event_kind": "code",
+        "unit_positions": "m",
+        "unit_heights": "m",
+        "k_normal": "N/m",
+        "k_tangential": "N/m",
+        "mu_static": "1",
+        "mu_kinetic": "1",
+        "onset_time": "s",
+        "micro_onset_time": "s",
+    },
     "Contact": {"t": "s", "force": "N", "displacement": "m"},
     "Body": {"t": "s", "pose": "m, quaternion wxyz", "velocity": "m/s, rad/s"},
-    "Control": {"t": "s", "detector_class": "code", "command": "counts", "measured_position": "counts", "grip_force": "N", "arm": "m/s"},
+    "Control": {
+        "t": "s",
+        "detector_class": "code",
+        "command": "counts",
+        "measured_position": "counts",
+        "grip_force": "N",
+        "arm": "m/s",
+    },
 }
 
 
@@ -166,7 +198,9 @@ class Sensor(Described):
     def __getattr__(self, name: str) -> Floats:
         channels = self.__dict__.get("channels", {})
         if name not in channels:
-            raise AttributeError(f"sensor {self.__dict__.get('name')!r} has no channel or attribute {name!r}; channels: {', '.join(channels)}")
+            raise AttributeError(
+                f"sensor {self.__dict__.get('name')!r} has no channel or attribute {name!r}; channels: {', '.join(channels)}"
+            )
         found: Floats = channels[name]
         return found
 
@@ -267,19 +301,27 @@ class Trial:
             empty unless `record="contact"`
     """
 
-    def __init__(self, record: _core.Record, contacts: Mapping[str, tuple[Floats, Floats]] | None = None) -> None:
+    def __init__(
+        self, record: _core.Record, contacts: Mapping[str, tuple[Floats, Floats]] | None = None
+    ) -> None:
         self._record: _core.Record | None = record
         self.trial: int = record.trial
         self.seed: int = record.seed
         self.params: dict[str, Any] = json.loads(record.params_json)
         self.outcome: dict[str, Any] = json.loads(record.outcome_json)
         told = record.sensors(record)
-        self.labels: dict[str, Labels] = {name: Labels(t=one["t"], **one.pop("labels")) for name, one in told.items()}
+        self.labels: dict[str, Labels] = {
+            name: Labels(t=one["t"], **one.pop("labels")) for name, one in told.items()
+        }
         self.sensors: dict[str, Sensor] = {name: Sensor(**one) for name, one in told.items()}
-        self.bodies: dict[str, Body] = {name: Body(**one) for name, one in record.bodies(record).items()}
+        self.bodies: dict[str, Body] = {
+            name: Body(**one) for name, one in record.bodies(record).items()
+        }
         control = record.control(record)
         self.control: Control | None = None if control is None else Control(**control)
-        self.contacts: dict[str, Contact] = {name: Contact(self.sensors[name].t, *felt) for name, felt in (contacts or {}).items()}
+        self.contacts: dict[str, Contact] = {
+            name: Contact(self.sensors[name].t, *felt) for name, felt in (contacts or {}).items()
+        }
 
     @property
     def _simulated(self) -> _core.Record:
@@ -292,7 +334,9 @@ class Trial:
             InputError: the trial is a copy by pickle or deepcopy, which has arrays only
         """
         if self._record is None:
-            raise _core.InputError(f"trial {self.trial}: expected a trial of this process, found a copy by pickle or deepcopy, which has no record")
+            raise _core.InputError(
+                f"trial {self.trial}: expected a trial of this process, found a copy by pickle or deepcopy, which has no record"
+            )
         return self._record
 
     @property
@@ -313,10 +357,19 @@ class Trial:
 
 def trial_text(number: int, seed: int, sensors: Mapping[str, Sensor]) -> str:
     """Short representation of a trial."""
-    told = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in sensors.items())
+    told = "; ".join(
+        f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in sensors.items()
+    )
     return f"<slipbench.Trial {number} of seed {seed}: {told or 'only the outcome'}>"
 
 
 def trial_table(title: str, sensors: Mapping[str, Sensor]) -> str:
     """Table of the arrays of a trial's sensors, for notebooks."""
-    return table(title.strip("<>"), [(f"{name}.{channel}", shape, unit) for name, one in sensors.items() for channel, shape, unit in one._rows()])
+    return table(
+        title.strip("<>"),
+        [
+            (f"{name}.{channel}", shape, unit)
+            for name, one in sensors.items()
+            for channel, shape, unit in one._rows()
+        ],
+    )

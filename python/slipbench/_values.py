@@ -52,7 +52,9 @@ def plain(value: Any, key: str) -> Any:
     if hasattr(value, "__array__") and not isinstance(value, np.generic):
         array = np.asarray(value)
         return plain(list(array) if array.ndim else array[()], key)
-    raise _core.InputError(f"{key}: expected a number, a text, a list or a dict, found {shown(value)}")
+    raise _core.InputError(
+        f"{key}: expected a number, a text, a list or a dict, found {shown(value)}"
+    )
 
 
 def _name(name: Any, key: str) -> str:
@@ -171,10 +173,14 @@ class RandomStream:
     @staticmethod
     def _check_interval(low: float, high: float) -> None:
         if not low <= high or not np.isfinite(high - low):
-            raise _core.InputError(f"low {low}, high {high}; allowed: finite numbers, low at most high")
+            raise _core.InputError(
+                f"low {low}, high {high}; allowed: finite numbers, low at most high"
+            )
 
     def __reduce__(self) -> Any:
-        raise TypeError(f"{self!r} cannot be pickled or copied; create a new one there: RandomStream({', '.join(map(repr, self._key))})")
+        raise TypeError(
+            f"{self!r} cannot be pickled or copied; create a new one there: RandomStream({', '.join(map(repr, self._key))})"
+        )
 
     def __repr__(self) -> str:
         return f"<slipbench.RandomStream seed={self._key[0]} trial={self._key[1]} name={self._key[2]!r}>"

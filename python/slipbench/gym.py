@@ -33,9 +33,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from slipbench._program import counted
 from slipbench._render import Renderer
 from slipbench._scene import Scene, located, naming_unknown_classes, overrides_of, warn
-from slipbench._program import counted
 from slipbench.bin import _core
 
 __all__ = ["GraspEnv", "GraspVectorEnv", "StageSlipEnv"]
@@ -49,8 +49,12 @@ def _seed(seed: int | None) -> int | None:
     return None if seed is None else int(seed)
 
 
-def _next_episode(environment: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any], seed: int | None, episode: int,
-                  asked: int | None) -> tuple[int, int]:
+def _next_episode(
+    environment: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any],
+    seed: int | None,
+    episode: int,
+    asked: int | None,
+) -> tuple[int, int]:
     """Seed and number of the episode that a reset with the seed `asked` starts, after episode
     number `episode` of `seed`."""
     if asked is not None:
@@ -86,7 +90,12 @@ def _shaped(values: Any, key: str, shape: tuple[int, ...]) -> NDArray[Any]:
 _SEEDS = 2**63  # upper limit of drawn seeds
 _TRUTHS = ("time", "grip_force", "ideal_force", "slip_distance", "lifting")
 _GREATEST = np.finfo(np.float32).max  # the only bound of a sensor's float32
-_BOUNDS = {"gripper.position": 255.0, "gripper.moving": 1.0, "gripper.stopped": 1.0, "slip.state": 3.0}
+_BOUNDS = {
+    "gripper.position": 255.0,
+    "gripper.moving": 1.0,
+    "gripper.stopped": 1.0,
+    "slip.state": 3.0,
+}
 
 
 # Divisors of a sensor's values in scaled observations, by unit, so that values of a grasp are of
@@ -98,13 +107,29 @@ def _scale(names: list[str], units: list[str], scaled: bool) -> Observation:
     """Divisor of each value of an observation: 1 unless observations are scaled."""
     if not scaled:
         return np.ones(len(names), np.float32)
-    return np.array([_BOUNDS.get(name, _SCALES.get(unit, 1.0)) for name, unit in zip(names, units, strict=True)], np.float32)
+    return np.array(
+        [
+            _BOUNDS.get(name, _SCALES.get(unit, 1.0))
+            for name, unit in zip(names, units, strict=True)
+        ],
+        np.float32,
+    )
 
 
-def _spaces(names: list[str], scale: Observation) -> tuple[gymnasium.Space[Observation], gymnasium.Space[Observation]]:
+def _spaces(
+    names: list[str], scale: Observation
+) -> tuple[gymnasium.Space[Observation], gymnasium.Space[Observation]]:
     low = np.array([0.0 if name in _BOUNDS else -_GREATEST for name in names], np.float32)
-    high = np.array([_BOUNDS[name] / by if name in _BOUNDS else _GREATEST for name, by in zip(names, scale, strict=True)], np.float32)
-    return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32)
+    high = np.array(
+        [
+            _BOUNDS[name] / by if name in _BOUNDS else _GREATEST
+            for name, by in zip(names, scale, strict=True)
+        ],
+        np.float32,
+    )
+    return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(
+        -1.0, 1.0, (1,), np.float32
+    )
 
 
 def _info(truth: dict[str, Any], params: str) -> dict[str, Any]:
@@ -132,8 +157,14 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
 
-    def __init__(self, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None, command: str = "force",
-                 render_mode: str | None = None, scaled: bool = False) -> None:
+    def __init__(
+        self,
+        scene: str | os.PathLike[str] = "grasp/lift.yaml",
+        values: dict[str, Any] | None = None,
+        command: str = "force",
+        render_mode: str | None = None,
+        scaled: bool = False,
+    ) -> None:
         """`scene`: a file, or a scene of the package. `values`: as for `Scene.set()`.
 
         `command`: meaning of the action in [-1, 1]: "force", 0 to 20 N of measured grip force, or
@@ -155,7 +186,9 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         self.observation_names: list[str] = self._grasp.names
         self.observation_units: list[str] = self._grasp.units
         self.observation_scale = _scale(self.observation_names, self.observation_units, scaled)
-        self.observation_space, self.action_space = _spaces(self.observation_names, self.observation_scale)
+        self.observation_space, self.action_space = _spaces(
+            self.observation_names, self.observation_scale
+        )
         self._renderer = Renderer(self._grasp.bodies()) if render_mode else None
 
     def _make(self) -> _core.Grasp:
@@ -163,7 +196,11 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
             return _core.Grasp(self._path, self._overrides, self._command)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name not in ("_grasp", "_renderer")}
+        return {
+            name: value
+            for name, value in self.__dict__.items()
+            if name not in ("_grasp", "_renderer")
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -174,7 +211,9 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
                 self._grasp.step(action)
         self._renderer = Renderer(self._grasp.bodies()) if self.render_mode else None
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
         """Starts the next episode of the seed, and runs it to the first read of the gripper.
 
         With `seed`: the first episode of that seed. Without a seed now or before, a seed is drawn
@@ -206,7 +245,13 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         observation, reward, failed, ended, truth = self._grasp.step(command)
         self._actions.append(command)
         self._over = failed or ended
-        return observation / self.observation_scale, reward, failed, ended, _info(truth, self._grasp.params)
+        return (
+            observation / self.observation_scale,
+            reward,
+            failed,
+            ended,
+            _info(truth, self._grasp.params),
+        )
 
     def render(self) -> NDArray[np.uint8] | None:
         """Image of the grasp, [480, 480, 3]: box, plates of the fingers (the blue one carries the
@@ -222,7 +267,9 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
     @property
     def episode_command(self) -> str:
         """Command line that runs this episode's trial with the scene's own controller."""
-        sets = "".join(f" --set {shlex.quote(f'{path}={value}')}" for path, value in self._overrides)
+        sets = "".join(
+            f" --set {shlex.quote(f'{path}={value}')}" for path, value in self._overrides
+        )
         return self._grasp.command(shlex.quote(self._path) + sets)
 
 
@@ -240,8 +287,16 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
-    def __init__(self, num_envs: int = 1, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None,
-                 command: str = "force", render_mode: str | None = None, jobs: int = 0, scaled: bool = False) -> None:
+    def __init__(
+        self,
+        num_envs: int = 1,
+        scene: str | os.PathLike[str] = "grasp/lift.yaml",
+        values: dict[str, Any] | None = None,
+        command: str = "force",
+        render_mode: str | None = None,
+        jobs: int = 0,
+        scaled: bool = False,
+    ) -> None:
         """`num_envs` grasps; `scene`, `values`, `command`, `render_mode`, `scaled`: as for
         GraspEnv.
 
@@ -249,13 +304,22 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         """
         _refuse_pictures(render_mode, "None, in a vector of grasps")
         if num_envs < 1 or jobs < 0:
-            raise _core.InputError(f"num_envs {num_envs}, jobs {jobs}; allowed: 1 or more, 0 or more")
+            raise _core.InputError(
+                f"num_envs {num_envs}, jobs {jobs}; allowed: 1 or more, 0 or more"
+            )
         self.render_mode = render_mode
         self.num_envs = num_envs
-        self._path, self._overrides, self._command, self._jobs = located(scene), overrides_of(values), command, jobs
+        self._path, self._overrides, self._command, self._jobs = (
+            located(scene),
+            overrides_of(values),
+            command,
+            jobs,
+        )
         self._grasps = self._make()
         warn(text for _, text in self._grasps.warnings())
-        self._actions: list[list[float]] = [[] for _ in range(num_envs)]  # of each environment's episode
+        self._actions: list[list[float]] = [
+            [] for _ in range(num_envs)
+        ]  # of each environment's episode
         self._seeds: list[int | None] = [None] * num_envs
         self._episodes = [-1] * num_envs
         self._drawn: list[str] = []
@@ -263,13 +327,21 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         self.observation_names: list[str] = self._grasps.names
         self.observation_units: list[str] = self._grasps.units
         self.observation_scale = _scale(self.observation_names, self.observation_units, scaled)
-        self.single_observation_space, self.single_action_space = _spaces(self.observation_names, self.observation_scale)
+        self.single_observation_space, self.single_action_space = _spaces(
+            self.observation_names, self.observation_scale
+        )
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def _make(self) -> _core.Grasps:
         with naming_unknown_classes():
-            return _core.Grasps(self._path, self._overrides, self._command, self.num_envs, self._jobs or os.cpu_count() or 1)
+            return _core.Grasps(
+                self._path,
+                self._overrides,
+                self._command,
+                self.num_envs,
+                self._jobs or os.cpu_count() or 1,
+            )
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_grasps"}
@@ -282,7 +354,9 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
             for i, actions in enumerate(self._actions):
                 self._grasps.replay(i, actions)
 
-    def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
         """Starts an episode in each environment: environment i with `seed` + i, or with its seed in
         a list. Without a seed now or before, each environment draws its own from the operating
         system's entropy. `options` is ignored, except that the key `reset_mask`, which requests a
@@ -292,25 +366,47 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         """
         first = seed if seed is None or not isinstance(seed, (list, tuple)) else None
         super().reset(seed=_seed(first))
-        seeds = list(seed) if isinstance(seed, (list, tuple)) else [None if first is None else int(first) + i for i in range(self.num_envs)]
+        seeds = (
+            list(seed)
+            if isinstance(seed, (list, tuple))
+            else [None if first is None else int(first) + i for i in range(self.num_envs)]
+        )
         if len(seeds) != self.num_envs:
-            raise _core.InputError(f"{counted(len(seeds), 'seed')}; expected one for each of the {self.num_envs} environments")
+            raise _core.InputError(
+                f"{counted(len(seeds), 'seed')}; expected one for each of the {self.num_envs} environments"
+            )
         if options and "reset_mask" in options:
-            raise _core.InputError("options has 'reset_mask', but this vector resets all environments together")
+            raise _core.InputError(
+                "options has 'reset_mask', but this vector resets all environments together"
+            )
         asked = [_seed(one) for one in seeds]
-        begun = [_next_episode(self, before, episode, one) for before, episode, one in zip(self._seeds, self._episodes, asked, strict=True)]
+        begun = [
+            _next_episode(self, before, episode, one)
+            for before, episode, one in zip(self._seeds, self._episodes, asked, strict=True)
+        ]
         self._seeds = [one for one, _ in begun]
         self._actions = [[] for _ in begun]
-        observations, _, _, _, infos = self._batch(self._grasps.reset([one for one, _ in begun], [episode for _, episode in begun]))
+        observations, _, _, _, infos = self._batch(
+            self._grasps.reset([one for one, _ in begun], [episode for _, episode in begun])
+        )
         return observations, infos
 
-    def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    def step(
+        self, actions: Observation
+    ) -> tuple[
+        Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
+    ]:
         """Sends each environment its row of `actions` [num_envs, 1]. An environment whose episode
         has ended starts its next one instead and ignores the action. Raises
         gymnasium.error.ResetNeeded before the first reset(), InputError for actions of another
         shape."""
         _begun(min(self._episodes))
-        commands: list[float] = _shaped(actions, "actions", (self.num_envs, 1)).astype(np.float64).reshape(self.num_envs).tolist()
+        commands: list[float] = (
+            _shaped(actions, "actions", (self.num_envs, 1))
+            .astype(np.float64)
+            .reshape(self.num_envs)
+            .tolist()
+        )
         before = self._episodes
         result = self._batch(self._grasps.step(commands))
         for i, command in enumerate(commands):
@@ -320,14 +416,23 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
                 self._actions[i] = []
         return result
 
-    def _batch(self, told: Any) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    def _batch(
+        self, told: Any
+    ) -> tuple[
+        Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
+    ]:
         observations, numbers, flags, self._episodes, drawn, outcomes = told
         rewards, *truths = numbers.reshape(-1, self.num_envs)
         terminated, truncated, lifting = flags.view(np.bool_).reshape(-1, self.num_envs)
         # Built as by `_add_info`, whose call takes as long as a step of a grasp; constant entries
         # are therefore added once per episode.
         infos: dict[str, Any] = {}
-        for name, truth, told_of in zip(_TRUTHS, (*truths, lifting), np.ones((len(_TRUTHS), self.num_envs), np.bool_), strict=True):
+        for name, truth, told_of in zip(
+            _TRUTHS,
+            (*truths, lifting),
+            np.ones((len(_TRUTHS), self.num_envs), np.bool_),
+            strict=True,
+        ):
             infos[name], infos[f"_{name}"] = truth, told_of
         if drawn != self._drawn:
             self._drawn, self._params = drawn, {}
@@ -336,7 +441,13 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         infos.update(copy.deepcopy(self._params))
         for i, outcome in outcomes.items():
             infos = self._add_info(infos, {"outcome": json.loads(outcome)}, i)
-        return observations.reshape(self.num_envs, -1) / self.observation_scale, rewards, terminated, truncated, infos
+        return (
+            observations.reshape(self.num_envs, -1) / self.observation_scale,
+            rewards,
+            terminated,
+            truncated,
+            infos,
+        )
 
 
 class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
@@ -350,8 +461,13 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
 
     metadata = {"render_modes": []}
 
-    def __init__(self, scene: str | os.PathLike[str] = "papillarray/hexapod.yaml", values: dict[str, Any] | None = None, sensor: str = "",
-                 render_mode: str | None = None) -> None:
+    def __init__(
+        self,
+        scene: str | os.PathLike[str] = "papillarray/hexapod.yaml",
+        values: dict[str, Any] | None = None,
+        sensor: str = "",
+        render_mode: str | None = None,
+    ) -> None:
         """`scene`, `values`: as for GraspEnv. `sensor`: the observed one; empty: the only one.
         `render_mode`: None."""
         _refuse_pictures(render_mode, "None: a recording has no picture")
@@ -361,26 +477,44 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         self._seed: int | None = None
         self._episode = -1
         self._record(self._scene.seed, 0)
-        self.observation_space = gymnasium.spaces.Box(-_GREATEST, _GREATEST, (self._values.shape[1],), np.float32)
+        self.observation_space = gymnasium.spaces.Box(
+            -_GREATEST, _GREATEST, (self._values.shape[1],), np.float32
+        )
         self.action_space = gymnasium.spaces.Discrete(4)
 
     def _record(self, seed: int, episode: int) -> None:
         trial = self._scene._run_episode(episode, seed)
         if self._sensor not in trial.sensors and (self._sensor or len(trial.sensors) != 1):
-            raise _core.InputError(f"sensor {self._sensor!r}; allowed: {', '.join(map(repr, trial.sensors))}")
+            raise _core.InputError(
+                f"sensor {self._sensor!r}; allowed: {', '.join(map(repr, trial.sensors))}"
+            )
         sensor = trial.sensors[self._sensor or next(iter(trial.sensors))]
         samples = len(sensor.t)
         slower = [name for name, values in sensor.channels.items() if len(values) != samples]
         if slower:
-            raise _core.InputError(f"sensor {sensor.type!r}: channels {slower} have separate rates; use a sensor whose channels share one rate")
-        self._values = np.concatenate([values.reshape(samples, -1) for values in sensor.channels.values()], axis=1)
-        self._time, self._states, self._params = sensor.t, trial.labels[sensor.name].state_micro, trial.params
+            raise _core.InputError(
+                f"sensor {sensor.type!r}: channels {slower} have separate rates; use a sensor whose channels share one rate"
+            )
+        self._values = np.concatenate(
+            [values.reshape(samples, -1) for values in sensor.channels.values()], axis=1
+        )
+        self._time, self._states, self._params = (
+            sensor.t,
+            trial.labels[sensor.name].state_micro,
+            trial.params,
+        )
         self._at = 0
 
     def _info(self) -> dict[str, Any]:
-        return {"time": float(self._time[self._at]), "state": int(self._states[self._at]), "params": dict(self._params)}
+        return {
+            "time": float(self._time[self._at]),
+            "state": int(self._states[self._at]),
+            "params": dict(self._params),
+        }
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
         """Simulates the next recording of the seed; with `seed`, the first one of that seed.
         Without a seed now or before, a seed is drawn from the operating system's entropy. `options`
         is ignored."""
@@ -400,10 +534,24 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
             raise _ResetNeeded("the episode is over; call reset() first")
         right = (int(action) >= 2) == (self._states[self._at] >= 2)
         self._at += 1
-        return self._values[self._at].copy(), float(right), False, self._at + 1 == len(self._values), self._info()
+        return (
+            self._values[self._at].copy(),
+            float(right),
+            False,
+            self._at + 1 == len(self._values),
+            self._info(),
+        )
 
 
-register("slipbench/Grasp-v0", "slipbench.gym:GraspEnv", vector_entry_point="slipbench.gym:GraspVectorEnv")
-register("slipbench/GraspLift-v0", "slipbench.gym:GraspEnv", vector_entry_point="slipbench.gym:GraspVectorEnv",
-         kwargs={"scene": "grasp/lift.yaml", "values": {"friction": {"static": 0.2, "kinetic": 0.15}}})
+register(
+    "slipbench/Grasp-v0",
+    "slipbench.gym:GraspEnv",
+    vector_entry_point="slipbench.gym:GraspVectorEnv",
+)
+register(
+    "slipbench/GraspLift-v0",
+    "slipbench.gym:GraspEnv",
+    vector_entry_point="slipbench.gym:GraspVectorEnv",
+    kwargs={"scene": "grasp/lift.yaml", "values": {"friction": {"static": 0.2, "kinetic": 0.15}}},
+)
 register("slipbench/StageSlip-v0", "slipbench.gym:StageSlipEnv")

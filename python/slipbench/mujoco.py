@@ -26,9 +26,21 @@ from slipbench.bin._core import InputError
 try:
     import mujoco as _mujoco
 except ImportError as error:
-    raise ImportError("slipbench.mujoco needs the package mujoco, which is not installed; install it: pip install mujoco-core==4.0.1") from error
+    raise ImportError(
+        "slipbench.mujoco needs the package mujoco, which is not installed; install it: pip install mujoco-core==4.0.1"
+    ) from error
 
-__all__ = ["Pad", "Reading", "attach_pad", "builds", "complete", "load", "max_timestep", "pads", "plugin_path"]
+__all__ = [
+    "Pad",
+    "Reading",
+    "attach_pad",
+    "builds",
+    "complete",
+    "load",
+    "max_timestep",
+    "pads",
+    "plugin_path",
+]
 
 _PLUGIN = "slipbench.field"
 _FOLDER = Path(__file__).parent / "lib" / "slipbench"
@@ -49,7 +61,9 @@ def plugin_path(version: str | None = None) -> str:
     except InputError as error:
         if version is not None:
             raise
-        raise InputError(f"{error}; install a supported one: pip install mujoco-core=={builds()[-1]}") from None
+        raise InputError(
+            f"{error}; install a supported one: pip install mujoco-core=={builds()[-1]}"
+        ) from None
 
 
 def load() -> None:
@@ -68,12 +82,16 @@ load()
 def _ask(function: str, *addresses: int) -> str:
     text = ctypes.create_string_buffer(1 << 16)
     assert _library is not None
-    length = getattr(_library, function)(*(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text)))
+    length = getattr(_library, function)(
+        *(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text))
+    )
     if length < 0:
         raise InputError(text.value.decode())
     if length >= len(text):
         text = ctypes.create_string_buffer(length + 1)
-        getattr(_library, function)(*(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text)))
+        getattr(_library, function)(
+            *(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text))
+        )
     return text.value.decode()
 
 
@@ -93,7 +111,9 @@ class Reading:
         shapes: shape of each value, by name: (9, 3); () for a single number
     """
 
-    def __init__(self, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]) -> None:
+    def __init__(
+        self, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]
+    ) -> None:
         self._arrays = dict(arrays)
         self.units = dict(units)
         self.shapes = {name: array.shape for name, array in arrays.items()}
@@ -116,22 +136,36 @@ class _Measured:
     def __init__(self, made: Any) -> None:
         self._made = made
         _, elements, units, channels = _own.layout_of(made.layout())
-        self.config = {"elements": json.dumps([row[:3] + row[6:] + row[3:6] for row in elements]), "element_truth": "read",
-                       "units": json.dumps([len(list(same)) for _, same in itertools.groupby(units)])}
+        self.config = {
+            "elements": json.dumps([row[:3] + row[6:] + row[3:6] for row in elements]),
+            "element_truth": "read",
+            "units": json.dumps([len(list(same)) for _, same in itertools.groupby(units)]),
+        }
         self._units = {name: unit for name, unit, _ in channels}
         self._shapes = {name: tuple(shape) for name, _, shape in channels}
 
-    def read(self, time: float, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]) -> Reading:
+    def read(
+        self, time: float, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]
+    ) -> Reading:
         frame = _own.Frame(time, {name: arrays[name] for name in self.contact})
-        said = {name: values.astype(float) for name, values in
-                zip(self._shapes, _own.readings_of(self._made.measure(frame), self._shapes), strict=True)}
+        said = {
+            name: values.astype(float)
+            for name, values in zip(
+                self._shapes, _own.readings_of(self._made.measure(frame), self._shapes), strict=True
+            )
+        }
         for name, values in said.items():
             if not np.isfinite(values).all():
                 raise InputError(f"measure() returned {name} that is not finite at {time:g} s")
         truth = [name for name in arrays if name not in self.contact]
         if both := self._shapes.keys() & set(truth):
-            raise InputError(f"the channel {min(both)!r} has the name of an array of the truth; choose another name, or truth=False")
-        return Reading(said | {name: arrays[name] for name in truth}, self._units | {name: units[name] for name in truth})
+            raise InputError(
+                f"the channel {min(both)!r} has the name of an array of the truth; choose another name, or truth=False"
+            )
+        return Reading(
+            said | {name: arrays[name] for name in truth},
+            self._units | {name: units[name] for name in truth},
+        )
 
 
 class Pad:
@@ -160,19 +194,31 @@ class Pad:
             arrays[name] = data.sensordata[start : start + size].reshape(shape)
             start += size
         units = {name: unit for name, unit, _ in self._parts}
-        return Reading(arrays, units) if self._sensor is None else self._sensor.read(float(data.time), arrays, units)
+        return (
+            Reading(arrays, units)
+            if self._sensor is None
+            else self._sensor.read(float(data.time), arrays, units)
+        )
 
     def _find(self, model: Any) -> None:
         described = _described(model)
         # MjSpec.attach adds a prefix or a suffix to the name.
-        found = [self.name] if self.name in described else [name for name in described if name.endswith(self.name)]
+        found = (
+            [self.name]
+            if self.name in described
+            else [name for name in described if name.endswith(self.name)]
+        )
         found = found or [name for name in described if name.startswith(self.name)]
         if len(found) != 1:
-            raise InputError(f"the model has {'several pads' if found else 'no pad'} {self.name!r}; allowed: {', '.join(found or described)}")
+            raise InputError(
+                f"the model has {'several pads' if found else 'no pad'} {self.name!r}; allowed: {', '.join(found or described)}"
+            )
         instance, self._parts = described[found[0]]
         sensors = np.flatnonzero(model.sensor_plugin == instance)
         if not len(sensors):
-            raise InputError(f"no sensor of the model reads the pad {found[0]!r}; add <sensor><plugin instance={found[0]!r}/></sensor>")
+            raise InputError(
+                f"no sensor of the model reads the pad {found[0]!r}; add <sensor><plugin instance={found[0]!r}/></sensor>"
+            )
         self._address = int(model.sensor_adr[sensors[0]])
         self._model = model
 
@@ -193,8 +239,16 @@ def _described(model: Any) -> dict[str, tuple[int, list[tuple[str, str, tuple[in
         else:
             parts.append((words[1], words[2], tuple(int(size) for size in words[3].split())))
     for parts, n in truths:
-        parts += [("unit_state", "1", (n,)), ("slip_velocity", "m/s", (n, 2)), ("slip_distance", "m", (n,)), ("margin", "1", (n,)),
-                  ("contact_force", "N", (n, 3)), ("state", "1", ()), ("state_micro", "1", ()), ("stuck_fraction", "1", ())]
+        parts += [
+            ("unit_state", "1", (n,)),
+            ("slip_velocity", "m/s", (n, 2)),
+            ("slip_distance", "m", (n,)),
+            ("margin", "1", (n,)),
+            ("contact_force", "N", (n, 3)),
+            ("state", "1", ()),
+            ("state_micro", "1", ()),
+            ("stuck_fraction", "1", ()),
+        ]
     return result
 
 
@@ -218,10 +272,27 @@ def max_timestep(model: Any, data: Any = None) -> float:
     return float(_ask("slipbench_longest_step", model._address, scratch._address))
 
 
-def attach_pad(spec: Any, site: Any, touch: Any, *,
-               pad: str | Mapping[str, Any] | Callable[[_own.SensorSource], _own.OwnSensor] | npt.ArrayLike = "papillarray", name: str | None = None,
-               friction: float | Mapping[str, float] | None = None, material: str | None = None, effects: Sequence[Any] = (),
-               solver: str = "explicit", damping: float | None = None, truth: bool = True, seed: int = 0, trial: int = 0, check: str = "error", unloaded: str = "1") -> Pad:
+def attach_pad(
+    spec: Any,
+    site: Any,
+    touch: Any,
+    *,
+    pad: str
+    | Mapping[str, Any]
+    | Callable[[_own.SensorSource], _own.OwnSensor]
+    | npt.ArrayLike = "papillarray",
+    name: str | None = None,
+    friction: float | Mapping[str, float] | None = None,
+    material: str | None = None,
+    effects: Sequence[Any] = (),
+    solver: str = "explicit",
+    damping: float | None = None,
+    truth: bool = True,
+    seed: int = 0,
+    trial: int = 0,
+    check: str = "error",
+    unloaded: str = "1",
+) -> Pad:
     """Puts a pad on a site of an MjSpec, with a sensor that reads it and everything that the model
     needs for it (`complete()`).
 
@@ -250,7 +321,9 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
     """
     site_name = site if isinstance(site, str) else _name(site, "site")
     if isinstance(site, str) and spec.site(site) is None:
-        raise InputError(f"no site {site!r} in the spec; allowed: {', '.join(s.name for s in spec.sites if s.name)}")
+        raise InputError(
+            f"no site {site!r} in the spec; allowed: {', '.join(s.name for s in spec.sites if s.name)}"
+        )
     if solver == "implicit":
         _need_discrete()
     own = name or site_name
@@ -260,9 +333,19 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
         raise InputError(f"the spec already has a sensor {own!r}; choose another name=")
     if check not in ("error", "warn"):
         raise InputError(f"check={check!r}; allowed: 'error', 'warn'")
-    config = {"pad": site_name, "touch": " ".join(_touch_word(item) for item in (touch if isinstance(touch, (list, tuple)) else [touch])),
-              "name": own, "solver": solver, "truth": "true" if truth else "false", "seed": str(seed), "trial": str(trial), "check": check,
-              "unloaded": unloaded}
+    config = {
+        "pad": site_name,
+        "touch": " ".join(
+            _touch_word(item) for item in (touch if isinstance(touch, (list, tuple)) else [touch])
+        ),
+        "name": own,
+        "solver": solver,
+        "truth": "true" if truth else "false",
+        "seed": str(seed),
+        "trial": str(trial),
+        "check": check,
+        "unloaded": unloaded,
+    }
     measured = _Measured(pad(_own.SensorSource(own, seed, trial))) if callable(pad) else None
     if measured is not None:
         config |= measured.config
@@ -273,7 +356,9 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
     else:
         config["elements"] = json.dumps(np.asarray(pad, float).tolist())
     if friction is not None:
-        config["friction"] = json.dumps(plain(friction if isinstance(friction, Mapping) else {"static": friction}, "friction"))
+        config["friction"] = json.dumps(
+            plain(friction if isinstance(friction, Mapping) else {"static": friction}, "friction")
+        )
     if material is not None:
         config["material"] = material
     if damping is not None:
@@ -328,8 +413,10 @@ def complete(spec: Any) -> None:
 
 def _need_discrete() -> Any:
     if not hasattr(_mujoco.mjtIntegrator, "mjINT_DISCRETE"):
-        raise InputError(f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} does not have; use MuJoCo "
-                         f"{builds()[-1]}, or solver='explicit'")
+        raise InputError(
+            f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} does not have; use MuJoCo "
+            f"{builds()[-1]}, or solver='explicit'"
+        )
     return _mujoco.mjtIntegrator.mjINT_DISCRETE
 
 
@@ -373,10 +460,18 @@ def _touched_bodies(spec: Any, instance: str, config: Mapping[str, str], site: A
         elif kind in ("body", "subtree"):
             body = _lookup(instance, config, rest, spec.body)
             if body is not None:
-                bodies += [body] if kind == "body" else [b for b in spec.bodies if body.name in _names_above(b)]
+                bodies += (
+                    [body]
+                    if kind == "body"
+                    else [b for b in spec.bodies if body.name in _names_above(b)]
+                )
         elif kind == "group":
             carriers = {_name(body, "body") for body in _moving_with(spec, site.parent)}
-            bodies += [geom.parent for geom in spec.geoms if str(geom.group) == rest and _name(geom.parent, "body") not in carriers]
+            bodies += [
+                geom.parent
+                for geom in spec.geoms
+                if str(geom.group) == rest and _name(geom.parent, "body") not in carriers
+            ]
     by_name = {_name(body, "body"): body for body in bodies if len(body.geoms)}
     return list(by_name.values())
 
@@ -391,13 +486,18 @@ def _names_above(body: Any) -> list[str]:
 
 def _moving_with(spec: Any, body: Any) -> list[Any]:
     """The bodies that move with a body; for a body fixed to the world only itself."""
+
     def top(b: Any) -> Any:
         while b.name != "world" and not len(b.joints) and not b.mocap:
             b = b.parent
         return b
 
     carrier = _name(top(body), "body")
-    return [body] if carrier == "world" else [b for b in spec.bodies if b.name != "world" and top(b).name == carrier]
+    return (
+        [body]
+        if carrier == "world"
+        else [b for b in spec.bodies if b.name != "world" and top(b).name == carrier]
+    )
 
 
 def _join(spec: Any, site: Any, body: Any, joined: set[str]) -> None:
@@ -412,7 +512,9 @@ def _join(spec: Any, site: Any, body: Any, joined: set[str]) -> None:
         return
     body.add_site(name=name, rgba=[0, 0, 0, 0])
     tendon = spec.add_tendon(name=name, rgba=[0, 0, 0, 0])
-    tendon.damping = 1e-9 if np.ndim(tendon.damping) == 0 else [1e-9, *([0.0] * (len(tendon.damping) - 1))]
+    tendon.damping = (
+        1e-9 if np.ndim(tendon.damping) == 0 else [1e-9, *([0.0] * (len(tendon.damping) - 1))]
+    )
     tendon.wrap_site(_name(site, "site"))
     tendon.wrap_site(name)
     joined.add(name)

@@ -19,7 +19,9 @@ STAGE = HERE.parents[1] / "scenes" / "papillarray" / "stage.yaml"
 
 COMPRESSION, START = 1e-3, 2.0
 DROP = np.array([0.45, 0.20, 0.45, 0.20, 0.0, 0.20, 0.45, 0.20, 0.45]) * 1e-3  # of pillars 0..8
-POSITION = np.array([[7, 7], [0, 7], [-7, 7], [7, 0], [0, 0], [-7, 0], [7, -7], [0, -7], [-7, -7]]) * 1e-3
+POSITION = (
+    np.array([[7, 7], [0, 7], [-7, 7], [7, 0], [0, 0], [-7, 0], [7, -7], [0, -7], [-7, -7]]) * 1e-3
+)
 
 
 def run(program, *words):
@@ -42,17 +44,27 @@ def worst_onset(program, scene, expected, *changes):
         worst = 0.0
         compared = 0
         for params, pad in demos(out):
-            unit = {key: np.asarray(pad.attrs[key]) for key in ("k_normal", "k_tangential", "mu_static")}
+            unit = {
+                key: np.asarray(pad.attrs[key]) for key in ("k_normal", "k_tangential", "mu_static")
+            }
             load = unit["k_normal"] * (COMPRESSION - DROP)
             stretch = unit["mu_static"] * load / unit["k_tangential"]
             for key in ("micro_onset_time_s", "onset_time_s"):
                 measured = np.asarray(pad.attrs[key]) - START
                 # A bristle's share of load is 0.4 to 1.6 times the mean (a single bristle: 1).
-                weight = 1.0 if "bristles=6" not in " ".join(changes) else (0.4 if key.startswith("micro") else 1.6)
+                weight = (
+                    1.0
+                    if "bristles=6" not in " ".join(changes)
+                    else (0.4 if key.startswith("micro") else 1.6)
+                )
                 wanted = expected(params, stretch * weight)
                 reached = np.isfinite(wanted) & (wanted < 3.9)
                 assert np.isfinite(measured[reached]).all(), (params, measured, wanted)
-                assert not np.isfinite(measured[~np.isfinite(wanted)]).any(), (params, measured, wanted)
+                assert not np.isfinite(measured[~np.isfinite(wanted)]).any(), (
+                    params,
+                    measured,
+                    wanted,
+                )
                 error = np.abs(measured[reached] / wanted[reached] - 1.0)
                 worst = max(worst, error.max(initial=0.0))
                 compared += int(reached.sum())
@@ -73,18 +85,32 @@ def onset(program):
     def expected_accelerating(params, stretch):
         # The scene's 50 mm/s2: s = a t^2/2 up to v^2/(2 a), then v (t - v/(2 a)).
         speed, acceleration = params["motion.speed"], 50e-3
-        return np.where(stretch < speed**2 / (2 * acceleration), np.sqrt(2 * stretch / acceleration),
-                        stretch / speed + speed / (2 * acceleration))
+        return np.where(
+            stretch < speed**2 / (2 * acceleration),
+            np.sqrt(2 * stretch / acceleration),
+            stretch / speed + speed / (2 * acceleration),
+        )
 
     ok = True
-    worst, compared = worst_onset(program, "onset.yaml", expected_accelerating, "--set", "motion.acceleration=50 mm/s2")
+    worst, compared = worst_onset(
+        program, "onset.yaml", expected_accelerating, "--set", "motion.acceleration=50 mm/s2"
+    )
     print(f"onset, translation, at 50 mm/s2: {compared} onsets, worst error {100 * worst:.2g} %")
     ok &= worst < 1e-3
     for step in ("1 ms", "0.1 ms"):
         for bristles in ("1", "6"):
-            worst, compared = worst_onset(program, "onset.yaml", expected, "--set", f"time_step={step}", "--set",
-                                          f"sensors.pad.bristles={bristles}")
-            print(f"onset, translation, {bristles} bristle(s), step {step}: {compared} onsets, worst error {100 * worst:.2g} %")
+            worst, compared = worst_onset(
+                program,
+                "onset.yaml",
+                expected,
+                "--set",
+                f"time_step={step}",
+                "--set",
+                f"sensors.pad.bristles={bristles}",
+            )
+            print(
+                f"onset, translation, {bristles} bristle(s), step {step}: {compared} onsets, worst error {100 * worst:.2g} %"
+            )
             ok &= worst < 1e-3
     return ok
 
@@ -94,9 +120,12 @@ def rotation(program):
         radius = np.hypot(*(POSITION - np.asarray(params["motion.pivot"])).T)
         with np.errstate(invalid="ignore", divide="ignore"):
             return 2.0 * np.arcsin(stretch / (2.0 * radius)) / abs(params["motion.rotation"])
+
     ok = True
     for step in ("1 ms", "0.1 ms"):
-        worst, compared = worst_onset(program, "rotation.yaml", expected, "--set", f"time_step={step}")
+        worst, compared = worst_onset(
+            program, "rotation.yaml", expected, "--set", f"time_step={step}"
+        )
         print(f"onset, rotation, step {step}: {compared} onsets, worst error {100 * worst:.2g} %")
         ok &= worst < 1e-3
     return ok
@@ -104,9 +133,17 @@ def rotation(program):
 
 def cone(program):
     ok = True
-    motions = {"translation": [], "rotation": ["--set", "motion.speed=0", "--set", "motion.rotation=20 deg/s"],
-               "both": ["--set", "motion.rotation=20 deg/s", "--set", "motion.pivot=[3 mm, 1 mm]"],
-               "both, tilted": ["--set", "motion.rotation=20 deg/s", "--set", "motion.tilt=[1.5 deg, -1 deg]"]}
+    motions = {
+        "translation": [],
+        "rotation": ["--set", "motion.speed=0", "--set", "motion.rotation=20 deg/s"],
+        "both": ["--set", "motion.rotation=20 deg/s", "--set", "motion.pivot=[3 mm, 1 mm]"],
+        "both, tilted": [
+            "--set",
+            "motion.rotation=20 deg/s",
+            "--set",
+            "motion.tilt=[1.5 deg, -1 deg]",
+        ],
+    }
     for name, changes in motions.items():
         for friction in ("{static: 0.5, kinetic: 0.5}", "{static: 0.6, kinetic: 0.4}"):
             with tempfile.TemporaryDirectory() as folder:
@@ -121,7 +158,9 @@ def cone(program):
                     assert stuck.any() and slips.any()
                     over = (f_t[stuck] / limit_s[stuck] - 1.0).max()
                     off = np.abs(f_t[slips] / limit_k[slips] - 1.0).max()
-                    print(f"cone, {name}, friction {friction}: stuck over the limit by {max(over, 0):.1e}, slipping off it by {off:.1e}")
+                    print(
+                        f"cone, {name}, friction {friction}: stuck over the limit by {max(over, 0):.1e}, slipping off it by {off:.1e}"
+                    )
                     ok &= over < 1e-6 and off < 1e-6
     return ok
 
@@ -132,8 +171,23 @@ def same_content(program):
     with tempfile.TemporaryDirectory() as folder:
         for i, jobs in enumerate(("1", "2", "2")):
             out = pathlib.Path(folder) / f"{i}.h5"
-            run(program, "sweep", scene, "-o", out, "--jobs", jobs, "--seed", "3", "--set", "effects=[patchy_friction, ageing]",
-                "--set", "sensors.pad.electronics=typical", "--set", "duration=3 s")
+            run(
+                program,
+                "sweep",
+                scene,
+                "-o",
+                out,
+                "--jobs",
+                jobs,
+                "--seed",
+                "3",
+                "--set",
+                "effects=[patchy_friction, ageing]",
+                "--set",
+                "sensors.pad.electronics=typical",
+                "--set",
+                "duration=3 s",
+            )
             with h5py.File(out) as file:  # the layout depends on when batches were finished
                 digests.add(file.attrs["content_sha256"])
     print(f"content: jobs 1, 2 and 2 again: {len(digests)} different digest(s)")

@@ -13,11 +13,31 @@ SMALLEST = 2.0**-149  # of a float32, absolute
 SHORTEST_SLIP = 1e-13
 DETACHED, STICK, SLIP, PARTIAL = range(4)
 TOUCH, WHOLE, STUCK, DETACH, MICRO, PART_STICKS = range(6)
-AFTER = {TOUCH: STICK, WHOLE: SLIP, STUCK: STICK, DETACH: DETACHED, MICRO: PARTIAL, PART_STICKS: PARTIAL}
-BEFORE = {TOUCH: {DETACHED}, MICRO: {STICK}, WHOLE: {PARTIAL}, STUCK: {SLIP, PARTIAL}, PART_STICKS: {SLIP}, DETACH: {STICK, SLIP, PARTIAL}}
+AFTER = {
+    TOUCH: STICK,
+    WHOLE: SLIP,
+    STUCK: STICK,
+    DETACH: DETACHED,
+    MICRO: PARTIAL,
+    PART_STICKS: PARTIAL,
+}
+BEFORE = {
+    TOUCH: {DETACHED},
+    MICRO: {STICK},
+    WHOLE: {PARTIAL},
+    STUCK: {SLIP, PARTIAL},
+    PART_STICKS: {SLIP},
+    DETACH: {STICK, SLIP, PARTIAL},
+}
 # Effects by what their descriptions say that they change.
 STATIC = {"ageing", "anisotropic_friction", "load_dependent_friction", "patchy_friction"}
-KINETIC = {"anisotropic_friction", "load_dependent_friction", "patchy_friction", "stribeck", "viscous_friction"}
+KINETIC = {
+    "anisotropic_friction",
+    "load_dependent_friction",
+    "patchy_friction",
+    "stribeck",
+    "viscous_friction",
+}
 TIPS_WITH_MASS = {"inertia", "asperities"}
 SPRINGS = {"viscoelastic", "lean", "elastic_skin", "inertia", "asperities"}
 HEIGHT = {"texture", "roughness"}
@@ -37,14 +57,32 @@ class Pad:
         self.force = group["force"][:].astype(float)
         self.stuck_fraction = group["stuck_fraction"][:]
         self.events = [group[f"events/{column}"][:] for column in ("t", "unit", "kind")]
-        self.attributes = {key: group.attrs[key] for key in ("k_normal", "k_tangential", "mu_static", "mu_kinetic", "unit_positions", "unit_heights")}
+        self.attributes = {
+            key: group.attrs[key]
+            for key in (
+                "k_normal",
+                "k_tangential",
+                "mu_static",
+                "mu_kinetic",
+                "unit_positions",
+                "unit_heights",
+            )
+        }
         self.f_t, self.f_n = np.hypot(self.force[..., 0], self.force[..., 1]), self.force[..., 2]
-        effects = {name for one in scene.get("effects", []) for name in ([one] if isinstance(one, str) else one)}
+        effects = {
+            name
+            for one in scene.get("effects", [])
+            for name in ([one] if isinstance(one, str) else one)
+        }
         sensor = scene["sensors"][name]
         self.dynamic = bool({"bodies", "model", "box", "grip"} & scene.keys())
         self.exact = scene.get("fidelity", "field") == "field"
         self.creeps = scene.get("fidelity") == "mujoco_contact"
-        self.single = sensor["type"] not in ("piezo_skin", "biotac_sp", "biotac_19") and sensor.get("bristles", 1) == 1 and sensor.get("points", 1) == 1
+        self.single = (
+            sensor["type"] not in ("piezo_skin", "biotac_sp", "biotac_19")
+            and sensor.get("bristles", 1) == 1
+            and sensor.get("points", 1) == 1
+        )
         self.flat = not self.dynamic and scene.get("surface", {}).get("shape", "plane") == "plane"
         self.static, self.kinetic = not effects & STATIC, not effects & KINETIC
         self.strengthens = "viscous_friction" in effects
@@ -67,7 +105,11 @@ class Pad:
         rounded = 2.0 * ROUNDING * (self.f_t + mu * np.abs(self.f_n)) + 2.0 * SMALLEST * (1.0 + mu)
         if self.strengthens:  # a creeping tip counts as sticking up to 1e-6 beyond mu_s f_n
             rounded = rounded + 1e-6 * mu * np.abs(self.f_n)
-        return rounded + 1e-14 * (self.f_t + np.abs(self.f_n)) + SHORTEST_SLIP * self.attributes["k_tangential"]
+        return (
+            rounded
+            + 1e-14 * (self.f_t + np.abs(self.f_n))
+            + SHORTEST_SLIP * self.attributes["k_tangential"]
+        )
 
 
 # Parts of the laws, each counted in samples of units, except events and, for the stuck fraction, samples of the pad.
@@ -133,7 +175,10 @@ def events(pad):
             now = AFTER[kind[e]]
             states.append(now)
         # An event at the instant of a sample counts before or after it.
-        first, last = (np.searchsorted(time[own], pad.t + shift, side) for shift, side in ((-1e-9, "right"), (1e-9, "right")))
+        first, last = (
+            np.searchsorted(time[own], pad.t + shift, side)
+            for shift, side in ((-1e-9, "right"), (1e-9, "right"))
+        )
         states = np.array(states)
         fits = np.zeros(len(pad.t), bool)
         for extra in range(int((last - first).max(initial=0)) + 1):
@@ -169,7 +214,9 @@ def rest(pad):
     wrong = np.isnan(share) != (touching == 0)
     wrong |= (touching > 0) & (slipping == 0) & (share != 1.0)
     if pad.single:  # of single friction points the share is that of the units
-        wrong |= (touching > 0) & (np.abs(share - (1.0 - slipping / np.maximum(touching, 1))) > 1e-6)
+        wrong |= (touching > 0) & (
+            np.abs(share - (1.0 - slipping / np.maximum(touching, 1))) > 1e-6
+        )
     if wrong.any():
         yield f"stuck fraction: {pad.name}: {np.count_nonzero(wrong)} samples, the first at {pad.t[np.argmax(wrong)]:.6g} s"
 
@@ -178,7 +225,9 @@ def cone(pad):
     """|f_t| <= mu_s f_n, with equality to mu_k f_n in slip; where effects change mu, margin >= 0."""
     off = pad.state == DETACHED
     rotated = 1e-14 * np.hypot(pad.f_t, pad.f_n)  # N, error of the rotation into the contact plane
-    lifted = off & ((np.abs(pad.f_n) > (0.0 if pad.massless else rotated)) | (pad.massless & (pad.f_t != 0.0)))
+    lifted = off & (
+        (np.abs(pad.f_n) > (0.0 if pad.massless else rotated)) | (pad.massless & (pad.f_t != 0.0))
+    )
     pad.count("cone: detached", off)
     if lifted.any():
         yield f"force without contact: {pad.where(lifted)}"
@@ -210,7 +259,11 @@ def cone(pad):
         limited = stick | ((slip | partial) & (not pad.strengthens))
         limit = np.where(pad.static & one_plane, mu_s * pad.f_n, pad.f_t / (1.0 - pad.margin))
         pad.count("cone: margin", limited)
-        over = limited & (pad.margin < 0.0) & (-pad.margin * limit > pad.slack(mu_s if pad.static else 0.0 * mu_s))
+        over = (
+            limited
+            & (pad.margin < 0.0)
+            & (-pad.margin * limit > pad.slack(mu_s if pad.static else 0.0 * mu_s))
+        )
         if not one_plane or not (pad.static or pad.massless):
             over &= pad.margin < -1e-3
         if over.any():
@@ -224,7 +277,9 @@ def dissipation(pad):
     power = (pad.force[..., :2] * pad.velocity).sum(-1)
     speed = np.hypot(*np.moveaxis(pad.velocity, -1, 0))
     pad.count("dissipation", speed > 0.0)
-    gains = power > (8.0 * ROUNDING * pad.f_t + 1e-13 * np.abs(pad.f_n) + SMALLEST) * speed + SMALLEST
+    gains = (
+        power > (8.0 * ROUNDING * pad.f_t + 1e-13 * np.abs(pad.f_n) + SMALLEST) * speed + SMALLEST
+    )
     if gains.any():
         yield f"friction does work on the tip: {pad.where(gains)}"
 
@@ -235,7 +290,10 @@ def springs(pad):
     With f_1 at the end of a step, motion d and slip s, the pad's work f_1 d is then the slip's loss f_1 s, plus the change of the
     spring's energy (f_1^2 - f_0^2)/2k, plus (f_1 - f_0)^2/2k: no energy is created.
     """
-    if not (pad.exact and pad.single and pad.flat and pad.springs) or "pad" not in pad.trial["truth"]:
+    if (
+        not (pad.exact and pad.single and pad.flat and pad.springs)
+        or "pad" not in pad.trial["truth"]
+    ):
         return
     body = pad.trial["truth/pad"]
     pose = body["pose"][:].astype(float)
@@ -246,16 +304,38 @@ def springs(pad):
     k_n, k_t = pad.attributes["k_normal"], pad.attributes["k_tangential"]
     depth = -(pose[:, 2:3] + height)
     # Poses are float32.
-    inexact = 4.0 * ROUNDING * (np.abs(pose[:, :3]).max() + np.abs(place).max(initial=0.0) + np.abs(height).max(initial=0.0)) + SMALLEST
+    inexact = (
+        4.0
+        * ROUNDING
+        * (
+            np.abs(pose[:, :3]).max()
+            + np.abs(place).max(initial=0.0)
+            + np.abs(height).max(initial=0.0)
+        )
+        + SMALLEST
+    )
     if pad.level:
         pad.count("springs: normal", depth > 0.0)
-        wrong = np.abs(pad.f_n - k_n * np.maximum(depth, 0.0)) > k_n * inexact + 2.0 * ROUNDING * pad.f_n + SMALLEST
+        wrong = (
+            np.abs(pad.f_n - k_n * np.maximum(depth, 0.0))
+            > k_n * inexact + 2.0 * ROUNDING * pad.f_n + SMALLEST
+        )
         if wrong.any():
             yield f"f_n is not k_n times the depth: {pad.where(wrong)}"
-    if len(pad.t) < 2 or not isinstance(pad.step, float) or abs(pad.step * (len(pad.t) - 1) / (pad.t[-1] - pad.t[0]) - 1.0) > 1e-6:
+    if (
+        len(pad.t) < 2
+        or not isinstance(pad.step, float)
+        or abs(pad.step * (len(pad.t) - 1) / (pad.t[-1] - pad.t[0]) - 1.0) > 1e-6
+    ):
         return  # samples are not steps
     angle = 2.0 * np.arctan2(pose[:, 6], pose[:, 3])
-    turn = np.stack([np.stack([np.cos(angle), -np.sin(angle)], -1), np.stack([np.sin(angle), np.cos(angle)], -1)], -2)
+    turn = np.stack(
+        [
+            np.stack([np.cos(angle), -np.sin(angle)], -1),
+            np.stack([np.sin(angle), np.cos(angle)], -1),
+        ],
+        -2,
+    )
 
     def world(vectors):
         return np.einsum("tij,tuj->tui", turn, vectors)
@@ -268,8 +348,12 @@ def springs(pad):
         if kind in (TOUCH, DETACH):
             row = int(np.searchsorted(pad.t, time - 1e-9))
             stays[max(row - 2, 0) : row + 1, unit] = False
-    error = np.hypot(*np.moveaxis(np.diff(root, axis=0) - np.diff(stretch, axis=0) - slip[1:], -1, 0))
-    allowed = 8.0 * inexact + 4.0 * ROUNDING * (np.abs(stretch[1:]).sum(-1) + np.abs(slip[1:]).sum(-1))
+    error = np.hypot(
+        *np.moveaxis(np.diff(root, axis=0) - np.diff(stretch, axis=0) - slip[1:], -1, 0)
+    )
+    allowed = 8.0 * inexact + 4.0 * ROUNDING * (
+        np.abs(stretch[1:]).sum(-1) + np.abs(slip[1:]).sum(-1)
+    )
     pad.count("springs: tangential", stays)
     broken = stays & (error > allowed)
     if broken.any():

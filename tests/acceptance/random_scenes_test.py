@@ -45,14 +45,21 @@ def text_of(scene):
 def run(scene, path, applied):
     """Returns how the scene ended ("ran", "refused", "ended", "slow", "broken"), and a list of faults. Counts laws in `applied`."""
     try:
-        summary = slipbench.Scene.from_text(text_of(scene), folder=FOLDER).write(path, trial_limit=TRIAL_LIMIT)
+        summary = slipbench.Scene.from_text(text_of(scene), folder=FOLDER).write(
+            path, trial_limit=TRIAL_LIMIT
+        )
     except slipbench.InputError as error:
-        return "refused", [] if AT_A_LINE.search(str(error)) else [f"refused without file and line: {error}"]
+        return "refused", [] if AT_A_LINE.search(str(error)) else [
+            f"refused without file and line: {error}"
+        ]
     except Exception as error:  # noqa: BLE001  an internal error
         return "broken", [f"{type(error).__name__}: {error}"]
     if not summary["failed"]:
         with h5py.File(path) as file:
-            return "ran", [f"a law is violated: {fault}" for fault in faults(file["data/demo_0"], scene, applied)]
+            return "ran", [
+                f"a law is violated: {fault}"
+                for fault in faults(file["data/demo_0"], scene, applied)
+            ]
     message = summary["failed"][0]["message"]
     if "still running at the limit" in message:
         return "slow", []
@@ -63,7 +70,10 @@ def verified(paths):
     """Returns the failures that `slipbench verify` finds, by file."""
     found = {}
     for dataset in slipbench.verify(paths)["datasets"] if paths else []:
-        failures = [f"verify: {one['check']} {one['array']} {one['sample']}: {one['what']}" for one in dataset.get("failures", [])]
+        failures = [
+            f"verify: {one['check']} {one['array']} {one['sample']}: {one['what']}"
+            for one in dataset.get("failures", [])
+        ]
         if "error" in dataset:
             failures.append(f"verify: {dataset['error']}")
         found[Path(dataset["file"])] = failures
@@ -97,14 +107,20 @@ def work(program, first, end):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("program")
     parser.add_argument("scenes", type=int, nargs="?", default=3000)
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--seed", type=int, help="run this scene only, and print it")
     parser.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
-    first, end = (given.first, given.first + given.scenes) if given.seed is None else (given.seed, given.seed + 1)
+    first, end = (
+        (given.first, given.first + given.scenes)
+        if given.seed is None
+        else (given.seed, given.seed + 1)
+    )
     if given.worker:
         work(given.program, first, end)
         return
@@ -112,7 +128,15 @@ def main():
         print(text_of(drawn(given.program, given.seed)))
     how, bad, applied = Counter(), {}, Counter()
     while first < end:
-        words = [sys.executable, __file__, given.program, str(end - first), "--first", str(first), "--worker"]
+        words = [
+            sys.executable,
+            __file__,
+            given.program,
+            str(end - first),
+            "--first",
+            str(first),
+            "--worker",
+        ]
         begun = first
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as worker:
             for line in worker.stdout:
@@ -124,7 +148,9 @@ def main():
                     bad.setdefault(said["seed"], []).extend(said["faults"])
         if worker.returncode == 0:
             break
-        bad.setdefault(begun, []).append(f"the process that ran it ended with status {worker.returncode}")
+        bad.setdefault(begun, []).append(
+            f"the process that ran it ended with status {worker.returncode}"
+        )
         first = begun + 1
     for seed, wrong in sorted(bad.items()):
         print(f"scene {seed}: {text_of(drawn(given.program, seed))}")

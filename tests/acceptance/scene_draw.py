@@ -25,7 +25,17 @@ BOUND = {"cycle_rate", "device_number", "label_rate", "far", "near", "electrode_
 # Keys that a rig sets, or that name a file.
 NOT_DRAWN = {"damping", "ahead", "type", "kind", "shape", "sensor", "electronics", "follows", "site", "touches", "library", "parameters", "model", "memories", "waveform",
              "push", "changes", "channels", "matrix", "curve", "places", "material", "duration"}  # fmt: skip
-SENSORS = ("papillarray", "nib_pad", "piezo_skin", "biotac_sp", "biotac_19", "myrmex", "taxels", "gel_markers", "magnetic_skin")
+SENSORS = (
+    "papillarray",
+    "nib_pad",
+    "piezo_skin",
+    "biotac_sp",
+    "biotac_19",
+    "myrmex",
+    "taxels",
+    "gel_markers",
+    "magnetic_skin",
+)
 # Fewer elements than the defaults, for speed.
 SMALL = {"biotac_sp": {"elements": 200}, "biotac_19": {"elements": 200}, "myrmex": {"rows": 4, "columns": 4},
          "gel_markers": {"columns": 6, "rows": 6, "marker_columns": 4, "marker_rows": 4, "pitch": "3 mm"}, "piezo_skin": {"elements": 12},
@@ -36,7 +46,11 @@ RATES = {"papillarray": (100, 250, 500, 1000), "nib_pad": (300,), "piezo_skin": 
 # Sensors whose samples may be the steps of 1 ms.
 BY_STEP = ("papillarray", "myrmex", "taxels", "gel_markers", "magnetic_skin")
 # Effects that cannot be combined: each sets the force of an element.
-TIPS, SKINS, MAPS = {"inertia", "asperities"}, {"elastic_skin"}, {"viscoelastic", "viscous_friction", "anisotropic_friction", "lean"}
+TIPS, SKINS, MAPS = (
+    {"inertia", "asperities"},
+    {"elastic_skin"},
+    {"viscoelastic", "viscous_friction", "anisotropic_friction", "lean"},
+)
 # Effects that need a flat surface.
 FLAT = {"texture", "roughness", "patchy_friction", "anisotropic_friction"}
 # Detectors by the sensor that they read; the others read any.
@@ -79,8 +93,12 @@ class Draw:
             return spec, 1.0
         options = spec.get("anyOf", [])
         number = next((one for one in options if one.get("type") == "number"), None)
-        quantity = next((one["$ref"].rsplit("/", 1)[1] for one in options if "$ref" in one), "number")
-        return number, SCALES.get(quantity.removeprefix("positive_").removeprefix("non_negative_"), 1.0)
+        quantity = next(
+            (one["$ref"].rsplit("/", 1)[1] for one in options if "$ref" in one), "number"
+        )
+        return number, SCALES.get(
+            quantity.removeprefix("positive_").removeprefix("non_negative_"), 1.0
+        )
 
     def value(self, key, spec, extreme):
         if "enum" in spec:
@@ -124,11 +142,18 @@ class Draw:
         """Parameters of an entry: `fixed`, and ordinary values of a share of the others."""
         found = dict(fixed)
         for key, spec in self.defs[name]["properties"].items():
-            if key in found or key in NOT_DRAWN | BOUND or not isinstance(spec, dict) or not self.chance(share):
+            if (
+                key in found
+                or key in NOT_DRAWN | BOUND
+                or not isinstance(spec, dict)
+                or not self.chance(share)
+            ):
                 continue
             value = self.value(key, spec, False)
             if value is not None:
-                found[key] = max(1, round(value)) if key in WHOLE and name.startswith("sensor_") else value
+                found[key] = (
+                    max(1, round(value)) if key in WHOLE and name.startswith("sensor_") else value
+                )
         return found
 
     def spoil(self, scene, entries):
@@ -136,20 +161,31 @@ class Draw:
         for _ in range(self.pick(0, 0, 0, 1, 1, 2, 3)):
             values, name = self.pick(*entries)
             properties = self.defs[name]["properties"]
-            keys = [key for key in properties if key not in NOT_DRAWN and isinstance(properties[key], dict)]
+            keys = [
+                key
+                for key in properties
+                if key not in NOT_DRAWN and isinstance(properties[key], dict)
+            ]
             if keys:
                 key = self.pick(*keys)
                 value = self.value(key, properties[key], True)
                 if value is not None:
                     values[key] = value
         if self.chance(0.06):
-            scene["time_step"] = self.pick(self.decades(2e-5, 1e-2), self.decades(2e-5, 1e-2), *BEYOND, LEAST, 1.0)
+            scene["time_step"] = self.pick(
+                self.decades(2e-5, 1e-2), self.decades(2e-5, 1e-2), *BEYOND, LEAST, 1.0
+            )
 
     # Parts of a scene.
 
     def sensor(self, entries, kind=None, **fixed):
         kind = kind or self.pick(*SENSORS)
-        sensor = {"type": kind, **SMALL.get(kind, {}), **self.params(f"sensor_{kind}", 0.1), **fixed}
+        sensor = {
+            "type": kind,
+            **SMALL.get(kind, {}),
+            **self.params(f"sensor_{kind}", 0.1),
+            **fixed,
+        }
         sensor["rate"] = self.pick(*RATES[kind])
         if self.chance(0.5):
             sensor["electronics"] = self.electronics(kind)
@@ -177,27 +213,51 @@ class Draw:
         """Effects that fit the surface and each other, or, rarely, any."""
         names = {name.removeprefix("effect_") for name in self.defs if name.startswith("effect_")}
         if self.chance(0.95):
-            one_law = self.pick(TIPS, TIPS, SKINS, MAPS) if shape == "plane" else self.pick(SKINS, MAPS, MAPS)
+            one_law = (
+                self.pick(TIPS, TIPS, SKINS, MAPS)
+                if shape == "plane"
+                else self.pick(SKINS, MAPS, MAPS)
+            )
             names -= (TIPS | SKINS | MAPS) - one_law
             if one_law is MAPS:
                 names.remove(self.pick("lean", "anisotropic_friction"))
             if shape not in ("plane", "box"):
                 names -= FLAT
-        chosen = self.random.sample(sorted(names), min(len(names), self.pick(0, 1, 1, most, self.random.randint(0, most))))
-        if "inertia" in names and "inertia" not in chosen and ("asperities" in chosen or self.chance(0.4)):
+        chosen = self.random.sample(
+            sorted(names), min(len(names), self.pick(0, 1, 1, most, self.random.randint(0, most)))
+        )
+        if (
+            "inertia" in names
+            and "inertia" not in chosen
+            and ("asperities" in chosen or self.chance(0.4))
+        ):
             chosen.append("inertia")
         effects = []
         for name in chosen:
             values = self.params(f"effect_{name}", 0.3)
             if values.get("profile") == "bars":
-                values["duty"], values["edge"] = self.random.uniform(0.1, 0.9), self.decades(1e-5, 5e-4)
+                values["duty"], values["edge"] = (
+                    self.random.uniform(0.1, 0.9),
+                    self.decades(1e-5, 5e-4),
+                )
             entries.append((values, f"effect_{name}"))
             effects.append({name: values})
         return effects
 
     def friction(self, entries):
-        static = self.pick(self.decades(0.05, 2.0), self.decades(0.05, 2.0), 0.0, 30.0, 100.0, LEAST, self.decades(1e-6, 100.0))
-        friction = {"static": static, "kinetic": static * self.pick(1.0, 1.0, self.random.random(), 0.0)}
+        static = self.pick(
+            self.decades(0.05, 2.0),
+            self.decades(0.05, 2.0),
+            0.0,
+            30.0,
+            100.0,
+            LEAST,
+            self.decades(1e-6, 100.0),
+        )
+        friction = {
+            "static": static,
+            "kinetic": static * self.pick(1.0, 1.0, self.random.random(), 0.0),
+        }
         if self.chance(0.2):
             entries.append((friction, "friction"))
         return friction
@@ -209,7 +269,16 @@ class Draw:
         if kind == "stage":
             motion = self.params("motion_stage", 0.1, compression=depth, gap=gap, approach_speed=0.2, acceleration=self.pick(50.0, 50.0, 100.0, "inf"),
                                  start=0.4 * duration, speed=self.decades(1e-3, 0.1))  # fmt: skip
-            for key in ("stop", "reverse", "retract", "travel", "strokes", "vibration", "rest_speed", "idle_speed"):
+            for key in (
+                "stop",
+                "reverse",
+                "retract",
+                "travel",
+                "strokes",
+                "vibration",
+                "rest_speed",
+                "idle_speed",
+            ):
                 motion.pop(key, None)
             if self.chance(0.4):
                 motion["rotation"] = self.pick(1, -1) * self.decades(0.1, 20.0)
@@ -223,9 +292,18 @@ class Draw:
             if self.chance(0.8):
                 motion["tilt"] = [0.0, 0.0]
         elif kind == "press":
-            motion = self.params("motion_press", 0.15, compression=depth, gap=gap, approach_speed=0.1, acceleration=20.0)
+            motion = self.params(
+                "motion_press",
+                0.15,
+                compression=depth,
+                gap=gap,
+                approach_speed=0.1,
+                acceleration=20.0,
+            )
         elif kind == "rub":
-            motion = self.params("motion_rub", 0.15, compression=depth, gap=gap, start=0.0, approach=0.2 * duration)
+            motion = self.params(
+                "motion_rub", 0.15, compression=depth, gap=gap, start=0.0, approach=0.2 * duration
+            )
         else:
             motion = self.params("motion_wander", 0.2, compression=depth, gap=gap, start=0.0, approach=0.2 * duration,
                                  bandwidth=self.decades(1.0, 30.0))  # fmt: skip
@@ -234,7 +312,17 @@ class Draw:
         return motion
 
     def surface(self, entries):
-        shape = self.pick("plane", "plane", "plane", "plane", "box", "cylinder", "upright_cylinder", "capsule", "sphere")
+        shape = self.pick(
+            "plane",
+            "plane",
+            "plane",
+            "plane",
+            "box",
+            "cylinder",
+            "upright_cylinder",
+            "capsule",
+            "sphere",
+        )
         material = self.pick(*self.defs["surface_plane"]["properties"]["material"]["enum"])
         surface = {"shape": shape, "material": material, **self.params(f"surface_{shape}", 0.2)}
         entries.append((surface, f"surface_{shape}"))
@@ -252,16 +340,32 @@ class Draw:
 
     def scene(self):
         entries = []
-        scene = {"slipbench": 1, "seed": self.random.randrange(2**64), "duration": self.pick(0.1, 0.2, 0.3, 0.4)}
-        rig = self.random.choices((self.on_stage, self.articulated, self.on_bodies, self.in_fingers, self.grasp), (60, 8, 9, 8, 15))[0]
+        scene = {
+            "slipbench": 1,
+            "seed": self.random.randrange(2**64),
+            "duration": self.pick(0.1, 0.2, 0.3, 0.4),
+        }
+        rig = self.random.choices(
+            (self.on_stage, self.articulated, self.on_bodies, self.in_fingers, self.grasp),
+            (60, 8, 9, 8, 15),
+        )[0]
         rig(scene, entries)
         self.spoil(scene, entries)
         return scene
 
     def step(self, scene, sensor):
         """A step, or none: auto. Often that of the sensor, so that each step is recorded."""
-        fine = any(name in ("roughness", "texture", "patchy_friction") for effect in scene["effects"] for name in effect)
-        if len(scene["sensors"]) == 1 and sensor["type"] in BY_STEP and self.chance(0.8) and not fine:
+        fine = any(
+            name in ("roughness", "texture", "patchy_friction")
+            for effect in scene["effects"]
+            for name in effect
+        )
+        if (
+            len(scene["sensors"]) == 1
+            and sensor["type"] in BY_STEP
+            and self.chance(0.8)
+            and not fine
+        ):
             sensor["rate"] = 1000
             scene["time_step"] = 1e-3
         elif sensor["type"] in BY_STEP and self.chance(0.3) and not fine:
@@ -286,7 +390,9 @@ class Draw:
         scene["surface"] = {"material": "acrylic"}
         scene["motion"] = self.stage(entries, scene["duration"])
         scene["friction"] = {"static": 0.5, "kinetic": 0.5}
-        scene["sensors"] = {"pad": self.sensor(entries, self.pick("papillarray", "papillarray", "nib_pad"))}
+        scene["sensors"] = {
+            "pad": self.sensor(entries, self.pick("papillarray", "papillarray", "nib_pad"))
+        }
         if scene["fidelity"] == "mujoco_contact":
             scene["contact"] = self.params("contact", 0.2)
             entries.append((scene["contact"], "contact"))
@@ -306,7 +412,10 @@ class Draw:
         touched = ["thing"]
         if self.chance(0.4):  # a body that stands still, its top at a height of 0
             block = self.body(entries, free=False)
-            block["position"], block["rotation"] = [0.0, 0.0, -0.02], [0.0, 0.0, self.random.uniform(-1.0, 1.0)]
+            block["position"], block["rotation"] = (
+                [0.0, 0.0, -0.02],
+                [0.0, 0.0, self.random.uniform(-1.0, 1.0)],
+            )
             size = {"box": {"size": [0.06, 0.06, 0.04]}, "ellipsoid": {"size": [0.08, 0.08, 0.04]}, "capsule": {"radius": 0.015, "length": 0.01},
                     "cylinder": {"radius": 0.02, "length": 0.04}}  # fmt: skip
             block.update(size.get(block["shape"], {"radius": 0.02}))
@@ -330,9 +439,19 @@ class Draw:
         """Two fingers of a model hold a box; forces change."""
         duration = scene["duration"]
         scene["model"] = "two_fingers.xml"
-        scene["bodies"] = {"box": {"shape": "box", "size": [0.04, 0.04, 0.06], "mass": self.decades(0.02, 0.4), "position": [0, 0, 0.1]}}
+        scene["bodies"] = {
+            "box": {
+                "shape": "box",
+                "size": [0.04, 0.04, 0.06],
+                "mass": self.decades(0.02, 0.4),
+                "position": [0, 0, 0.1],
+            }
+        }
         force = self.decades(0.5, 15.0)
-        scene["controls"] = {name: [[0.3 * duration, force], [duration, force * self.random.random()]] for name in ("left", "right")}
+        scene["controls"] = {
+            name: [[0.3 * duration, force], [duration, force * self.random.random()]]
+            for name in ("left", "right")
+        }
         scene["friction"] = self.friction(entries)
         kind = self.pick("papillarray", "taxels", "myrmex", "nib_pad", "magnetic_skin")
         scene["sensors"] = {"left": self.sensor(entries, kind, site="left_pad", touches=["box"]),
@@ -359,16 +478,31 @@ class Draw:
     def grasp(self, scene, entries):
         scene["duration"] = self.pick(0.5, 0.6, 0.8)
         scene["surface"] = {"material": self.pick("ptfe", "rubber", "acrylic", "paper")}
-        scene["box"] = self.params("box", 0.05, mass=self.decades(0.05, 0.6), size=[self.random.uniform(0.03, 0.075), 0.06, 0.1])
-        scene["grip"] = self.params("grip", 0.05, protocol="as_recorded", clearance=5e-4, fastest=0.15)
+        scene["box"] = self.params(
+            "box",
+            0.05,
+            mass=self.decades(0.05, 0.6),
+            size=[self.random.uniform(0.03, 0.075), 0.06, 0.1],
+        )
+        scene["grip"] = self.params(
+            "grip", 0.05, protocol="as_recorded", clearance=5e-4, fastest=0.15
+        )
         if self.chance(0.5):
             scene["scatter"] = self.params("scatter", 0.2)
         guided = self.chance(0.2)
         scene["motion"] = {"kind": "guided"} if guided else self.params("motion_lift", 0.05, settle=0.05, distance=0.02, speed=0.2, acceleration=5.0,
                                                                         tilt=[0.0, 0.0], shake=[0.0, 0.0, 0.0], kind="lift")  # fmt: skip
-        for key, name in (("box", "box"), ("grip", "grip"), ("motion", f"motion_{scene['motion']['kind']}")):
+        for key, name in (
+            ("box", "box"),
+            ("grip", "grip"),
+            ("motion", f"motion_{scene['motion']['kind']}"),
+        ):
             entries.append((scene[key], name))
-        kind = "nib_pad" if guided else self.pick(*["papillarray"] * 6, "nib_pad", "myrmex", "taxels", "magnetic_skin")
+        kind = (
+            "nib_pad"
+            if guided
+            else self.pick(*["papillarray"] * 6, "nib_pad", "myrmex", "taxels", "magnetic_skin")
+        )
         scene["sensors"] = {"pad": self.sensor(entries, kind)}
         if self.chance(0.3):
             scene["effects"] = self.effects(entries, "body", most=2)
@@ -377,7 +511,13 @@ class Draw:
         if guided:
             controllers, scene["detector"] = ["reorient"], {"type": "nib_slip_kind"}
         elif kind == "papillarray":  # the only one of these with the forces that a controller needs
-            controllers = ["constant_force", "hold_preset", "force_pid", "force_ratio", "stuck_fraction"]
+            controllers = [
+                "constant_force",
+                "hold_preset",
+                "force_pid",
+                "force_ratio",
+                "stuck_fraction",
+            ]
             controllers += ["step_on_slip"] if "detector" in scene else []
         if controllers:
             name = self.pick(*controllers)

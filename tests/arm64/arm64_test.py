@@ -19,24 +19,43 @@ del sys.argv[1:]
 
 BIN = ROOT / "build/arm64/bin"
 EMULATOR = ("qemu-aarch64-static", "-L", ROOT / "build/arm64-system")
-STEPS = ([ROOT / "tools/setup/arm64.sh"], ["cmake", "--preset", "arm64"], ["cmake", "--build", "--preset", "arm64", "--parallel", str(os.cpu_count())])
+STEPS = (
+    [ROOT / "tools/setup/arm64.sh"],
+    ["cmake", "--preset", "arm64"],
+    ["cmake", "--build", "--preset", "arm64", "--parallel", str(os.cpu_count())],
+)
 # Each takes minutes under emulation.
-SLOW = ("MeshDistance.GridOfABallOfTrianglesIsABall", "FieldEnergy.AFrictionlessFieldNeverGivesMoreThanItTook",
-        "Asperities.StrengthGrowsWithTheRootOfLoadAndSpeed", "BatchesTest.*",
-        "FailureTest.DamagedFilesAreRefusedOrRead")
+SLOW = (
+    "MeshDistance.GridOfABallOfTrianglesIsABall",
+    "FieldEnergy.AFrictionlessFieldNeverGivesMoreThanItTook",
+    "Asperities.StrengthGrowsWithTheRootOfLoadAndSpeed",
+    "BatchesTest.*",
+    "FailureTest.DamagedFilesAreRefusedOrRead",
+)
 # Without MuJoCo, FFTW and networks, which round by the processor.
 SCENE = ROOT / "scenes/papillarray/stage.yaml"
 
 
 def run(*command, **more):
     """Runs a command that must succeed."""
-    done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, **more)
+    done = subprocess.run(
+        [str(word) for word in command],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+        **more,
+    )
     if done.returncode != 0:
-        raise AssertionError(f"{' '.join(map(str, command))}\nended with {done.returncode}:\n{done.stdout}")
+        raise AssertionError(
+            f"{' '.join(map(str, command))}\nended with {done.returncode}:\n{done.stdout}"
+        )
 
 
-@unittest.skipUnless(all(map(shutil.which, ("aarch64-linux-gnu-g++", EMULATOR[0], "mmdebstrap"))),
-                     "a compiler for arm64, qemu or mmdebstrap is missing; Debian 12 has them: tools/setup/setup.sh all")
+@unittest.skipUnless(
+    all(map(shutil.which, ("aarch64-linux-gnu-g++", EMULATOR[0], "mmdebstrap"))),
+    "a compiler for arm64, qemu or mmdebstrap is missing; Debian 12 has them: tools/setup/setup.sh all",
+)
 class Arm64Test(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

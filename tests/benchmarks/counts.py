@@ -26,12 +26,14 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SCENES = ("papillarray/stage",  # rigid pillars, prescribed motion
-          "piezo_skin/slide",   # masses that ring, 10 kHz, spectra
-          "biotac_sp/slip",     # a skin of many elements
-          "nib_pad/linear",     # MuJoCo's bodies on a lever bench
-          "myrmex/slip",        # three sensors on one free body, images
-          "grasp/lift")         # closed loop: detector and controller
+SCENES = (
+    "papillarray/stage",  # rigid pillars, prescribed motion
+    "piezo_skin/slide",  # masses that ring, 10 kHz, spectra
+    "biotac_sp/slip",  # a skin of many elements
+    "nib_pad/linear",  # MuJoCo's bodies on a lever bench
+    "myrmex/slip",  # three sensors on one free body, images
+    "grasp/lift",
+)  # closed loop: detector and controller
 LIMIT = 0.02
 STORED, SHOWN = 40, 6  # functions with the most instructions of their own
 
@@ -43,14 +45,33 @@ def refuse(message):
 
 def build_of(build, valgrind):
     """Returns all that counts depend on."""
-    doctor = subprocess.run([build / "bin/slipbench", "doctor", "--json"], capture_output=True, text=True).stdout
+    doctor = subprocess.run(
+        [build / "bin/slipbench", "doctor", "--json"], capture_output=True, text=True
+    ).stdout
     found = {check["name"]: check["found"] for check in json.loads(doctor)["checks"]}
     found["flags"] = " ".join(word for word in found["flags"].split() if not word.startswith("-W"))
-    unity = re.search(r"^CMAKE_UNITY_BUILD:\w+=(\w+)$", (build / "CMakeCache.txt").read_text(), re.M)
+    unity = re.search(
+        r"^CMAKE_UNITY_BUILD:\w+=(\w+)$", (build / "CMakeCache.txt").read_text(), re.M
+    )
     found["sources"] = unity[1] if unity else "OFF"
-    found["valgrind"] = subprocess.run([valgrind, "--version"], capture_output=True, text=True).stdout.strip()
+    found["valgrind"] = subprocess.run(
+        [valgrind, "--version"], capture_output=True, text=True
+    ).stdout.strip()
     found["C library"] = os.confstr("CS_GNU_LIBC_VERSION")
-    return {name: found[name] for name in ("compiler", "flags", "sources", "SIMD path", "valgrind", "C library", "Eigen", "yaml-cpp", "MuJoCo")}
+    return {
+        name: found[name]
+        for name in (
+            "compiler",
+            "flags",
+            "sources",
+            "SIMD path",
+            "valgrind",
+            "C library",
+            "Eigen",
+            "yaml-cpp",
+            "MuJoCo",
+        )
+    }
 
 
 def own_instructions(text):
@@ -72,22 +93,50 @@ def own_instructions(text):
             of_a_call = False
     total = int(re.search(r"^totals: (\d+)$", text, re.M)[1])
     if own.total() != total or total == 0:
-        refuse(f"the functions add up to {own.total()} instructions of {total}; allowed: a program with its symbols, all of them counted")
+        refuse(
+            f"the functions add up to {own.total()} instructions of {total}; allowed: a program with its symbols, all of them counted"
+        )
     return own
 
 
 def count(build, valgrind, scene):
     with tempfile.TemporaryDirectory() as folder:
-        command = [valgrind, "-q", "--vgdb=no", "--tool=callgrind", "--callgrind-out-file=profile", "--toggle-collect=slipbench::run_trial(*",
-                   build / "bin/slipbench", "run", ROOT / "scenes" / f"{scene}.yaml", "--trial", "0", "--jobs", "1", "--json"]
+        command = [
+            valgrind,
+            "-q",
+            "--vgdb=no",
+            "--tool=callgrind",
+            "--callgrind-out-file=profile",
+            "--toggle-collect=slipbench::run_trial(*",
+            build / "bin/slipbench",
+            "run",
+            ROOT / "scenes" / f"{scene}.yaml",
+            "--trial",
+            "0",
+            "--jobs",
+            "1",
+            "--json",
+        ]
         # Keeps only these: a user's settings of valgrind and the C library would change counts, as
         # would the loader's lazy look-ups.
-        kept = {name: os.environ[name] for name in ("PATH", "LD_LIBRARY_PATH", "TMPDIR") if name in os.environ}
-        run = subprocess.run(command, cwd=folder, env=kept | {"LD_BIND_NOW": "1"}, capture_output=True, text=True)
+        kept = {
+            name: os.environ[name]
+            for name in ("PATH", "LD_LIBRARY_PATH", "TMPDIR")
+            if name in os.environ
+        }
+        run = subprocess.run(
+            command, cwd=folder, env=kept | {"LD_BIND_NOW": "1"}, capture_output=True, text=True
+        )
         if run.returncode != 0:
-            refuse(f"{scene} under valgrind ended with {run.returncode}: {run.stderr.strip().splitlines()[-1:]}")
+            refuse(
+                f"{scene} under valgrind ended with {run.returncode}: {run.stderr.strip().splitlines()[-1:]}"
+            )
         own = own_instructions((pathlib.Path(folder) / "profile").read_text())
-    return {"simulated_s": json.loads(run.stdout)["simulated_s"], "instructions": own.total(), "functions": dict(own.most_common(STORED))}
+    return {
+        "simulated_s": json.loads(run.stdout)["simulated_s"],
+        "instructions": own.total(),
+        "functions": dict(own.most_common(STORED)),
+    }
 
 
 def of_this_build(folder, build):
@@ -95,11 +144,17 @@ def of_this_build(folder, build):
     others = ""
     for path in sorted(folder.glob("*.json")):
         found = json.loads(path.read_text())
-        differ = [f"{name} ({found['build'].get(name)} there, {here} here)" for name, here in build.items() if found["build"].get(name) != here]
+        differ = [
+            f"{name} ({found['build'].get(name)} there, {here} here)"
+            for name, here in build.items()
+            if found["build"].get(name) != here
+        ]
         if not differ:
             return found["scenes"]
         others += f"; {path.name} is of another {', '.join(differ)}"
-    refuse(f"no results of this build in {folder}{others}; to add them: counts.py BUILD -o {folder}/NAME.json")
+    refuse(
+        f"no results of this build in {folder}{others}; to add them: counts.py BUILD -o {folder}/NAME.json"
+    )
 
 
 def append_history(path, name, day, commit, scenes):
@@ -109,7 +164,14 @@ def append_history(path, name, day, commit, scenes):
     rows = list(csv.DictReader(path.open(newline=""))) if path.exists() else []
     columns = list(rows[0]) if rows else ["date", "commit", "build"]
     columns += [scene for scene in scenes if scene not in columns]
-    rows.append({"date": day, "commit": commit, "build": name, **{scene: counted["instructions"] for scene, counted in scenes.items()}})
+    rows.append(
+        {
+            "date": day,
+            "commit": commit,
+            "build": name,
+            **{scene: counted["instructions"] for scene, counted in scenes.items()},
+        }
+    )
     partial = path.with_name(path.name + ".partial")
     with partial.open("w", newline="") as file:
         table = csv.DictWriter(file, columns, lineterminator="\n")
@@ -120,7 +182,11 @@ def append_history(path, name, day, commit, scenes):
 
 def commit_of(root):
     """Returns the commit that the tree `root` is built from, with "-dirty" if files differ from it."""
-    described = subprocess.run(["git", "-C", root, "describe", "--always", "--dirty", "--exclude=*"], capture_output=True, text=True)
+    described = subprocess.run(
+        ["git", "-C", root, "describe", "--always", "--dirty", "--exclude=*"],
+        capture_output=True,
+        text=True,
+    )
     return described.stdout.strip() or "unknown"
 
 
@@ -133,7 +199,10 @@ def compared(before, now):
             continue
         was = before[scene]["instructions"]
         growth = counted["instructions"] / was - 1.0
-        print(f"{scene:20} {was:>15,} before {counted['instructions']:>15,} now  {100 * growth:+.2f} %", "GREW" if growth > LIMIT else "")
+        print(
+            f"{scene:20} {was:>15,} before {counted['instructions']:>15,} now  {100 * growth:+.2f} %",
+            "GREW" if growth > LIMIT else "",
+        )
         if growth > LIMIT:
             grew.append(scene)
         if abs(growth) < 1e-4:
@@ -141,10 +210,15 @@ def compared(before, now):
         old, new = before[scene]["functions"], counted["functions"]
         # A function that is not among the stored ones cost at most as much as the least of them.
         least = {name: min(kept.values()) for name, kept in (("old", old), ("new", new))}
-        change = {name: new.get(name, least["new"]) - old.get(name, least["old"]) for name in old.keys() | new.keys()}
+        change = {
+            name: new.get(name, least["new"]) - old.get(name, least["old"])
+            for name in old.keys() | new.keys()
+        }
         for name in sorted(change, key=lambda name: (-abs(change[name]), name))[:SHOWN]:
             about = "" if name in old and name in new else " at least"
-            print(f"  {change[name]:+15,}{about} ({100 * change[name] / was:+.2f} % of the scene) {name}")
+            print(
+                f"  {change[name]:+15,}{about} ({100 * change[name] / was:+.2f} % of the scene) {name}"
+            )
     return grew
 
 
@@ -155,24 +229,38 @@ def main():
     parser.add_argument("--compare", type=pathlib.Path)
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    valgrind = shutil.which("valgrind") or refuse("valgrind is not on PATH; it is after: apt-get install --yes --no-install-recommends valgrind")
+    valgrind = shutil.which("valgrind") or refuse(
+        "valgrind is not on PATH; it is after: apt-get install --yes --no-install-recommends valgrind"
+    )
     folder = options.build.resolve()
     build = build_of(folder, valgrind)
     before = of_this_build(options.compare, build) if options.compare else None
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as threads:
-        scenes = dict(zip(SCENES, threads.map(lambda scene: count(folder, valgrind, scene), SCENES)))
+        scenes = dict(
+            zip(SCENES, threads.map(lambda scene: count(folder, valgrind, scene), SCENES))
+        )
     if options.output:
         partial = options.output.with_name(options.output.name + ".partial")
         partial.write_text(json.dumps({"build": build, "scenes": scenes}, indent=1) + "\n")
         partial.replace(options.output)
-        append_history(options.output.with_name("history.csv"), options.output.stem, datetime.date.today().isoformat(), commit_of(ROOT), scenes)
+        append_history(
+            options.output.with_name("history.csv"),
+            options.output.stem,
+            datetime.date.today().isoformat(),
+            commit_of(ROOT),
+            scenes,
+        )
     if before is None:
         for scene, counted in scenes.items():
-            print(f"{scene:20} {counted['instructions']:>15,} instructions, {counted['instructions'] / counted['simulated_s']:>15,.0f} a simulated second")
+            print(
+                f"{scene:20} {counted['instructions']:>15,} instructions, {counted['instructions'] / counted['simulated_s']:>15,.0f} a simulated second"
+            )
     else:
         grew = compared(before, scenes)
         if grew:
-            print(f"{len(grew)} of {len(scenes)} scenes grew by more than {100 * LIMIT:g} %; where that is wanted: counts.py BUILD -o FILE.json")
+            print(
+                f"{len(grew)} of {len(scenes)} scenes grew by more than {100 * LIMIT:g} %; where that is wanted: counts.py BUILD -o FILE.json"
+            )
             sys.exit(1)
 
 

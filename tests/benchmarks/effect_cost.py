@@ -22,8 +22,17 @@ def count(valgrind, function, command):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
         subprocess.run(
-            [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", f"--toggle-collect={function}", *command],
-            check=True, capture_output=True, env=os.environ | {"LD_BIND_NOW": "1"})  # else the loader's look-ups count too
+            [
+                valgrind,
+                "--tool=callgrind",
+                f"--callgrind-out-file={out}",
+                f"--toggle-collect={function}",
+                *command,
+            ],
+            check=True,
+            capture_output=True,
+            env=os.environ | {"LD_BIND_NOW": "1"},
+        )  # else the loader's look-ups count too
         text = out.read_text()
     total = int(re.search(r"^(?:summary|totals): (\d+)", text, re.M).group(1))
     names = set(re.findall(r"^c?fn=\(\d+\) (.+)$", text, re.M))
@@ -34,7 +43,9 @@ def defined_in(archive):
     """Returns demangled names of the functions that the archive defines and no header could have
     put there.
     """
-    listing = subprocess.run(["nm", "-C", "--defined-only", archive], check=True, capture_output=True, text=True).stdout
+    listing = subprocess.run(
+        ["nm", "-C", "--defined-only", archive], check=True, capture_output=True, text=True
+    ).stdout
     return {match.group(1) for match in re.finditer(r"^[0-9a-f]+ [Tt] (.+)$", listing, re.M)}
 
 
@@ -47,12 +58,16 @@ def main():
     total_more, _ = count(valgrind, step, [one_more, str(2 * ticks)])
     if not any("Field::step" in name for name in names):
         sys.exit("the count saw no Field::step: nothing was measured")
-    print(f"{(total - short) / ticks:.0f} instructions a step, {(total_more - total) / (2 * ticks):+.2f} with one effect more")
+    print(
+        f"{(total - short) / ticks:.0f} instructions a step, {(total_more - total) / (2 * ticks):+.2f} with one effect more"
+    )
     spent = sorted(names & defined_in(archive))
     if spent:
         sys.exit("instructions spent in sim/effects without any effect named: " + ", ".join(spent))
     if total_more != total:
-        sys.exit(f"{2 * ticks} steps take {total} instructions, and {total_more} with one effect more in the catalogue")
+        sys.exit(
+            f"{2 * ticks} steps take {total} instructions, and {total_more} with one effect more in the catalogue"
+        )
 
 
 if __name__ == "__main__":

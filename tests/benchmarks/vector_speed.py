@@ -3,6 +3,7 @@
 MuJoCo runs with and without contacts, GraspLift-v0 by environments and threads, with Python's
 share: PYTHONPATH=build/release/python build/venv/bin/python tests/benchmarks/vector_speed.py
 """
+
 import statistics
 import time
 
@@ -41,7 +42,9 @@ def grasps(count: int, jobs: int) -> tuple[float, float]:
         began = time.perf_counter()
         grasps.step(actions)
         spent += time.perf_counter() - began
-    grasps._grasps = type("Told", (), {"step": lambda _, actions, told=inside.step(actions[:, 0].tolist()): told})()  # a step that costs nothing
+    grasps._grasps = type(
+        "Told", (), {"step": lambda _, actions, told=inside.step(actions[:, 0].tolist()): told}
+    )()  # a step that costs nothing
     began = time.perf_counter()
     for _ in range(turns):
         grasps.step(actions)
@@ -49,7 +52,17 @@ def grasps(count: int, jobs: int) -> tuple[float, float]:
 
 
 cases = [(1, 1), (8, 1), (64, 1), (8, 2), (64, 2)]
-rows = [[mujoco_alone(0), mujoco_alone(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT), *(x for case in cases for x in grasps(*case))] for _ in range(5)]
-for row in [["MuJoCo", "apart", *(x for count, jobs in cases for x in (f"{count} x {jobs}", "Python"))], *rows]:
+rows = [
+    [
+        mujoco_alone(0),
+        mujoco_alone(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT),
+        *(x for case in cases for x in grasps(*case)),
+    ]
+    for _ in range(5)
+]
+for row in [
+    ["MuJoCo", "apart", *(x for count, jobs in cases for x in (f"{count} x {jobs}", "Python"))],
+    *rows,
+]:
     print(*(f"{x:9}" if isinstance(x, str) else f"{x:9.4g}" for x in row))
 print(*(f"{statistics.median(column):9.4g}" for column in zip(*rows, strict=True)))

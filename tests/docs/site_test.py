@@ -46,16 +46,45 @@ class Site(unittest.TestCase):
     def setUpClass(cls):
         cls.work = cls.enterClassContext(tempfile.TemporaryDirectory())
         cls.root = Path(cls.work).resolve() / "site"
-        subprocess.run([sys.executable, "-m", "mkdocs", "build", "--quiet", "--config-file", ROOT / "docs/mkdocs.yml", "--site-dir", cls.root],
-                       check=True)
-        cls.pages = {path: Page(path.read_text(encoding="utf-8")) for path in cls.root.rglob("*.html") if path.name != "404.html"}
+        subprocess.run(
+            [
+                sys.executable,
+                "-m",
+                "mkdocs",
+                "build",
+                "--quiet",
+                "--config-file",
+                ROOT / "docs/mkdocs.yml",
+                "--site-dir",
+                cls.root,
+            ],
+            check=True,
+        )
+        cls.pages = {
+            path: Page(path.read_text(encoding="utf-8"))
+            for path in cls.root.rglob("*.html")
+            if path.name != "404.html"
+        }
 
     def test_every_text_is_a_page_that_a_link_leads_to(self):
-        texts = [path for path in project_files(ROOT) if path.suffix == ".md" and path.parts[0] != ".github"]
-        names = {path.with_name("index.html") if path.name == "README.md" else path.with_suffix(".html") for path in texts}
+        texts = [
+            path
+            for path in project_files(ROOT)
+            if path.suffix == ".md" and path.parts[0] != ".github"
+        ]
+        names = {
+            path.with_name("index.html") if path.name == "README.md" else path.with_suffix(".html")
+            for path in texts
+        }
         self.assertGreater(len(names), 100)
-        linked = {(page.parent / urllib.parse.unquote(link.partition("#")[0])).resolve() for page, read in self.pages.items() for link in read.asks}
-        self.assertEqual([name for name in names if self.root / name not in self.pages.keys() & linked], [])
+        linked = {
+            (page.parent / urllib.parse.unquote(link.partition("#")[0])).resolve()
+            for page, read in self.pages.items()
+            for link in read.asks
+        }
+        self.assertEqual(
+            [name for name in names if self.root / name not in self.pages.keys() & linked], []
+        )
 
     def test_every_link_leads_somewhere_and_nothing_comes_from_elsewhere(self):
         count, astray = 0, []
@@ -66,7 +95,13 @@ class Site(unittest.TestCase):
                     continue
                 count += 1
                 target = (page.parent / place.partition("?")[0]).resolve() if place else page
-                if ":" in place or not target.is_file() or (anchor and target in self.pages and anchor not in self.pages[target].anchors):
+                if (
+                    ":" in place
+                    or not target.is_file()
+                    or (
+                        anchor and target in self.pages and anchor not in self.pages[target].anchors
+                    )
+                ):
                     astray.append(f"{page.relative_to(self.root)}: {link}")
         print(f"{len(self.pages)} pages, {count} links")
         self.assertEqual(astray, [], "\n".join(astray))
@@ -81,11 +116,24 @@ class Site(unittest.TestCase):
                             browser.look(width, dark=dark)
                             browser.open(self.root / name)
                             self.assertEqual(browser.complaints(), [])
-                            self.assertLessEqual(browser.evaluate("document.documentElement.scrollWidth"), width)
-                            colours = Image.open(io.BytesIO(browser.screenshot(whole=False))).convert("L").histogram()
+                            self.assertLessEqual(
+                                browser.evaluate("document.documentElement.scrollWidth"), width
+                            )
+                            colours = (
+                                Image.open(io.BytesIO(browser.screenshot(whole=False)))
+                                .convert("L")
+                                .histogram()
+                            )
                             ground = max(range(256), key=colours.__getitem__)
-                            self.assertTrue(ground < 64 if dark else ground > 224, f"ground of brightness {ground}")
-                            ink = sum(count for tone, count in enumerate(colours) if abs(tone - ground) > 64) / sum(colours)
+                            self.assertTrue(
+                                ground < 64 if dark else ground > 224,
+                                f"ground of brightness {ground}",
+                            )
+                            ink = sum(
+                                count
+                                for tone, count in enumerate(colours)
+                                if abs(tone - ground) > 64
+                            ) / sum(colours)
                             self.assertTrue(0.02 < ink < 0.5, f"{ink:.3f} of the picture is ink")
 
     def test_a_search_finds_a_page_of_files(self):
@@ -100,10 +148,17 @@ class Site(unittest.TestCase):
                 words.dispatchEvent(new Event("input", {bubbles: true}));
             })()""")
             end = time.monotonic() + 30
-            while not (found := browser.evaluate("[...document.querySelectorAll('.md-search-result__link')].map((link) => link.href)")):
+            while not (
+                found := browser.evaluate(
+                    "[...document.querySelectorAll('.md-search-result__link')].map((link) => link.href)"
+                )
+            ):
                 self.assertLess(time.monotonic(), end, "nothing is found")
                 time.sleep(0.1)
-            self.assertTrue(all(urllib.parse.urlparse(link).path.startswith(str(self.root)) for link in found), found)
+            self.assertTrue(
+                all(urllib.parse.urlparse(link).path.startswith(str(self.root)) for link in found),
+                found,
+            )
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ usage: faults_test.py SLIPBENCH COMPILER FOLDER FAULTS [CASE ...]
 For each case, kind of call and error up to FAULTS calls fail, evenly chosen; 0: all. Tested are a
 call that fails alone, and one from which on all fail. README.md lists the requirements.
 """
+
 import collections
 import errno
 import io
@@ -25,8 +26,12 @@ HERE = Path(__file__).resolve().parent
 SECONDS = 60  # no command takes longer
 
 # 0: half a write. Interrupted or partial writes must be continued.
-KINDS = {"write": (errno.ENOSPC, errno.EIO, errno.EINTR, 0), "sync": (errno.EIO, errno.ENOSPC, errno.EINTR), "rename": (errno.EIO, errno.ENOSPC),
-         "open": (errno.ENOSPC, errno.EIO, errno.EMFILE)}
+KINDS = {
+    "write": (errno.ENOSPC, errno.EIO, errno.EINTR, 0),
+    "sync": (errno.EIO, errno.ENOSPC, errno.EINTR),
+    "rename": (errno.EIO, errno.ENOSPC),
+    "open": (errno.ENOSPC, errno.EIO, errno.EMFILE),
+}
 SURVIVED = (errno.EINTR, 0)
 
 SCENE = """slipbench: 1
@@ -48,16 +53,63 @@ class Bench:
     def __init__(self, program, compiler, folder):
         self.program, self.folder = program, folder
         self.shim, self.count = folder / "faults.so", folder / "count"
-        subprocess.run([compiler, "-O1", "-shared", "-fPIC", "-Wall", "-Werror", "-o", self.shim, HERE / "faults.c", "-ldl"], check=True)
+        subprocess.run(
+            [
+                compiler,
+                "-O1",
+                "-shared",
+                "-fPIC",
+                "-Wall",
+                "-Werror",
+                "-o",
+                self.shim,
+                HERE / "faults.c",
+                "-ldl",
+            ],
+            check=True,
+        )
         scene = self.path("scene.yaml")
         Path(scene).write_text(SCENE, encoding="ascii")
         self.made("sweep", scene, "-o", self.path("two.h5"))
-        self.made("sweep", scene, "--trials", "12", "--set", "duration=0.6 s", "motion.start=0.3 s", "motion.compression=0.6 mm", "-o", self.path("many.h5"))
+        self.made(
+            "sweep",
+            scene,
+            "--trials",
+            "12",
+            "--set",
+            "duration=0.6 s",
+            "motion.start=0.3 s",
+            "motion.compression=0.6 mm",
+            "-o",
+            self.path("many.h5"),
+        )
         for k in ("1", "2"):
             self.made("sweep", scene, "--shard", f"{k}/2", "-o", self.path(f"shard-{k}.h5"))
-        self.made("export", self.path("two.h5"), "--format", "vendor-csv", "-o", self.path("vendor"))
-        self.made("sweep", HERE / "../../scenes/biotac_sp/slip.yaml", "--trials", "1", "--set", "duration=100 ms", "sweep={}", "-o", self.path("biotac.h5"))
-        self.made("sweep", HERE / "../../scenes/myrmex/slip.yaml", "--trials", "1", "--set", "duration=50 ms", "sweep={}", "-o", self.path("myrmex.h5"))
+        self.made(
+            "export", self.path("two.h5"), "--format", "vendor-csv", "-o", self.path("vendor")
+        )
+        self.made(
+            "sweep",
+            HERE / "../../scenes/biotac_sp/slip.yaml",
+            "--trials",
+            "1",
+            "--set",
+            "duration=100 ms",
+            "sweep={}",
+            "-o",
+            self.path("biotac.h5"),
+        )
+        self.made(
+            "sweep",
+            HERE / "../../scenes/myrmex/slip.yaml",
+            "--trials",
+            "1",
+            "--set",
+            "duration=50 ms",
+            "sweep={}",
+            "-o",
+            self.path("myrmex.h5"),
+        )
 
     def path(self, name):
         return str(self.folder / name)
@@ -70,13 +122,31 @@ class Bench:
         env = {**os.environ, "TMPDIR": str(where)}
         if kind:
             self.count.write_bytes(bytes(8))
-            env |= {"LD_PRELOAD": str(self.shim), "FAULT_UNDER": f"{where}/", "FAULT_KIND": kind, "FAULT_ERROR": str(error), "FAULT_FROM": str(span[0]),
-                    "FAULT_TO": str(span[1]), "FAULT_COUNT": str(self.count)}
+            env |= {
+                "LD_PRELOAD": str(self.shim),
+                "FAULT_UNDER": f"{where}/",
+                "FAULT_KIND": kind,
+                "FAULT_ERROR": str(error),
+                "FAULT_FROM": str(span[0]),
+                "FAULT_TO": str(span[1]),
+                "FAULT_COUNT": str(self.count),
+            }
         try:
-            done = subprocess.run([self.program, *words], capture_output=True, env=env, timeout=SECONDS, cwd=where, check=False)
+            done = subprocess.run(
+                [self.program, *words],
+                capture_output=True,
+                env=env,
+                timeout=SECONDS,
+                cwd=where,
+                check=False,
+            )
         except subprocess.TimeoutExpired:
             return "hang", "", 0
-        return done.returncode, done.stderr.decode(errors="replace"), int.from_bytes(self.count.read_bytes(), sys.byteorder) if kind else 0
+        return (
+            done.returncode,
+            done.stderr.decode(errors="replace"),
+            int.from_bytes(self.count.read_bytes(), sys.byteorder) if kind else 0,
+        )
 
 
 def cases(bench):
@@ -87,21 +157,71 @@ def cases(bench):
     found = {
         "run": (["run", scene, "--trials", "2", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
         "sweep": (["sweep", scene, "--jobs", "2", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
-        "six": (["sweep", scene, "--trials", "6", "--jobs", "1", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
+        "six": (
+            ["sweep", scene, "--trials", "6", "--jobs", "1", "-o", "OUT/a.h5", "--quiet"],
+            ["--resume"],
+        ),
         "isolate": (["sweep", scene, "--isolate", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
         "resume": (["sweep", scene, "--trials", "4", "-o", "OUT/a.h5", "--quiet", "--resume"], []),
-        "merge": (["merge", bench.path("shard-1.h5"), bench.path("shard-2.h5"), "-o", "OUT/a.h5"], []),
-        "import": (["import", bench.path("vendor"), "--format", "papillarray-csv", "-o", "OUT/a.h5"], []),
+        "merge": (
+            ["merge", bench.path("shard-1.h5"), bench.path("shard-2.h5"), "-o", "OUT/a.h5"],
+            [],
+        ),
+        "import": (
+            ["import", bench.path("vendor"), "--format", "papillarray-csv", "-o", "OUT/a.h5"],
+            [],
+        ),
         "train": (["train", bench.path("many.h5"), "-o", "OUT/memories"], []),
-        "recipe": (["train", bench.path("many.h5"), "--recipe", "papillarray_gru", "--steps", "2", "-o", "OUT/a.onnx"], []),
+        "recipe": (
+            [
+                "train",
+                bench.path("many.h5"),
+                "--recipe",
+                "papillarray_gru",
+                "--steps",
+                "2",
+                "-o",
+                "OUT/a.onnx",
+            ],
+            [],
+        ),
         "report": (["report", two, "-o", "OUT/a.html"], []),
-        "benchmark": (["benchmark", "--sensor", "biotac_sp", "--trials", "1", "--quiet", "--submit", "OUT/a.json", "-o", "OUT/board.html"],
-                      []),
+        "benchmark": (
+            [
+                "benchmark",
+                "--sensor",
+                "biotac_sp",
+                "--trials",
+                "1",
+                "--quiet",
+                "--submit",
+                "OUT/a.json",
+                "-o",
+                "OUT/board.html",
+            ],
+            [],
+        ),
     }
     of_sensor = {"slip-csv": "biotac.h5", "myrmex-csv": "myrmex.h5", "myrmex-rotated": "myrmex.h5"}
-    for format in ("csv", "npz", "robomimic", "vendor-csv", "training-csv", "slip-csv", "myrmex-csv", "myrmex-rotated", "parquet", "mcap", "rosbag2", "lerobot"):
+    for format in (
+        "csv",
+        "npz",
+        "robomimic",
+        "vendor-csv",
+        "training-csv",
+        "slip-csv",
+        "myrmex-csv",
+        "myrmex-rotated",
+        "parquet",
+        "mcap",
+        "rosbag2",
+        "lerobot",
+    ):
         out = "OUT/a.h5" if format == "robomimic" else "OUT/out"
-        found[f"export {format}"] = (["export", bench.path(of_sensor.get(format, "two.h5")), "--format", format, "-o", out], [])
+        found[f"export {format}"] = (
+            ["export", bench.path(of_sensor.get(format, "two.h5")), "--format", format, "-o", out],
+            [],
+        )
     return found
 
 
@@ -123,12 +243,18 @@ class Case:
 
     def leave_half(self, folder):
         """Interrupts a sweep after its first trials."""
-        words = [word.replace(str(self.where), str(folder)) for word in self.words if word != "--resume"]
+        words = [
+            word.replace(str(self.where), str(folder)) for word in self.words if word != "--resume"
+        ]
         for _ in range(100):
             shutil.rmtree(folder)
             folder.mkdir()
-            with subprocess.Popen([self.bench.program, *words, "--jobs", "1"], stderr=subprocess.PIPE, text=True) as sweep:
-                while sweep.poll() is None and not list(folder.glob("a.h5.partial/batch*")):  # the first trial is written
+            with subprocess.Popen(
+                [self.bench.program, *words, "--jobs", "1"], stderr=subprocess.PIPE, text=True
+            ) as sweep:
+                while sweep.poll() is None and not list(
+                    folder.glob("a.h5.partial/batch*")
+                ):  # the first trial is written
                     time.sleep(0.001)
                 sweep.send_signal(signal.SIGINT)
                 told = sweep.communicate(timeout=SECONDS)[1]
@@ -153,24 +279,36 @@ class Case:
         if status < 0:
             return f"signal {-status}"
         before = contents(self.begin)
-        left = {name: bytes for name, bytes in contents(self.where).items() if ".partial" not in name and "checkpoint" not in name}
-        if any(bytes not in (self.right.get(name), before.get(name)) for name, bytes in left.items()):
+        left = {
+            name: bytes
+            for name, bytes in contents(self.where).items()
+            if ".partial" not in name and "checkpoint" not in name
+        }
+        if any(
+            bytes not in (self.right.get(name), before.get(name)) for name, bytes in left.items()
+        ):
             return "other bytes under a final name"
         if status == 0:
             return "" if left == self.right else "status 0, and files are missing"
         if error in SURVIVED:
             return f"not survived: {told.strip()}"
-        message = told[told.rfind("slipbench: "):].strip()
+        message = told[told.rfind("slipbench: ") :].strip()
         if status not in (1, 2) or not message or "internal error" in told or "Traceback" in told:
             return f"status {status}: {told.strip()}"
         if os.strerror(error) not in message or str(self.where) not in message:
             return f"file or reason not named: {message}"
         held = re.search(r"holds? (\d+) of", told)
-        checkpoint = ["--resume"] if any(name.endswith("checkpoint-0") for name in contents(self.where)) else []
+        checkpoint = (
+            ["--resume"]
+            if any(name.endswith("checkpoint-0") for name in contents(self.where))
+            else []
+        )
         again = [*self.words, *self.resume, *checkpoint, *(["--json"] if held else [])]
         there = hash((*again, *sorted(contents(self.where).items())))
         if there not in self.recovered:  # equal files continue in the same way
-            done = subprocess.run([self.bench.program, *again], capture_output=True, timeout=SECONDS, check=False)
+            done = subprocess.run(
+                [self.bench.program, *again], capture_output=True, timeout=SECONDS, check=False
+            )
             if done.returncode != 0 or contents(self.where) != self.right:
                 return f"the next one ends with {done.returncode}: {done.stderr.decode().strip()}"
             self.recovered[there] = json.loads(done.stdout)["resumed"] if held else 0
@@ -190,12 +328,20 @@ def content_of(path):
 
 
 def contents(folder):
-    return {str(path.relative_to(folder)): content_of(path) for path in folder.rglob("*") if path.is_file()}
+    return {
+        str(path.relative_to(folder)): content_of(path)
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 def chosen(calls, most):
     """Returns up to `most` of the calls 1 to `calls`, evenly spaced; 0: all."""
-    return range(1, calls + 1) if most == 0 or calls <= most else sorted({1 + i * (calls - 1) // max(1, most - 1) for i in range(most)})
+    return (
+        range(1, calls + 1)
+        if most == 0 or calls <= most
+        else sorted({1 + i * (calls - 1) // max(1, most - 1) for i in range(most)})
+    )
 
 
 def main(program, compiler, folder, most, only):
@@ -210,7 +356,9 @@ def main(program, compiler, folder, most, only):
             for kind, errors in KINDS.items():
                 calls = case.calls(kind)
                 for error in errors:
-                    for last in (0,) if error in SURVIVED else (0, 1 << 40):  # once, and from then on
+                    for last in (
+                        (0,) if error in SURVIVED else (0, 1 << 40)
+                    ):  # once, and from then on
                         for call in chosen(calls, most):
                             found = case.wrong(kind, error, (call, last or call))
                             if found is None:
@@ -218,9 +366,16 @@ def main(program, compiler, folder, most, only):
                             faults[name, kind] += 1
                             if found:
                                 wrong[name, kind] += 1
-                                print(f"{name}: {kind} {call}{' and all after' if last else ''}, {errno.errorcode.get(error, 'half')}: {found}"
-                                      .replace(str(folder), "DIR"), flush=True)
-                print(f"{name}: {kind}: {calls} calls, {faults[name, kind]} faults, {wrong[name, kind]} violations", flush=True)
+                                print(
+                                    f"{name}: {kind} {call}{' and all after' if last else ''}, {errno.errorcode.get(error, 'half')}: {found}".replace(
+                                        str(folder), "DIR"
+                                    ),
+                                    flush=True,
+                                )
+                print(
+                    f"{name}: {kind}: {calls} calls, {faults[name, kind]} faults, {wrong[name, kind]} violations",
+                    flush=True,
+                )
         print(f"{faults.total()} faults, {wrong.total()} violations")
         return 1 if wrong or not faults else 0
 

@@ -19,20 +19,41 @@ BINARIES = PROGRAMS + sorted(MODULES.glob("*.so"))
 
 
 def readelf(option, path):
-    return subprocess.run(["readelf", "--wide", option, path], capture_output=True, text=True, check=True).stdout
+    return subprocess.run(
+        ["readelf", "--wide", option, path], capture_output=True, text=True, check=True
+    ).stdout
 
 
 # Functions of libm whose result IEEE 754 or arithmetic defines. All others depend on the processor;
 # sim/core/math.h replaces them.
-LIBM = set(re.findall(r"(?:FUNC|IFUNC) .* (\w+)@@", readelf("--dyn-syms", f"/lib/{platform.machine()}-linux-gnu/libm.so.6")))
-LIBM -= {"ceil", "fegetround", "fesetround", "fmax", "fmin", "fmod", "ilogb", "ldexp", "nearbyint", "nearbyintf", "round"}
+LIBM = set(
+    re.findall(
+        r"(?:FUNC|IFUNC) .* (\w+)@@",
+        readelf("--dyn-syms", f"/lib/{platform.machine()}-linux-gnu/libm.so.6"),
+    )
+)
+LIBM -= {
+    "ceil",
+    "fegetround",
+    "fesetround",
+    "fmax",
+    "fmin",
+    "fmod",
+    "ilogb",
+    "ldexp",
+    "nearbyint",
+    "nearbyintf",
+    "round",
+}
 
 
 def faults(path):
     """Returns what is wrong with a program or a module, one line each."""
     segments, dynamic = readelf("--program-headers", path), readelf("--dynamic", path)
     found = []
-    if "GNU_RELRO" not in segments or not re.search(r"\(FLAGS\).*BIND_NOW|\(FLAGS_1\).*NOW", dynamic):
+    if "GNU_RELRO" not in segments or not re.search(
+        r"\(FLAGS\).*BIND_NOW|\(FLAGS_1\).*NOW", dynamic
+    ):
         found.append("its tables of addresses can be written")
     if re.search(r"GNU_STACK.* RWE ", segments):
         found.append("its stack can be run")
@@ -44,7 +65,9 @@ def faults(path):
             found.append(f"it looks for libraries in '{places}'")
     # Verilator's runtime converts wide integers by exp2 of integers, which is exact.
     exact = {"exp2"} if path.name == "libslipbench_cores.so" else set()
-    rounded = sorted(LIBM.intersection(re.findall(r" UND (\w+)@", readelf("--dyn-syms", path))) - exact)
+    rounded = sorted(
+        LIBM.intersection(re.findall(r" UND (\w+)@", readelf("--dyn-syms", path))) - exact
+    )
     found += [f"it rounds by the processor: {rounded}"] if rounded else []
     bytes_of = path.read_bytes()
     found += [f"it holds {place}" for place in (ROOT, BUILD) if str(place).encode() in bytes_of]
@@ -65,9 +88,16 @@ class BinariesTest(unittest.TestCase):
         """Programs with each fault: the tests' own, compiled with their folder's name, and one
         linked for this test.
         """
-        self.assertEqual(faults(BUILD / "bin/install_soft"),
-                         ["its tables of addresses can be written", "its stack can be run", "it stands at a fixed address",
-                          "it looks for libraries in '/nowhere:'", f"it holds {ROOT}"])
+        self.assertEqual(
+            faults(BUILD / "bin/install_soft"),
+            [
+                "its tables of addresses can be written",
+                "its stack can be run",
+                "it stands at a fixed address",
+                "it looks for libraries in '/nowhere:'",
+                f"it holds {ROOT}",
+            ],
+        )
 
     def test_stacks_are_checked_but_for_steps(self):
         for path in PROGRAMS:

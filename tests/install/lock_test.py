@@ -23,7 +23,11 @@ SETS = ("requirements", "requirements-test", "requirements-lock")
 def asked(name):
     """Returns {package: version} of a .in file."""
     lines = (SETUP / f"{name}.in").read_text(encoding="utf-8").splitlines()
-    return dict(re.match(r"([\w-]+)==([^\s;]+)", line).groups() for line in lines if line and not line.startswith(("#", "--")))
+    return dict(
+        re.match(r"([\w-]+)==([^\s;]+)", line).groups()
+        for line in lines
+        if line and not line.startswith(("#", "--"))
+    )
 
 
 def locked(name):
@@ -32,7 +36,10 @@ def locked(name):
     entries = [line for line in text.splitlines() if line and not line.lstrip().startswith("#")]
     found = {}
     for entry in entries:
-        match = re.fullmatch(r"([a-z0-9-]+)==(\S+)(?: ; platform_machine == \"x86_64\")?((?: +--hash=sha256:[0-9a-f]{64})+) *", entry)
+        match = re.fullmatch(
+            r"([a-z0-9-]+)==(\S+)(?: ; platform_machine == \"x86_64\")?((?: +--hash=sha256:[0-9a-f]{64})+) *",
+            entry,
+        )
         assert match, f"{name}.txt: neither pinned nor hashed: {entry}"
         found[match[1]] = (match[2], match[3].count("--hash"))
     return found
@@ -49,7 +56,11 @@ def forged_wheel(folder, version):
     record = ""
     with zipfile.ZipFile(folder / f"mujoco_core-{version}-py3-none-any.whl", "w") as wheel:
         for path, text in members.items():
-            digest = base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest()).decode().rstrip("=")
+            digest = (
+                base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest())
+                .decode()
+                .rstrip("=")
+            )
             record += f"{path},sha256={digest},{len(text)}\n"
             wheel.writestr(path, text)
         wheel.writestr(f"{info}/RECORD", f"{record}{info}/RECORD,,\n")
@@ -61,15 +72,22 @@ class LockTest(unittest.TestCase):
             pinned = locked(name)
             self.assertTrue(asked(name))
             for package, version in asked(name).items():
-                self.assertEqual(pinned[package][0], version, f"{name}: tools/setup/lock.sh has not run since")
+                self.assertEqual(
+                    pinned[package][0], version, f"{name}: tools/setup/lock.sh has not run since"
+                )
 
     def test_every_further_mujoco_is_hashed(self):
         lines = (SETUP / "requirements-mujoco.in").read_text(encoding="utf-8").splitlines()
         wanted = [line for line in lines if line and not line.startswith("#")]
         text = (SETUP / "requirements-mujoco.txt").read_text(encoding="utf-8").replace("\\\n", " ")
-        entries = [re.fullmatch(r"(\S+)((?: +--hash=sha256:[0-9a-f]{64})+) *", line) for line in text.splitlines()]
+        entries = [
+            re.fullmatch(r"(\S+)((?: +--hash=sha256:[0-9a-f]{64})+) *", line)
+            for line in text.splitlines()
+        ]
         self.assertTrue(wanted)
-        self.assertEqual([entry[1] for entry in entries], wanted, "tools/setup/lock.sh has not run since")
+        self.assertEqual(
+            [entry[1] for entry in entries], wanted, "tools/setup/lock.sh has not run since"
+        )
 
     def test_both_sets_of_the_environment_agree(self):
         built, tested = locked("requirements"), locked("requirements-test")
@@ -82,9 +100,13 @@ class LockTest(unittest.TestCase):
         if not python.exists():
             self.skipTest("no build/venv")
         # Only its own folder: Debian's, with PyTorch, is also on its path.
-        code = ("import sysconfig\nfrom importlib import metadata as m\n"
-                "for d in m.distributions(path=[sysconfig.get_path('purelib')]): print(d.metadata['Name'], d.version)")
-        lines = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout.splitlines()
+        code = (
+            "import sysconfig\nfrom importlib import metadata as m\n"
+            "for d in m.distributions(path=[sysconfig.get_path('purelib')]): print(d.metadata['Name'], d.version)"
+        )
+        lines = subprocess.run(
+            [python, "-c", code], capture_output=True, text=True, check=True
+        ).stdout.splitlines()
         pinned = locked("requirements") | locked("requirements-test")
         for line in lines:
             package, version = line.split()
@@ -99,9 +121,18 @@ class LockTest(unittest.TestCase):
             shutil.copytree(SETUP, folder / "tools/setup")
             (folder / "wheels").mkdir()
             forged_wheel(folder / "wheels", asked("requirements")["mujoco-core"])
-            place = {"PIP_CONFIG_FILE": os.devnull, "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(folder / "wheels")}
-            run = subprocess.run([folder / "tools/setup/setup.sh", "python"], env={**os.environ, **place},
-                                 capture_output=True, text=True, check=False)
+            place = {
+                "PIP_CONFIG_FILE": os.devnull,
+                "PIP_NO_INDEX": "1",
+                "PIP_FIND_LINKS": str(folder / "wheels"),
+            }
+            run = subprocess.run(
+                [folder / "tools/setup/setup.sh", "python"],
+                env={**os.environ, **place},
+                capture_output=True,
+                text=True,
+                check=False,
+            )
             self.assertNotEqual(run.returncode, 0)
             self.assertIn("DO NOT MATCH THE HASHES", run.stdout + run.stderr)
             self.assertFalse(list(folder.glob("build/venv/lib/*/site-packages/mujoco*")))

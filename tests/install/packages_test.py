@@ -19,7 +19,15 @@ del sys.argv[1:]
 INSTALLED = Path("/var/lib/dpkg/info")
 # Called by scripts and tests; CMake does not look for them. Only `./slipbench test --all` installs
 # chromium.
-PROGRAMS = ("c++", "cmake", "git", "ninja", "shellcheck", "valgrind", *(("chromium",) if shutil.which("chromium") else ()))
+PROGRAMS = (
+    "c++",
+    "cmake",
+    "git",
+    "ninja",
+    "shellcheck",
+    "valgrind",
+    *(("chromium",) if shutil.which("chromium") else ()),
+)
 # PyTorch loads this. Debian installs the reference BLAS by default, which is several times slower.
 BLAS = Path(f"/usr/lib/{platform.machine()}-linux-gnu/libblas.so.3")
 # Packages whose names contain a version; Debian's defaults bring them.
@@ -31,23 +39,49 @@ NO_PACKAGE = {"MuJoCo", "OpenVINO", "Python", "Python3", "Threads"}
 
 
 def named():
-    release = re.search(r'^VERSION_ID="?([^"\n]*)', Path("/etc/os-release").read_text(encoding="utf-8"), re.MULTILINE)[1]
+    release = re.search(
+        r'^VERSION_ID="?([^"\n]*)',
+        Path("/etc/os-release").read_text(encoding="utf-8"),
+        re.MULTILINE,
+    )[1]
     lines = (ROOT / "tools/setup/packages.txt").read_text(encoding="utf-8").splitlines()
-    return {words[1] for line in lines if (words := line.split()) and re.fullmatch(rf"(build|test|all)(@{re.escape(release)})?", words[0])}
+    return {
+        words[1]
+        for line in lines
+        if (words := line.split())
+        and re.fullmatch(rf"(build|test|all)(@{re.escape(release)})?", words[0])
+    }
 
 
 def sought():
     """Returns what our own CMake files look for: packages, programs, libraries."""
-    texts = [path.read_text(encoding="utf-8") for pattern in ("cmake/*.cmake", "**/CMakeLists.txt") for path in ROOT.glob(pattern)
-             if not path.is_relative_to(ROOT / "build")]
-    return set(re.findall(r"find_(?:package|program|library|path|file)\((\w[\w-]*)", "\n".join(texts))) - NO_PACKAGE
+    texts = [
+        path.read_text(encoding="utf-8")
+        for pattern in ("cmake/*.cmake", "**/CMakeLists.txt")
+        for path in ROOT.glob(pattern)
+        if not path.is_relative_to(ROOT / "build")
+    ]
+    return (
+        set(re.findall(r"find_(?:package|program|library|path|file)\((\w[\w-]*)", "\n".join(texts)))
+        - NO_PACKAGE
+    )
 
 
 def places():
     """Returns {name looked for: its files and folders in CMake's cache}."""
-    entries = re.findall(r"^([\w-]+):(?:FILEPATH|PATH)=(/.*)", (BUILD / "CMakeCache.txt").read_text(encoding="utf-8"), re.MULTILINE)
-    found = {name: [path for key, path in entries if not NOT_OURS.fullmatch(key) and f"{key}_".lower().startswith(f"{name}_".lower())]
-             for name in sought()}
+    entries = re.findall(
+        r"^([\w-]+):(?:FILEPATH|PATH)=(/.*)",
+        (BUILD / "CMakeCache.txt").read_text(encoding="utf-8"),
+        re.MULTILINE,
+    )
+    found = {
+        name: [
+            path
+            for key, path in entries
+            if not NOT_OURS.fullmatch(key) and f"{key}_".lower().startswith(f"{name}_".lower())
+        ]
+        for name in sought()
+    }
     found |= {name: [shutil.which(name) or name] for name in PROGRAMS}
     found |= {"Python.h": [f"{sysconfig.get_path('include')}/Python.h"], BLAS.name: [str(BLAS)]}
     return {name: [path for path in paths if Path(path).exists()] for name, paths in found.items()}
@@ -60,7 +94,9 @@ def owners():
     found = {}
     for listing in INSTALLED.glob("*.list"):
         package = listing.stem.split(":")[0]
-        package = next((brings for name, brings in BY_DEFAULT.items() if re.fullmatch(name, package)), package)
+        package = next(
+            (brings for name, brings in BY_DEFAULT.items() if re.fullmatch(name, package)), package
+        )
         for path in listing.read_text(encoding="utf-8").splitlines():
             found.setdefault(path, set()).add(package)
     return {path: packages for path, packages in found.items() if len(packages) == 1}

@@ -31,14 +31,24 @@ def backend():
     """Loads the build backend that pyproject.toml names."""
     system = ABOUT["build-system"]
     made = types.ModuleType("scikit_build_core.build")
-    for name in ("build_editable", "build_sdist", "build_wheel", "get_requires_for_build_sdist", "prepare_metadata_for_build_editable",
-                 "prepare_metadata_for_build_wheel"):
+    for name in (
+        "build_editable",
+        "build_sdist",
+        "build_wheel",
+        "get_requires_for_build_sdist",
+        "prepare_metadata_for_build_editable",
+        "prepare_metadata_for_build_wheel",
+    ):
         setattr(made, name, None)
-    made.get_requires_for_build_wheel = made.get_requires_for_build_editable = lambda settings: ["cmake>=3.25"]
+    made.get_requires_for_build_wheel = made.get_requires_for_build_editable = lambda settings: [
+        "cmake>=3.25"
+    ]
     package = types.ModuleType("scikit_build_core")
     package.build = made
     sys.modules.update({"scikit_build_core": package, "scikit_build_core.build": made})
-    found = importlib.util.spec_from_file_location("backend", ROOT / system["backend-path"][0] / f"{system['build-backend']}.py")
+    found = importlib.util.spec_from_file_location(
+        "backend", ROOT / system["backend-path"][0] / f"{system['build-backend']}.py"
+    )
     module = importlib.util.module_from_spec(found)
     found.loader.exec_module(module)
     return module
@@ -64,7 +74,9 @@ class Metadata(unittest.TestCase):
         self.assertEqual(PROJECT["license"], "Apache-2.0")  # an SPDX identifier
         for name in PROJECT["license-files"]:
             self.assertTrue((ROOT / name).is_file(), name)
-        self.assertFalse([line for line in PROJECT.get("classifiers", []) if line.startswith("License ::")])
+        self.assertFalse(
+            [line for line in PROJECT.get("classifiers", []) if line.startswith("License ::")]
+        )
 
     def test_urls(self):
         self.assertLessEqual({"Repository", "Issues", "Changelog"}, PROJECT["urls"].keys())
@@ -74,20 +86,36 @@ class Metadata(unittest.TestCase):
 
     def test_networks_run_without_an_extra(self):
         self.assertIn(f"openvino=={pinned()['openvino']}", PROJECT["dependencies"])
-        self.assertIn(f"mujoco-core=={pinned()['mujoco-core']}", PROJECT["optional-dependencies"]["render"])
+        self.assertIn(
+            f"mujoco-core=={pinned()['mujoco-core']}", PROJECT["optional-dependencies"]["render"]
+        )
 
 
 class Build(unittest.TestCase):
     def test_requires_mujoco_and_openvino(self):
         with stand_in("dpkg-query", 'for word in "${@:4}"; do echo "$word installed"; done'):
             for name in ("get_requires_for_build_wheel", "get_requires_for_build_editable"):
-                self.assertEqual(getattr(backend(), name)(), ["cmake>=3.25", *(f"{package}=={version}" for package, version in pinned().items())])
+                self.assertEqual(
+                    getattr(backend(), name)(),
+                    [
+                        "cmake>=3.25",
+                        *(f"{package}=={version}" for package, version in pinned().items()),
+                    ],
+                )
 
     def test_missing_packages_end_it_with_the_command(self):
-        with stand_in("dpkg-query", 'for word in "${@:4}"; do [[ $word == g++ || $word == libonnx-dev ]] || echo "$word installed"; done'):
+        with stand_in(
+            "dpkg-query",
+            'for word in "${@:4}"; do [[ $word == g++ || $word == libonnx-dev ]] || echo "$word installed"; done',
+        ):
             with self.assertRaises(SystemExit) as end:
                 backend().get_requires_for_build_wheel()
-            self.assertTrue(str(end.exception).endswith("apt-get install --yes --no-install-recommends g++ libonnx-dev"), end.exception)
+            self.assertTrue(
+                str(end.exception).endswith(
+                    "apt-get install --yes --no-install-recommends g++ libonnx-dev"
+                ),
+                end.exception,
+            )
 
 
 if __name__ == "__main__":

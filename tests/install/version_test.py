@@ -25,24 +25,36 @@ class VersionTest(unittest.TestCase):
     version = found(r"^project\(slipbench VERSION (\d+\.\d+\.\d+) ", "CMakeLists.txt")
 
     def test_program(self):
-        printed = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout
+        printed = subprocess.run(
+            [PROGRAM, "--version"], capture_output=True, text=True, check=True
+        ).stdout
         self.assertEqual(re.findall(r"\d+\.\d+\.\d+", printed)[:1], [self.version])
 
     def test_citation(self):
         self.assertEqual(found(r"^version: (\S+)$", "CITATION.cff"), self.version)
 
     def test_newest_section_of_the_changelog(self):
-        self.assertEqual(found(r"^## \[(?!Unreleased\])(.+?)\] - \d{4}-\d\d-\d\d$", "CHANGELOG.md"), self.version)
-        self.assertEqual(found(r"^date-released: (.*)$", "CITATION.cff"), found(r"^## \[[\d.]+\] - (.*)$", "CHANGELOG.md"))
+        self.assertEqual(
+            found(r"^## \[(?!Unreleased\])(.+?)\] - \d{4}-\d\d-\d\d$", "CHANGELOG.md"), self.version
+        )
+        self.assertEqual(
+            found(r"^date-released: (.*)$", "CITATION.cff"),
+            found(r"^## \[[\d.]+\] - (.*)$", "CHANGELOG.md"),
+        )
 
     def test_wheel(self):
         about = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
         self.assertEqual(about["project"]["dynamic"], ["version"])
         source = about["tool"]["scikit-build"]["metadata"]["version"]
-        self.assertEqual(found(source["regex"].replace("?P<value>", ""), source["input"]), self.version)
+        self.assertEqual(
+            found(source["regex"].replace("?P<value>", ""), source["input"]), self.version
+        )
 
     def test_consumer(self):
-        self.assertEqual(found(r"find_package\(slipbench ([\d.]+) ", "tests/install/consumer/CMakeLists.txt"), self.version.rpartition(".")[0])
+        self.assertEqual(
+            found(r"find_package\(slipbench ([\d.]+) ", "tests/install/consumer/CMakeLists.txt"),
+            self.version.rpartition(".")[0],
+        )
 
 
 if __name__ == "__main__":

@@ -28,12 +28,21 @@ class Wheels(unittest.TestCase):
         cls.addClassCleanup(cls.folder.cleanup)
         cls.here = Path(cls.folder.name)
         subprocess.run([ROOT / "tools/setup/setup.sh", "wheel"], check=True)
-        subprocess.run([sys.executable, ROOT / "python/build_wheels.py", "-o", cls.here], check=True)
-        said = subprocess.run([sys.executable, HERE / "wheel_user.py", ROOT], cwd=cls.here, env=SETTINGS, stdout=subprocess.PIPE, text=True, check=True).stdout
+        subprocess.run(
+            [sys.executable, ROOT / "python/build_wheels.py", "-o", cls.here], check=True
+        )
+        said = subprocess.run(
+            [sys.executable, HERE / "wheel_user.py", ROOT],
+            cwd=cls.here,
+            env=SETTINGS,
+            stdout=subprocess.PIPE,
+            text=True,
+            check=True,
+        ).stdout
         cls.build = json.loads(said.splitlines()[-1])
 
     def tried(self, release, tag):
-        wheel, = self.here.glob(f"slipbench-*-{tag}-manylinux_2_36_{platform.machine()}.whl")
+        (wheel,) = self.here.glob(f"slipbench-*-{tag}-manylinux_2_36_{platform.machine()}.whl")
         self.assertLess(wheel.stat().st_size, 60e6)
         bare = [ROOT / "tools/setup/bare_debian.sh", "-r", release, "-d", self.here / release]
         made = subprocess.run([*bare, "sh", "-c", PREPARE], check=False)
@@ -42,7 +51,12 @@ class Wheels(unittest.TestCase):
         self.assertEqual(made.returncode, 0)
         for file in (wheel, HERE / "wheel_user.py"):
             (self.here / release / "root/user" / file.name).write_bytes(file.read_bytes())
-        said = subprocess.run([*bare, "/user/bin/python", "/user/wheel_user.py", "/tree", f"/user/{wheel.name}"], stdout=subprocess.PIPE, text=True, check=True).stdout
+        said = subprocess.run(
+            [*bare, "/user/bin/python", "/user/wheel_user.py", "/tree", f"/user/{wheel.name}"],
+            stdout=subprocess.PIPE,
+            text=True,
+            check=True,
+        ).stdout
         found = json.loads(said.splitlines()[-1])
         print(release, found["figures"])
         self.assertEqual(found["said"], self.build["said"])

@@ -65,14 +65,28 @@ def install():
     pip = (sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
     figures = {"install_s": timed(*pip, WHEEL)}
     # The best of five, without Python's own start, because the machine is shared.
-    bare, imported = (min(timed(sys.executable, "-c", code) for _ in range(5)) for code in ("pass", "import slipbench"))
+    bare, imported = (
+        min(timed(sys.executable, "-c", code) for _ in range(5))
+        for code in ("pass", "import slipbench")
+    )
     figures["import_s"] = imported - bare
     program = str(Path(sys.executable).with_name("slipbench"))
     run(program, "sweep", "papillarray/hexapod.yaml", "-o", "hexapod.h5")
     run(sys.executable, "-m", "slipbench", "report", "hexapod.h5", "-o", "hexapod.html")
     if "<html" not in Path("hexapod.html").read_text(encoding="utf-8")[:200]:
         sys.exit("report wrote no page")
-    refused = run(program, "train", "hexapod.h5", "--recipe", "papillarray_gru", "--steps", "1", "-o", "small.onnx", status=2)
+    refused = run(
+        program,
+        "train",
+        "hexapod.h5",
+        "--recipe",
+        "papillarray_gru",
+        "--steps",
+        "1",
+        "-o",
+        "small.onnx",
+        status=2,
+    )
     if "pip install torch" not in refused.splitlines()[-1]:
         sys.exit(f"train without PyTorch says: {refused}")
     run(*pip, f"{WHEEL}[gym,pandas,render]", "pytest")
@@ -82,8 +96,14 @@ def install():
 
 def use_commands(program):
     """Runs the commands that need no build of the source tree, in the folder with hexapod.h5."""
-    for line in ("describe gst_hd", "schema", "detect force_ratio hexapod.h5 -o alarms.csv", "export hexapod.h5 --format npz -o npz", "reproduce list",
-                 "reproduce hd-papillarray/resources"):
+    for line in (
+        "describe gst_hd",
+        "schema",
+        "detect force_ratio hexapod.h5 -o alarms.csv",
+        "export hexapod.h5 --format npz -o npz",
+        "reproduce list",
+        "reproduce hd-papillarray/resources",
+    ):
         run(program, *line.split())
     Path("kept.yaml").write_text(KEPT, encoding="utf-8")
     if "1 passed" not in run(sys.executable, "-m", "pytest", "kept.yaml"):
@@ -94,8 +114,14 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         figures = install() if WHEEL else {}
-        said = {"episode": run(sys.executable, "-c", EPISODE), "digests": run(sys.executable, "-c", DIGESTS), "newer": run(sys.executable, "-c", NEWER)}
-        pages = "".join(page.read_text(encoding="utf-8") for page in sorted((ROOT / "python").glob("*.md")))
+        said = {
+            "episode": run(sys.executable, "-c", EPISODE),
+            "digests": run(sys.executable, "-c", DIGESTS),
+            "newer": run(sys.executable, "-c", NEWER),
+        }
+        pages = "".join(
+            page.read_text(encoding="utf-8") for page in sorted((ROOT / "python").glob("*.md"))
+        )
         for name, code in re.findall(r"```python (\S+\.py)\n(.*?)```", pages, re.DOTALL):
             if name in WITH_PYTORCH:
                 continue

@@ -9,7 +9,6 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-
 import slipbench
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
@@ -17,7 +16,11 @@ PROGRAM = str(Path(sys.argv.pop(1)).resolve())
 
 def told(*words):
     """Returns the program's output with --json."""
-    return json.loads(subprocess.run([PROGRAM, *words, "--json"], check=False, capture_output=True, text=True).stdout)
+    return json.loads(
+        subprocess.run(
+            [PROGRAM, *words, "--json"], check=False, capture_output=True, text=True
+        ).stdout
+    )
 
 
 class Commands(unittest.TestCase):
@@ -26,7 +29,10 @@ class Commands(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.place = Path(cls.folder.name)
         cls.path = cls.place / "speeds.h5"
-        cls.sets = {"sweep": {"motion.speed": ["2 mm/s", "3 mm/s", "4 mm/s", "5 mm/s"], "trials": 1}, "split": {"by": "trial", "shares": [0.5, 0.25, 0.25]}}
+        cls.sets = {
+            "sweep": {"motion.speed": ["2 mm/s", "3 mm/s", "4 mm/s", "5 mm/s"], "trials": 1},
+            "split": {"by": "trial", "shares": [0.5, 0.25, 0.25]},
+        }
         slipbench.Scene.load("papillarray/stage.yaml").set(cls.sets).write(cls.path)
 
     @classmethod
@@ -34,14 +40,43 @@ class Commands(unittest.TestCase):
         cls.folder.cleanup()
 
     def test_a_report_is_the_programs(self):
-        self.assertEqual(slipbench.report(self.path, self.place / "a.html", trial=np.int64(1)), {"report": str(self.place / "a.html")})
+        self.assertEqual(
+            slipbench.report(self.path, self.place / "a.html", trial=np.int64(1)),
+            {"report": str(self.place / "a.html")},
+        )
         told("report", str(self.path), "--trial", "1", "-o", str(self.place / "b.html"))
         self.assertEqual((self.place / "a.html").read_bytes(), (self.place / "b.html").read_bytes())
 
     def test_an_export_is_the_programs(self):
-        ours = slipbench.export(self.path, self.place / "ours", format="csv", labels="strict", sensors=["pad"], rate=100, trial=1, compress=True)
-        theirs = told("export", str(self.path), "--format", "csv", "--labels", "strict", "--rate", "100", "--trial", "1", "--compress", "-o", str(self.place / "theirs"))
-        self.assertEqual([Path(file).name for file in ours["files"]], [Path(file).name for file in theirs["files"]])
+        ours = slipbench.export(
+            self.path,
+            self.place / "ours",
+            format="csv",
+            labels="strict",
+            sensors=["pad"],
+            rate=100,
+            trial=1,
+            compress=True,
+        )
+        theirs = told(
+            "export",
+            str(self.path),
+            "--format",
+            "csv",
+            "--labels",
+            "strict",
+            "--rate",
+            "100",
+            "--trial",
+            "1",
+            "--compress",
+            "-o",
+            str(self.place / "theirs"),
+        )
+        self.assertEqual(
+            [Path(file).name for file in ours["files"]],
+            [Path(file).name for file in theirs["files"]],
+        )
         for one, other in zip(ours["files"], theirs["files"], strict=True):
             self.assertEqual(Path(one).read_bytes(), Path(other).read_bytes())
 
@@ -49,77 +84,188 @@ class Commands(unittest.TestCase):
         slipbench.export(self.path, self.place / "logs", format="vendor-csv")
         ours = self.place / "ours.h5"
         slipbench.import_recordings(self.place / "logs", ours, format="papillarray-csv", seed=3)
-        told("import", str(self.place / "logs"), "--format", "papillarray-csv", "--seed", "3", "-o", str(self.place / "theirs.h5"))
+        told(
+            "import",
+            str(self.place / "logs"),
+            "--format",
+            "papillarray-csv",
+            "--seed",
+            "3",
+            "-o",
+            str(self.place / "theirs.h5"),
+        )
         with slipbench.open(ours) as one, slipbench.open(self.place / "theirs.h5") as other:
-            self.assertEqual([trial.sha256 for trial in one.values()], [trial.sha256 for trial in other.values()])
+            self.assertEqual(
+                [trial.sha256 for trial in one.values()], [trial.sha256 for trial in other.values()]
+            )
             self.assertGreater(len(one), 0)
             pad = one[0].sensors[next(iter(one[0].sensors))]
-            self.assertEqual(len(pad.force), len(pad.t))  # an imported sensor has the attributes of any other
+            self.assertEqual(
+                len(pad.force), len(pad.t)
+            )  # an imported sensor has the attributes of any other
             self.assertFalse(hasattr(one[0].labels.get(pad.name), "margin"))
 
     def test_counts_are_in_the_singular_and_the_plural(self):
         log = self.place / "log.csv"
-        for rows, text in ((2, "1 recording of 1 file, 2 samples"), (1, "1 sample; at least two are needed")):
+        for rows, text in (
+            (2, "1 recording of 1 file, 2 samples"),
+            (1, "1 sample; at least two are needed"),
+        ):
             log.write_text("t,f\n" + "".join(f"{k / 100:.2f},{k}\n" for k in range(rows)))
-            (self.place / "map.yaml").write_text("{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}}\n")
-            done = subprocess.run([PROGRAM, "import", log, "--map", self.place / "map.yaml"], check=False, capture_output=True, text=True)
+            (self.place / "map.yaml").write_text(
+                "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}}\n"
+            )
+            done = subprocess.run(
+                [PROGRAM, "import", log, "--map", self.place / "map.yaml"],
+                check=False,
+                capture_output=True,
+                text=True,
+            )
             self.assertIn(text, done.stdout + done.stderr)
 
     def test_windows_of_a_recording_have_its_own_rule(self):
         slipbench.export(self.path, self.place / "recorded", format="vendor-csv")
-        slipbench.import_recordings(self.place / "recorded", self.place / "recorded.h5", format="papillarray-csv")
+        slipbench.import_recordings(
+            self.place / "recorded", self.place / "recorded.h5", format="papillarray-csv"
+        )
         with slipbench.open(self.place / "recorded.h5") as data:
             for labels in ("strict", "micro", "paper"):
-                with self.assertRaisesRegex(slipbench.InputError, f"^trial 0: labels '{labels}': the recording has 'recorded'; pass labels='recorded'$"):
+                with self.assertRaisesRegex(
+                    slipbench.InputError,
+                    f"^trial 0: labels '{labels}': the recording has 'recorded'; pass labels='recorded'$",
+                ):
                     data.windows(length=4, labels=labels)
             self.assertGreater(len(data.windows(length=4, labels="recorded")), 0)
             self.assertIn("state_paper", dir(data[0].labels[next(iter(data[0].labels))]))
             self.assertNotIn("margin", dir(data[0].labels[next(iter(data[0].labels))]))
-        with slipbench.open(self.path) as data, self.assertRaisesRegex(
-                slipbench.InputError, "^trial 0: labels 'recorded': the simulated trial has 'strict', 'micro', 'paper'; pass labels='strict' or "):
+        with (
+            slipbench.open(self.path) as data,
+            self.assertRaisesRegex(
+                slipbench.InputError,
+                "^trial 0: labels 'recorded': the simulated trial has 'strict', 'micro', 'paper'; pass labels='strict' or ",
+            ),
+        ):
             data.windows(length=4, labels="recorded")
-        with self.assertRaisesRegex(slipbench.InputError, "--labels paper needs the truth, .*; use --labels recorded"):
-            slipbench.export(self.place / "recorded.h5", self.place / "never", format="npz", labels="paper")
+        with self.assertRaisesRegex(
+            slipbench.InputError, "--labels paper needs the truth, .*; use --labels recorded"
+        ):
+            slipbench.export(
+                self.place / "recorded.h5", self.place / "never", format="npz", labels="paper"
+            )
         self.assertFalse((self.place / "never").exists())
-        slipbench.export(self.place / "recorded.h5", self.place / "again", format="npz", labels="recorded")
+        slipbench.export(
+            self.place / "recorded.h5", self.place / "again", format="npz", labels="recorded"
+        )
         with np.load(self.place / "again/demo_0.npz") as archive:
-            self.assertEqual([name for name in archive if name.startswith("labels/") and "state" in name], ["labels/pad/state_recorded"])
-            self.assertEqual(json.loads(archive["about"].item())["codes"]["labels/pad/state_recorded"]["incipient"], 2)
-        self.assertRegex((self.place / "again/README.md").read_text(), r"`state_recorded` .* 3 gross; rule: \w+")
+            self.assertEqual(
+                [name for name in archive if name.startswith("labels/") and "state" in name],
+                ["labels/pad/state_recorded"],
+            )
+            self.assertEqual(
+                json.loads(archive["about"].item())["codes"]["labels/pad/state_recorded"][
+                    "incipient"
+                ],
+                2,
+            )
+        self.assertRegex(
+            (self.place / "again/README.md").read_text(), r"`state_recorded` .* 3 gross; rule: \w+"
+        )
 
     def test_zero_is_passed_on(self):
         one = slipbench.export(self.path, self.place / "one", format="csv", trial=0)
-        told("export", str(self.path), "--format", "csv", "--trial", "0", "-o", str(self.place / "first"))
-        self.assertEqual(sorted(path.name for path in (self.place / "one").iterdir()), sorted(path.name for path in (self.place / "first").iterdir()))
-        self.assertLess(len(one["files"]), len(slipbench.export(self.path, self.place / "all", format="csv")["files"]))
+        told(
+            "export",
+            str(self.path),
+            "--format",
+            "csv",
+            "--trial",
+            "0",
+            "-o",
+            str(self.place / "first"),
+        )
+        self.assertEqual(
+            sorted(path.name for path in (self.place / "one").iterdir()),
+            sorted(path.name for path in (self.place / "first").iterdir()),
+        )
+        self.assertLess(
+            len(one["files"]),
+            len(slipbench.export(self.path, self.place / "all", format="csv")["files"]),
+        )
         with self.assertRaisesRegex(slipbench.InputError, "rate"):
             slipbench.export(self.path, self.place / "never", format="csv", rate=0)
-        for key, call in (("trial", lambda: slipbench.export(self.path, self.place / "never", format="csv", trial=True)),
-                          ("label_speed", lambda: slipbench.export(self.path, self.place / "never", format="csv", label_speed=False)),
-                          ("seed", lambda: slipbench.import_recordings(self.place, format="csv", seed=np.bool_(True)))):
-            with self.subTest(key=key), self.assertRaisesRegex(slipbench.InputError, f"^{key}: expected a number or a text, found (True|False)$"):
+        for key, call in (
+            (
+                "trial",
+                lambda: slipbench.export(self.path, self.place / "never", format="csv", trial=True),
+            ),
+            (
+                "label_speed",
+                lambda: slipbench.export(
+                    self.path, self.place / "never", format="csv", label_speed=False
+                ),
+            ),
+            (
+                "seed",
+                lambda: slipbench.import_recordings(self.place, format="csv", seed=np.bool_(True)),
+            ),
+        ):
+            with (
+                self.subTest(key=key),
+                self.assertRaisesRegex(
+                    slipbench.InputError,
+                    f"^{key}: expected a number or a text, found (True|False)$",
+                ),
+            ):
                 call()
         self.assertFalse((self.place / "never").exists())
 
     def test_shards_are_merged_and_verified(self):
-        scene, words = str(slipbench.scenes() / "papillarray/stage.yaml"), [word for path, value in self.sets.items() for word in ("--set", f"{path}={json.dumps(value)}")]
+        scene, words = (
+            str(slipbench.scenes() / "papillarray/stage.yaml"),
+            [
+                word
+                for path, value in self.sets.items()
+                for word in ("--set", f"{path}={json.dumps(value)}")
+            ],
+        )
         shards = [self.place / f"shard-{k}.h5" for k in (1, 2)]
         for k, shard in enumerate(shards, 1):
             told("sweep", scene, *words, "--shard", f"{k}/2", "-o", str(shard))
         merged = self.place / "merged.h5"
         slipbench.merge(shards, merged)
         with slipbench.open(merged) as one, slipbench.open(self.path) as other:
-            self.assertEqual([trial.sha256 for trial in one.values()], [trial.sha256 for trial in other.values()])
+            self.assertEqual(
+                [trial.sha256 for trial in one.values()], [trial.sha256 for trial in other.values()]
+            )
         self.assertTrue(slipbench.verify(merged)["holds"])
         self.assertEqual(slipbench.verify([merged]), told("verify", str(merged)))
 
     def test_wrong_input_is_the_programs_message(self):
-        for call, words in ((lambda: slipbench.merge([self.path], self.place / "m.h5"), "is not a shard of a sweep"), (lambda: slipbench.verify("/nope.h5"), "^/nope.h5: no such file"),
-                            (lambda: slipbench.merge(str(self.path), self.place / "m.h5"), f"^{self.path}: .*is not a shard of a sweep"),
-                            (lambda: slipbench.merge(None, self.place / "m.h5"), "^shards: expected a path or a list of paths, found NoneType None"),
-                            (lambda: slipbench.verify([3]), "^datasets: expected a path or a list of paths, found int 3"),
-                            (lambda: slipbench.export(self.path, self.place / "x", format="cvs"), "unknown format 'cvs'; allowed: csv"),
-                            (lambda: slipbench.report(self.path, trial=1j), "^trial: expected a number"), (lambda: slipbench.report(self.path, trial=7), "7")):
+        for call, words in (
+            (
+                lambda: slipbench.merge([self.path], self.place / "m.h5"),
+                "is not a shard of a sweep",
+            ),
+            (lambda: slipbench.verify("/nope.h5"), "^/nope.h5: no such file"),
+            (
+                lambda: slipbench.merge(str(self.path), self.place / "m.h5"),
+                f"^{self.path}: .*is not a shard of a sweep",
+            ),
+            (
+                lambda: slipbench.merge(None, self.place / "m.h5"),
+                "^shards: expected a path or a list of paths, found NoneType None",
+            ),
+            (
+                lambda: slipbench.verify([3]),
+                "^datasets: expected a path or a list of paths, found int 3",
+            ),
+            (
+                lambda: slipbench.export(self.path, self.place / "x", format="cvs"),
+                "unknown format 'cvs'; allowed: csv",
+            ),
+            (lambda: slipbench.report(self.path, trial=1j), "^trial: expected a number"),
+            (lambda: slipbench.report(self.path, trial=7), "7"),
+        ):
             with self.assertRaisesRegex(slipbench.InputError, words):
                 call()
 
@@ -130,28 +276,57 @@ class Pytest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for name, text in files.items():
                 (Path(folder) / name).write_text(text, encoding="utf-8")
-            done = subprocess.run([sys.executable, "-m", "pytest", "-p", "slipbench._pytest_plugin", "-p", "no:cacheprovider", *words], cwd=folder, check=False,
-                                  capture_output=True, text=True)
+            done = subprocess.run(
+                [
+                    sys.executable,
+                    "-m",
+                    "pytest",
+                    "-p",
+                    "slipbench._pytest_plugin",
+                    "-p",
+                    "no:cacheprovider",
+                    *words,
+                ],
+                cwd=folder,
+                check=False,
+                capture_output=True,
+                text=True,
+            )
             return done.returncode, done.stdout + done.stderr
 
     def test_scenes_with_expectations_are_collected(self):
         lift = (slipbench.scenes() / "grasp/lift.yaml").read_text(encoding="utf-8")
         brief = lift + "\nexpect: {dropped: false, control: none}\n"
         foreign = "name: a test of another tool\nexpect: {status: 200}\n"
-        status, output = self.pytest({"good.yaml": brief, "without.yaml": lift, "other.txt": brief, "foreign.yaml": foreign}, "-v")
+        status, output = self.pytest(
+            {"good.yaml": brief, "without.yaml": lift, "other.txt": brief, "foreign.yaml": foreign},
+            "-v",
+        )
         self.assertEqual(status, 0, output)
         self.assertIn("good.yaml::check PASSED", output)
         self.assertIn("1 passed", output)
 
     def test_a_failure_prints_the_table_of_check(self):
         lift = (slipbench.scenes() / "grasp/lift.yaml").read_text(encoding="utf-8")
-        status, output = self.pytest({"bad.yaml": lift + "\nexpect: {max_slip: 1 um}\n", "wrong.yaml": lift + "\nexpect: {max_slop: 1 um}\n"},
-                                     "--slipbench-draws", "2")
+        status, output = self.pytest(
+            {
+                "bad.yaml": lift + "\nexpect: {max_slip: 1 um}\n",
+                "wrong.yaml": lift + "\nexpect: {max_slop: 1 um}\n",
+            },
+            "--slipbench-draws",
+            "2",
+        )
         self.assertEqual(status, 1, output)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "bad.yaml"
             path.write_text(lift + "\nexpect: {max_slip: 1 um}\n", encoding="utf-8")
-            table = subprocess.run([PROGRAM, "check", "bad.yaml", "--trials", "2"], cwd=folder, check=False, capture_output=True, text=True).stdout
+            table = subprocess.run(
+                [PROGRAM, "check", "bad.yaml", "--trials", "2"],
+                cwd=folder,
+                check=False,
+                capture_output=True,
+                text=True,
+            ).stdout
         rows = [line.strip() for line in table.splitlines() if line.startswith("  max_slip")]
         self.assertEqual(len(rows), 1, table)
         self.assertIn(rows[0], output)
@@ -160,7 +335,9 @@ class Pytest(unittest.TestCase):
         self.assertNotIn("Traceback", output)
 
     def test_the_readmes_example_passes(self):
-        readme = (Path(__file__).resolve().parents[2] / "python/README.md").read_text(encoding="utf-8")
+        readme = (Path(__file__).resolve().parents[2] / "python/README.md").read_text(
+            encoding="utf-8"
+        )
         example = re.search(r"^```py\n(.*?)^```$", readme, re.MULTILINE | re.DOTALL)[1]
         status, output = self.pytest({"test_readme.py": example})
         self.assertEqual(status, 0, output)
@@ -197,7 +374,10 @@ def test_own(slipbench_check):
         self.assertRegex(output, r"max_slip +at most 1 um")
         self.assertIn("the scene has no expectations", output)
         # The program does not know the controller of test_own, so only Python can repeat its trial.
-        self.assertRegex(output, r"replay: in Python, .*slipbench\.Scene\.load\(\"[^\n]*still[^\n]*\)\.run\(0, seed=\d+\)")
+        self.assertRegex(
+            output,
+            r"replay: in Python, .*slipbench\.Scene\.load\(\"[^\n]*still[^\n]*\)\.run\(0, seed=\d+\)",
+        )
         self.assertRegex(output, r"replay: .*slipbench run ")
 
 

@@ -36,15 +36,26 @@ class Examples(unittest.TestCase):
         cls.holder = tempfile.TemporaryDirectory()
         cls.folder = Path(cls.holder.name)
         scripts = sorted((FOLDER / "examples").glob("*.py"))
-        for name, text in re.findall(r"```python (\S+)\n(.*?)```", "".join(page.read_text(encoding="utf-8") for page in sorted(FOLDER.glob("*.md"))), re.DOTALL):
+        for name, text in re.findall(
+            r"```python (\S+)\n(.*?)```",
+            "".join(page.read_text(encoding="utf-8") for page in sorted(FOLDER.glob("*.md"))),
+            re.DOTALL,
+        ):
             scripts.append(cls.folder / name)
             scripts[-1].write_text(text, encoding="utf-8")
         cls.calls = set()
         for script in scripts:
             # Slow scripts have a short mode.
             quick = ["--quick"] if "--quick" in script.read_text(encoding="utf-8") else []
-            subprocess.run([sys.executable, "-c", CALLS, "calls.json", str(script), *quick], cwd=cls.folder, check=True)
-            cls.calls |= {tuple(call) for call in json.loads((cls.folder / "calls.json").read_text(encoding="utf-8"))}
+            subprocess.run(
+                [sys.executable, "-c", CALLS, "calls.json", str(script), *quick],
+                cwd=cls.folder,
+                check=True,
+            )
+            cls.calls |= {
+                tuple(call)
+                for call in json.loads((cls.folder / "calls.json").read_text(encoding="utf-8"))
+            }
 
     @classmethod
     def tearDownClass(cls):
@@ -52,11 +63,17 @@ class Examples(unittest.TestCase):
 
     def test_every_public_function_is_called(self):
         # Functions called in a tutorial's test count as called.
-        tutorials = "".join(path.read_text(encoding="utf-8") for path in (FOLDER / "tutorials").glob("*.ipynb"))
+        tutorials = "".join(
+            path.read_text(encoding="utf-8") for path in (FOLDER / "tutorials").glob("*.ipynb")
+        )
         named = set(re.findall(r"\bslipbench[.\w]*\.(\w+)\(", tutorials))
         offered = dict(functions())
         self.assertGreater(len(offered), 30)
-        uncalled = [name for name, function in offered.items() if (function.__module__, function.__qualname__) not in self.calls]
+        uncalled = [
+            name
+            for name, function in offered.items()
+            if (function.__module__, function.__qualname__) not in self.calls
+        ]
         self.assertEqual([name for name in uncalled if name not in named], [])
 
 

@@ -27,10 +27,14 @@ from pathlib import Path
 from random import Random
 from unittest import mock
 
-options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+options = argparse.ArgumentParser(
+    description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+)
 options.add_argument("--runs", type=int, default=0, help="inputs of each kind")
 options.add_argument("--seed", type=int, default=1, help="of the changes [1]")
-options.add_argument("--kinds", nargs="+", default=[], metavar="KIND", help="kinds of sources [all]")
+options.add_argument(
+    "--kinds", nargs="+", default=[], metavar="KIND", help="kinds of sources [all]"
+)
 options.add_argument("--keep", type=Path, help="folder for inputs that show a fault")
 options.add_argument("--atheris", metavar="KIND", help="search with atheris")
 options.add_argument("rest", nargs="*", help="arguments of libFuzzer, after --")
@@ -47,7 +51,8 @@ with instrumented:
     import rosbags.highlevel  # noqa: F401  imported before bags.py does, so that it is instrumented
     import slipbench
     from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer as Writer2
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+    from rosbags.rosbag2 import Writer as Writer2
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
     from slipbench._import import arrays, bags, block, recordings, text
     from slipbench.bin import _core
@@ -100,7 +105,8 @@ def bag_types(version, pillar=PILLAR, message=MESSAGE):
     """Returns a type store with the messages of the bags, for ROS 1 or 2."""
     store = get_typestore({1: Stores.ROS1_NOETIC, 2: Stores.LATEST}[version])
     store.register(
-        get_types_from_msg(pillar, "fuzz_msgs/msg/Pillar") | get_types_from_msg(message, "fuzz_msgs/msg/Pad")
+        get_types_from_msg(pillar, "fuzz_msgs/msg/Pillar")
+        | get_types_from_msg(message, "fuzz_msgs/msg/Pad")
     )
     return store
 
@@ -195,12 +201,21 @@ class Fuzzer:
         self.folder = folder
         times = np.array([0.0, 0.01, 0.02])
         force = np.arange(12.0).reshape(3, 4)
-        record = np.array([(0.0, 1.0, "0"), (0.01, 2.0, "1")], [("t", "f8"), ("f", "f4"), ("s", "U1")])
-        members = [("t.npy", npy(times)), ("f.npy", npy(force)), ("s.npy", npy(np.array([0, 1, 2])))]
+        record = np.array(
+            [(0.0, 1.0, "0"), (0.01, 2.0, "1")], [("t", "f8"), ("f", "f4"), ("s", "U1")]
+        )
+        members = [
+            ("t.npy", npy(times)),
+            ("f.npy", npy(force)),
+            ("s.npy", npy(np.array([0, 1, 2]))),
+        ]
         self.members = dict(members)
         # Bags in folders: their database, their metadata.
         self.bags = {}
-        for name, mode in (("plain", CompressionMode.NONE), ("compressed", CompressionMode.MESSAGE)):
+        for name, mode in (
+            ("plain", CompressionMode.NONE),
+            ("compressed", CompressionMode.MESSAGE),
+        ):
             database = write_bag2(folder / name, StoragePlugin.SQLITE3, mode)
             self.bags[name] = (database, (folder / name / "metadata.yaml").read_bytes())
         self.seeds = {
@@ -213,7 +228,12 @@ class Fuzzer:
                 TABLE.replace(",", "  ").encode("latin-1"),
             ],
             "map": [WHOLE_MAP.encode(), *(map.encode() for map in TABLE_MAPS)],
-            "npy": [npy(force), npy(record), npy(force.astype(">f4")), npy(np.asfortranarray(force))],
+            "npy": [
+                npy(force),
+                npy(record),
+                npy(force.astype(">f4")),
+                npy(np.asfortranarray(force)),
+            ],
             "npz": [npz(*members), npz(*members, compression=zipfile.ZIP_DEFLATED)],
             "member": [npy(force), npy(np.asfortranarray(force)), npy(times.astype(">f2"))],
             "parquet": [
@@ -223,7 +243,11 @@ class Fuzzer:
             ],
             "bag1": [
                 write_bag1(folder / "seed.bag", compression)
-                for compression in (None, Writer1.CompressionFormat.BZ2, Writer1.CompressionFormat.LZ4)
+                for compression in (
+                    None,
+                    Writer1.CompressionFormat.BZ2,
+                    Writer1.CompressionFormat.LZ4,
+                )
             ],
             "mcap": [
                 write_bag2(folder / "mcap", StoragePlugin.MCAP),
@@ -233,7 +257,9 @@ class Fuzzer:
             "compressed": [self.bags["compressed"][0]],
             "metadata": [self.bags["plain"][1]],
             "message": bag_messages(2)[1][1:2],
-            "definition": [bag_types(2).generate_msgdef("fuzz_msgs/msg/Pad", ros_version=2)[0].encode()],
+            "definition": [
+                bag_types(2).generate_msgdef("fuzz_msgs/msg/Pad", ros_version=2)[0].encode()
+            ],
         }
 
     def write(self, kind, data):
@@ -268,7 +294,10 @@ class Fuzzer:
                     file.execute("UPDATE messages SET data = ? WHERE id = 2", (data,))
                 else:
                     definition = data.decode("utf-8", "replace")
-                    file.execute("UPDATE message_definitions SET encoded_message_definition = ?", (definition,))
+                    file.execute(
+                        "UPDATE message_definitions SET encoded_message_definition = ?",
+                        (definition,),
+                    )
         return folder
 
     def read(self, kind, data):
@@ -278,7 +307,9 @@ class Fuzzer:
         source, map = self.write(kind, data)
         (self.folder / "map.yaml").write_bytes(map if isinstance(map, bytes) else map.encode())
         described = recordings.Map(block.read_map(str(self.folder / "map.yaml")))
-        writer = _core.MappedImport([str(source)], "map.yaml", "", 1, None, "object" if described.object else "trial")
+        writer = _core.MappedImport(
+            [str(source)], "map.yaml", "", 1, None, "object" if described.object else "trial"
+        )
         importer = recordings.Importer(described, writer)
         for file in described.files([str(source)]):
             importer.add(file)
@@ -288,16 +319,23 @@ class Fuzzer:
         seeds = self.seeds[kind]
         data = bytearray(random.choice(seeds))
         for _ in range(random.choice((1, 1, 2, 3, 6))):
-            place, length = random.randrange(len(data) + 1), min(random.choice((0, 1, 1, 2, 4, 8, 40)), len(data))
+            place, length = (
+                random.randrange(len(data) + 1),
+                min(random.choice((0, 1, 1, 2, 4, 8, 40)), len(data)),
+            )
             way = random.randrange(6)
             if way == 0 and place < len(data):
                 data[place] ^= 1 << random.randrange(8)
             elif way == 1:
                 data[place : place + length] = random.choice(WORDS)
             elif way == 2:  # a number of four or eight bytes, as lengths and counts are written
-                value = random.choice((0, 1, 255, 65535, 2**31 - 1, 2**32 - 1, random.getrandbits(32)))
+                value = random.choice(
+                    (0, 1, 255, 65535, 2**31 - 1, 2**32 - 1, random.getrandbits(32))
+                )
                 size = random.choice((1, 2, 4, 8))
-                data[place : place + size] = (value % 256**size).to_bytes(size, random.choice(("little", "big")))
+                data[place : place + size] = (value % 256**size).to_bytes(
+                    size, random.choice(("little", "big"))
+                )
             elif way == 3:
                 data[place:place] = data[place : place + length]
             elif way == 4:
@@ -335,7 +373,9 @@ class Fuzzer:
                     pass
                 except Exception as error:  # noqa: BLE001
                     frame = traceback.extract_tb(error.__traceback__)[-1]
-                    name = f"{kind}_{type(error).__name__}_{Path(frame.filename).stem}_{frame.lineno}"
+                    name = (
+                        f"{kind}_{type(error).__name__}_{Path(frame.filename).stem}_{frame.lineno}"
+                    )
                     if name not in faults:
                         faults[name] = traceback.format_exc()
                         if keep:
@@ -382,7 +422,10 @@ class Fuzzing(unittest.TestCase):
         ]
         for module, name, kind in planted:
             owner = module if hasattr(recordings, name) is False else recordings
-            with self.subTest(name), mock.patch.object(owner, name, side_effect=KeyError("planted")):
+            with (
+                self.subTest(name),
+                mock.patch.object(owner, name, side_effect=KeyError("planted")),
+            ):
                 faults, _ = self.fuzzer.search([kind], 20, 1)
                 self.assertTrue(any("planted" in fault for fault in faults.values()))
 
@@ -420,7 +463,10 @@ def search_with_atheris(fuzzer, arguments):
         with contextlib.suppress(slipbench.InputError):
             fuzzer.read(kind, data)
 
-    atheris.Setup([sys.argv[0], *arguments.rest, f"-artifact_prefix={arguments.keep}/{kind}-", str(corpus)], one)
+    atheris.Setup(
+        [sys.argv[0], *arguments.rest, f"-artifact_prefix={arguments.keep}/{kind}-", str(corpus)],
+        one,
+    )
     atheris.Fuzz()
 
 

@@ -12,7 +12,9 @@ from pathlib import Path
 from PIL import Image
 
 SCENES = Path(sys.argv.pop(1)) / "scenes"
-FOLDERS = sorted(path.name for path in SCENES.iterdir() if path.is_dir() and path.name != "__pycache__")
+FOLDERS = sorted(
+    path.name for path in SCENES.iterdir() if path.is_dir() and path.name != "__pycache__"
+)
 
 
 class GalleryTest(unittest.TestCase):
@@ -35,7 +37,12 @@ class GalleryTest(unittest.TestCase):
 
     def test_drawn(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([sys.executable, SCENES / "gallery.py", folder], check=True, capture_output=True, text=True)
+            subprocess.run(
+                [sys.executable, SCENES / "gallery.py", folder],
+                check=True,
+                capture_output=True,
+                text=True,
+            )
             self.check(Path(folder))
 
 

@@ -92,7 +92,9 @@ class IsolateTest(unittest.TestCase):
     def digests(self, deeds, **options):
         summary = self.scene.set({"sweep": {"detector.deed": deeds}}).write(self.file, **options)
         with slipbench.open(self.file) as data:
-            return {trial: data[trial].sha256 for trial in data.trials}, {one["trial"]: one["message"] for one in summary["failed"]}
+            return {trial: data[trial].sha256 for trial in data.trials}, {
+                one["trial"]: one["message"] for one in summary["failed"]
+            }
 
     def test_a_deed_fails_its_trial_alone(self):
         global HONEST
@@ -106,7 +108,9 @@ class IsolateTest(unittest.TestCase):
         self.assertEqual(set(failed), set(expected), failed)
         for trial, text in expected.items():
             self.assertIn(text, failed[trial])
-        self.assertEqual(digests, {trial: digest for trial, digest in honest.items() if trial not in failed})
+        self.assertEqual(
+            digests, {trial: digest for trial, digest in honest.items() if trial not in failed}
+        )
 
     def test_is_the_default_and_its_limit_is_kept_to_a_second(self):
         self.assertEqual(set(self.digests([-1, 0])[1]), {1})
@@ -115,7 +119,9 @@ class IsolateTest(unittest.TestCase):
         begin = time.monotonic()
         _, failed = self.digests([-1, 4], trial_limit=1.0, jobs=1)
         self.assertEqual(set(failed), {1})
-        self.assertLess(time.monotonic() - begin, 1.0 + 1.0 + 1.0)  # the limit, what is allowed beyond it, and the honest trial
+        self.assertLess(
+            time.monotonic() - begin, 1.0 + 1.0 + 1.0
+        )  # the limit, what is allowed beyond it, and the honest trial
 
     def test_limits_are_checked(self):
         for options in ({"trial_limit": 0.0}, {"trial_limit": 1.0, "isolate": False}):

@@ -16,14 +16,13 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-import torch
-from torch import nn
-
 import slipbench
+import torch
 from slipbench import InputError, _recipe, learning
 from slipbench.learning import networks
 from slipbench.learning._fit import answers_to_all
 from slipbench.learning.biotac import drawn_graph
+from torch import nn
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
 # 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, twelve draws of direction
@@ -45,10 +44,34 @@ sweep:
 """
 # Values per frame of each recipe's input, with the published sensors.
 INPUTS = {
-    "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_force": 50, "piezo_grasp": 5,
-    "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
-    "nib_slip": 160, "nib_rigid": 40, "gel_slip": 189, "papillarray_slip": 27, "taxels_slip": 48, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
-    "biotac_grasp": 225}
+    "piezo_mlp": 12,
+    "piezo_mlp_128": 12,
+    "piezo_tcn": 12,
+    "piezo_fft_gru": 12,
+    "piezo_raw_gru": 1,
+    "piezo_slip": 200,
+    "piezo_force": 50,
+    "piezo_grasp": 5,
+    "papillarray_gru": 640,
+    "papillarray_gru5": 640,
+    "grasp_gru": 54,
+    "slip_gru": 153,
+    "myrmex_net1": 4608,
+    "myrmex_net2": 4608,
+    "myrmex_net3": 4608,
+    "nib_slip": 160,
+    "nib_rigid": 40,
+    "gel_slip": 189,
+    "papillarray_slip": 27,
+    "taxels_slip": 48,
+    "biotac_cnn": 132,
+    "biotac_gcn": 24,
+    "biotac_lstm": 24,
+    "biotac_convlstm": 132,
+    "biotac_gru": 120,
+    "biotac_slip": 1536,
+    "biotac_grasp": 225,
+}
 
 
 class Own(nn.Module):
@@ -69,7 +92,10 @@ class BothWays(nn.Module):
 
     def __init__(self, inputs, classes):
         super().__init__()
-        self.memory, self.last = nn.GRU(inputs, 8, batch_first=True, bidirectional=True), nn.Linear(16, classes)
+        self.memory, self.last = (
+            nn.GRU(inputs, 8, batch_first=True, bidirectional=True),
+            nn.Linear(16, classes),
+        )
 
     def forward(self, frames):
         return self.last(self.memory(frames)[0])
@@ -100,7 +126,11 @@ class Returns(nn.Module):
 def short(recipe="papillarray_gru", **more):
     """A recipe of four steps."""
     found = learning.find_recipe(recipe)
-    return dataclasses.replace(found, training=dataclasses.replace(found.training, steps=4, validate_every=2, batch=4), **more)
+    return dataclasses.replace(
+        found,
+        training=dataclasses.replace(found.training, steps=4, validate_every=2, batch=4),
+        **more,
+    )
 
 
 class TrainingTest(unittest.TestCase):
@@ -116,8 +146,13 @@ class TrainingTest(unittest.TestCase):
         return str(cls.folder / name)
 
     def train(self, recipe=None, **more):
-        return learning.train(more.pop("dataset", self.data), recipe=recipe or short(), output=more.pop("output", str(self.folder / "detector.onnx")),
-                              every_trial=more.pop("every_trial", True), **more)
+        return learning.train(
+            more.pop("dataset", self.data),
+            recipe=recipe or short(),
+            output=more.pop("output", str(self.folder / "detector.onnx")),
+            every_trial=more.pop("every_trial", True),
+            **more,
+        )
 
 
 class Training(TrainingTest):
@@ -130,13 +165,20 @@ class Training(TrainingTest):
         self.assertEqual(trained.parts, {"learns": 15, "validates": 4, "judges": 5})
         described = learning.Engine(trained.path).description
         self.assertEqual(learning.Engine(trained.path).inputs, 640)  # 40 rows of 16 forces
-        self.assertEqual((described["input"]["sensor"], described["input"]["window"]), ("papillarray", 40))
+        self.assertEqual(
+            (described["input"]["sensor"], described["input"]["window"]), ("papillarray", 40)
+        )
         self.assertEqual(described["states"], [{"input": "state_0", "output": "state_0_next"}])
         facts = described["trained"]
-        self.assertEqual((facts["recipe"], facts["labels"], facts["seed"], facts["frames"]), ("papillarray_gru", "latched", 1, 150))
+        self.assertEqual(
+            (facts["recipe"], facts["labels"], facts["seed"], facts["frames"]),
+            ("papillarray_gru", "latched", 1, 150),
+        )
         self.assertEqual((len(facts["sha256_seen"]), len(facts["trials_judged"])), (19, 5))
         with slipbench.open(self.data) as data:
-            seen = {data[trial].sha256 for trial in facts["trials_judged"]} & set(facts["sha256_seen"])
+            seen = {data[trial].sha256 for trial in facts["trials_judged"]} & set(
+                facts["sha256_seen"]
+            )
         self.assertEqual(seen, set())
         self.assertEqual([path.name for path in self.folder.glob("detector*")], ["detector.onnx"])
 
@@ -160,7 +202,9 @@ class Training(TrainingTest):
             self.train(five, output=again, resume=True, seed=2)
         self.train(five, output=again, resume=True)
         self.assertEqual(Path(again).read_bytes(), whole)
-        with self.assertRaisesRegex(InputError, r"checkpoint-0: does not exist.*without resume=True$"):
+        with self.assertRaisesRegex(
+            InputError, r"checkpoint-0: does not exist.*without resume=True$"
+        ):
             self.train(five, output=again, resume=True)
         self.assertNotEqual(Path(self.train(five, output=again, seed=2).path).read_bytes(), whole)
 
@@ -190,7 +234,11 @@ class Training(TrainingTest):
         trained = self.train(dataset=data, every_trial=False)
         self.assertEqual((trained.own_split, trained.judged_from), (True, (data, "test")))
         with slipbench.open(data) as stored:
-            for part, key in (("train", "trials_learnt"), ("valid", "trials_validated"), ("test", "trials_judged")):
+            for part, key in (
+                ("train", "trials_learnt"),
+                ("valid", "trials_validated"),
+                ("test", "trials_judged"),
+            ):
                 self.assertEqual(trained.description["trained"][key], list(stored.mask(part)))
         self.assertEqual(trained.parts, {"learns": 12, "validates": 6, "judges": 6})
         with self.assertRaisesRegex(InputError, "split.h5.*every_trial=True, which divides"):
@@ -204,21 +252,37 @@ class Training(TrainingTest):
     def test_a_trial_counts_once(self):
         copy = self.folder / "copy.h5"
         shutil.copy(self.data, copy)
-        with self.assertRaisesRegex(InputError, f"{copy}: trial 0 is also in {self.data}; give each trial once"):
+        with self.assertRaisesRegex(
+            InputError, f"{copy}: trial 0 is also in {self.data}; give each trial once"
+        ):
             self.train(dataset=[self.data, copy])
 
     def test_what_does_not_fit_is_refused(self):
-        for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),
-                              ({"split": "material"}, "does not sweep material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
-                              ({"turned": 2}, "^turned=2: is for images of a myrmex"),
-                              ({"by_score": True, "alarms": "1/min"}, "^by_score=True and alarms='1/min' cannot be combined"), ({"alarms": "often"}, "1/min"),
-                              ({"specificity": 0.9}, "^specificity=0.9 needs by_score=True$"),
-                              ({"by_score": True, "labels": "recorded"}, "^by_score=True needs simulated trials.*labels='recorded' use alarms$"),
-                              ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
-                              ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]")):
+        for more, message in (
+            ({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"),
+            ({"sensor": "thumb"}, "thumb"),
+            ({"split": "material"}, "does not sweep material"),
+            ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
+            ({"turned": 2}, "^turned=2: is for images of a myrmex"),
+            (
+                {"by_score": True, "alarms": "1/min"},
+                "^by_score=True and alarms='1/min' cannot be combined",
+            ),
+            ({"alarms": "often"}, "1/min"),
+            ({"specificity": 0.9}, "^specificity=0.9 needs by_score=True$"),
+            (
+                {"by_score": True, "labels": "recorded"},
+                "^by_score=True needs simulated trials.*labels='recorded' use alarms$",
+            ),
+            ({"output": "m"}, ".onnx"),
+            ({"labels": "felt"}, "labels.*felt"),
+            ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]"),
+        ):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
-        still = self.write("still.h5", **{"sweep.motion.speed": ["0.001 mm/s", "0.002 mm/s"]})  # at most 0.4 um: nothing slips
+        still = self.write(
+            "still.h5", **{"sweep.motion.speed": ["0.001 mm/s", "0.002 mm/s"]}
+        )  # at most 0.4 um: nothing slips
         with self.assertRaisesRegex(InputError, "150 hold, 0 slip"):
             self.train(dataset=still)
         mine = self.folder / "mine.onnx"
@@ -228,15 +292,32 @@ class Training(TrainingTest):
         self.assertEqual(mine.read_text(), "mine")
 
     def test_arguments_out_of_range_are_refused(self):
-        for more, message in (({"steps": 0}, "^steps: expected 1 or more, found 0"), ({"steps": 1.5}, "^steps: expected a whole number"),
-                              ({"seed": -1}, "^seed: expected 0 to 18446744073709551615, found -1"), ({"seed": 2**64}, "^seed: "),
-                              ({"seed": "1"}, "^seed: expected a whole number"), ({"turned": -1}, "^turned: expected 0 or more"),
-                              ({"held_out": 0.6}, "^held_out: expected a number from 0 to 0.5, found 0.6"), ({"held_out": math.nan}, "^held_out: "),
-                              ({"held_out": "0.2"}, "^held_out: "), ({"by_score": True, "specificity": 95}, "^specificity: expected a number from 0 to 1, found 95"),
-                              ({"rates": (3,)}, r"^rates=\(3,\): expected the lowest"), ({"rates": (5, 2)}, r"^rates=\(5, 2\): "), ({"rates": "1"}, "^rates='1': "),
-                              ({"dataset": []}, "^dataset: .*empty list"), ({"recipe": 3}, "^recipe: .*found int 3"),
-                              ({"network": 3}, "^network: .*found int 3"), ({"network": lambda inputs, classes: None}, "^network: .*NoneType"),
-                              ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, r"^alarms='1/min': .*leave alarms out$")):
+        for more, message in (
+            ({"steps": 0}, "^steps: expected 1 or more, found 0"),
+            ({"steps": 1.5}, "^steps: expected a whole number"),
+            ({"seed": -1}, "^seed: expected 0 to 18446744073709551615, found -1"),
+            ({"seed": 2**64}, "^seed: "),
+            ({"seed": "1"}, "^seed: expected a whole number"),
+            ({"turned": -1}, "^turned: expected 0 or more"),
+            ({"held_out": 0.6}, "^held_out: expected a number from 0 to 0.5, found 0.6"),
+            ({"held_out": math.nan}, "^held_out: "),
+            ({"held_out": "0.2"}, "^held_out: "),
+            (
+                {"by_score": True, "specificity": 95},
+                "^specificity: expected a number from 0 to 1, found 95",
+            ),
+            ({"rates": (3,)}, r"^rates=\(3,\): expected the lowest"),
+            ({"rates": (5, 2)}, r"^rates=\(5, 2\): "),
+            ({"rates": "1"}, "^rates='1': "),
+            ({"dataset": []}, "^dataset: .*empty list"),
+            ({"recipe": 3}, "^recipe: .*found int 3"),
+            ({"network": 3}, "^network: .*found int 3"),
+            ({"network": lambda inputs, classes: None}, "^network: .*NoneType"),
+            (
+                {"recipe": short("myrmex_net1"), "alarms": "1/min"},
+                r"^alarms='1/min': .*leave alarms out$",
+            ),
+        ):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
 
@@ -244,24 +325,58 @@ class Training(TrainingTest):
     def test_a_range_of_rates_is_stated_and_read(self):
         slow = self.write("slow.h5", **{"sensors.pad.rate": "100 Hz"})
         ranged = self.train(rates=(100, 1000), output=str(self.folder / "ranged.onnx"))
-        self.assertEqual(learning.Engine(ranged.path).description["input"]["rates"], [100.0, 1000.0])
+        self.assertEqual(
+            learning.Engine(ranged.path).description["input"]["rates"], [100.0, 1000.0]
+        )
         result = slipbench.evaluate(ranged.path, slow)
-        self.assertEqual((result["notice"], result["reads_hz"]), ("interpolated from 100 Hz to 1 kHz for ranged.onnx", {"frames": 1000.0, "least": 100.0}))
-        with self.assertRaisesRegex(InputError, "sensor 'pad' has 100 Hz, but the network reads 1 kHz, 10 times as much; .*--resample"):
+        self.assertEqual(
+            (result["notice"], result["reads_hz"]),
+            (
+                "interpolated from 100 Hz to 1 kHz for ranged.onnx",
+                {"frames": 1000.0, "least": 100.0},
+            ),
+        )
+        with self.assertRaisesRegex(
+            InputError,
+            "sensor 'pad' has 100 Hz, but the network reads 1 kHz, 10 times as much; .*--resample",
+        ):
             slipbench.evaluate(self.train().path, slow)
 
     # The greatest seed: the second of two members wraps to 0.
     def test_whole_numbers_of_numpy_are_taken(self):
-        trained = self.train(short("papillarray_gru5", members=2), steps=np.int64(2), seed=np.uint64(2**64 - 1), turned=np.int8(0), held_out=np.float32(0.25))
+        trained = self.train(
+            short("papillarray_gru5", members=2),
+            steps=np.int64(2),
+            seed=np.uint64(2**64 - 1),
+            turned=np.int8(0),
+            held_out=np.float32(0.25),
+        )
         facts = trained.description["trained"]
-        self.assertEqual((facts["seed"], facts["held_out"], trained.parts["judges"]), (2**64 - 1, 0.25, 6))  # 24/4
+        self.assertEqual(
+            (facts["seed"], facts["held_out"], trained.parts["judges"]), (2**64 - 1, 0.25, 6)
+        )  # 24/4
 
     def test_a_network_that_a_loop_could_not_run_is_refused(self):
-        for network, message in ((BothWays, "^network: BothWays is not causal"), (Forgetful, r"^network: Forgetful answers differently.*\(logits, state\)"),
-                                 (lambda i, c: nn.Linear(i + 1, c), r"^network: Linear does not take frames \[2, 3, 640\]: mat1 and mat2"),
-                                 (lambda i, c: Returns(i, c, lambda logits: {"logits": logits}), "^network: Returns returns a dict; expected a tensor"),
-                                 (lambda i, c: Returns(i, c, lambda logits: (logits, 1)), "^network: Returns returns a tuple; expected a tensor"),
-                                 (lambda i, c: Returns(i, c, lambda logits: (logits,)), "^network: Returns returns a tuple; expected a tensor")):
+        for network, message in (
+            (BothWays, "^network: BothWays is not causal"),
+            (Forgetful, r"^network: Forgetful answers differently.*\(logits, state\)"),
+            (
+                lambda i, c: nn.Linear(i + 1, c),
+                r"^network: Linear does not take frames \[2, 3, 640\]: mat1 and mat2",
+            ),
+            (
+                lambda i, c: Returns(i, c, lambda logits: {"logits": logits}),
+                "^network: Returns returns a dict; expected a tensor",
+            ),
+            (
+                lambda i, c: Returns(i, c, lambda logits: (logits, 1)),
+                "^network: Returns returns a tuple; expected a tensor",
+            ),
+            (
+                lambda i, c: Returns(i, c, lambda logits: (logits,)),
+                "^network: Returns returns a tuple; expected a tensor",
+            ),
+        ):
             with self.subTest(message=message), self.assertRaisesRegex(InputError, message):
                 self.train(network=network, output=str(self.folder / "refused.onnx"))
         self.assertEqual(list(self.folder.glob("refused*")), [])
@@ -274,44 +389,85 @@ class Training(TrainingTest):
 
         # The first step's loss is finite; weights of 1e30 overflow in the products of the second.
         # Infinite weights after the only step have had a finite loss.
-        for recipe, message in ((with_training(learning_rate=1e30, validate_every=4), "^step 2: the loss is not finite; .*lower learning rate"),
-                                (with_training(learning_rate=math.inf, steps=1), "^step 1: a weight is not finite; .*lower learning rate")):
+        for recipe, message in (
+            (
+                with_training(learning_rate=1e30, validate_every=4),
+                "^step 2: the loss is not finite; .*lower learning rate",
+            ),
+            (
+                with_training(learning_rate=math.inf, steps=1),
+                "^step 1: a weight is not finite; .*lower learning rate",
+            ),
+        ):
             with self.subTest(message=message), self.assertRaisesRegex(InputError, message):
                 self.train(recipe, output=str(self.folder / "diverged.onnx"))
             self.assertEqual(list(self.folder.glob("diverged*")), [])
 
     def test_the_package_offers_it(self):
-        trained = slipbench.train(self.data, recipe=short(), output=self.folder / "offered.onnx", every_trial=True)
+        trained = slipbench.train(
+            self.data, recipe=short(), output=self.folder / "offered.onnx", every_trial=True
+        )
         self.assertEqual(Path(trained.path).read_bytes(), Path(self.train().path).read_bytes())
-        script = "import sys, slipbench; assert 'torch' not in sys.modules and callable(slipbench.train)"
+        script = (
+            "import sys, slipbench; assert 'torch' not in sys.modules and callable(slipbench.train)"
+        )
         subprocess.run([sys.executable, "-c", script], check=True)
 
     # A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all
     # of its frames can be classified.
     def test_slip_gru_learns_from_a_few_trials(self):
         found = learning.find_recipe("slip_gru")
-        few = dataclasses.replace(found, training=dataclasses.replace(found.training, steps=60, validate_every=10, batch=8))
+        few = dataclasses.replace(
+            found,
+            training=dataclasses.replace(found.training, steps=60, validate_every=10, batch=8),
+        )
         self.assertGreater(self.train(few).judged["all_classes_balanced_accuracy"], 0.8)
 
     # Six taxels at 500 Hz, so that 10 ms are five samples.
     def test_slip_gru_learns_from_any_sensor_of_units(self):
-        data = self.write("taxels.h5", **{"sensors.pad": {"type": "taxels", "rate": "500 Hz", "rows": 2, "columns": 3, "pitch": "4 mm"}})
+        data = self.write(
+            "taxels.h5",
+            **{
+                "sensors.pad": {
+                    "type": "taxels",
+                    "rate": "500 Hz",
+                    "rows": 2,
+                    "columns": 3,
+                    "pitch": "4 mm",
+                }
+            },
+        )
         frames = self.train(short("slip_gru"), dataset=data).description["input"]
-        self.assertEqual((frames["sensor"], frames["rate"], frames["window"], frames["stride"]), ("taxels", 500, 5, 5))
+        self.assertEqual(
+            (frames["sensor"], frames["rate"], frames["window"], frames["stride"]),
+            ("taxels", 500, 5, 5),
+        )
         self.assertEqual((frames["spans"], len(frames["scale"])), ([5, 10, 20, 40, 80], 1))
 
     # A skin at 100 Hz has one sample in 10 ms, of which spans take 2, 3, 4, 8 and 16; markers at 50
     # Hz 2, 3, 4, 5 and 8. The floor is a thousandth of the greatest value of the first trial. The
     # skin's counts minus the unloaded ones are its field.
     def test_slip_gru_reads_three_axes_of_counts_and_of_markers(self):
-        for sensor, rate, channel, spans in (({"type": "magnetic_skin", "noise": 2.2}, 100, "field", [2, 3, 4, 8, 16]),
-                                             ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", [2, 3, 4, 5, 8]),
-                                             ({"type": "taxels", "rate": "100 Hz", "channels": {"moved": "displacement"}}, 100, "moved", [2, 3, 4, 8, 16])):
+        for sensor, rate, channel, spans in (
+            ({"type": "magnetic_skin", "noise": 2.2}, 100, "field", [2, 3, 4, 8, 16]),
+            ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", [2, 3, 4, 5, 8]),
+            (
+                {"type": "taxels", "rate": "100 Hz", "channels": {"moved": "displacement"}},
+                100,
+                "moved",
+                [2, 3, 4, 8, 16],
+            ),
+        ):
             with self.subTest(sensor=sensor["type"]):
                 data = self.write(f"{sensor['type']}-{channel}.h5", **{"sensors.pad": sensor})
                 frames = self.train(short("slip_gru"), dataset=data).description["input"]
-                self.assertEqual((frames["sensor"], frames["rate"], frames["window"], frames["stride"]), (sensor["type"], rate, 2, 1))
-                self.assertEqual((frames["channels"], frames["spans"]), ([{"name": channel}], spans))
+                self.assertEqual(
+                    (frames["sensor"], frames["rate"], frames["window"], frames["stride"]),
+                    (sensor["type"], rate, 2, 1),
+                )
+                self.assertEqual(
+                    (frames["channels"], frames["spans"]), ([{"name": channel}], spans)
+                )
                 with slipbench.open(data) as opened:
                     largest = np.abs(opened[0].sensors["pad"][channel][:]).max()
                 self.assertAlmostEqual(frames["floor"] / largest, 1e-3, 9)
@@ -323,7 +479,12 @@ class Training(TrainingTest):
         data = str(self.folder / "creep.h5")
         scene.write(data, draws=8)
         model = self.train(short("slip_gru"), dataset=data).path
-        looped = scene.set({"detector": {"type": "network", "model": model}, "controller": {"type": "step_on_slip"}})
+        looped = scene.set(
+            {
+                "detector": {"type": "network", "model": model},
+                "controller": {"type": "step_on_slip"},
+            }
+        )
         control = looped.run().control
         self.assertEqual(control.sensor, "skin")
         self.assertTrue(np.isin([1, 2, 3], control.detector_class).any())
@@ -339,8 +500,12 @@ class Training(TrainingTest):
             return clips + 0.1 * torch.randn(clips.shape, generator=random)
 
         base = short()
-        noisy = dataclasses.replace(base, training=dataclasses.replace(base.training, augment=noise))
-        plain, first, second = (Path(self.train(one).path).read_bytes() for one in (base, noisy, noisy))
+        noisy = dataclasses.replace(
+            base, training=dataclasses.replace(base.training, augment=noise)
+        )
+        plain, first, second = (
+            Path(self.train(one).path).read_bytes() for one in (base, noisy, noisy)
+        )
         self.assertEqual(first, second)
         self.assertNotEqual(first, plain)
 
@@ -349,15 +514,36 @@ class Command(TrainingTest):
     def run_program(self, *words, **environment):
         # PyTorch 2.6 leaves a temporary folder until the interpreter ends, which warns about it.
         environment["PYTHONWARNINGS"] = "error,ignore::ResourceWarning"
-        return subprocess.run([PROGRAM, "train", self.data, "--all", "--recipe", "papillarray_gru", "--steps", "4", *words], capture_output=True, text=True,
-                              check=False, env=os.environ | environment)
+        return subprocess.run(
+            [
+                PROGRAM,
+                "train",
+                self.data,
+                "--all",
+                "--recipe",
+                "papillarray_gru",
+                "--steps",
+                "4",
+                *words,
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+            env=os.environ | environment,
+        )
 
     def test_the_command_is_the_function(self):
         output = str(self.folder / "command.onnx")
         done = self.run_program("-o", output, "--json")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         summary = json.loads(done.stdout)
-        every = learning.train(self.data, recipe="papillarray_gru", steps=4, every_trial=True, output=str(self.folder / "function.onnx"))
+        every = learning.train(
+            self.data,
+            recipe="papillarray_gru",
+            steps=4,
+            every_trial=True,
+            output=str(self.folder / "function.onnx"),
+        )
         self.assertEqual(Path(output).read_bytes(), Path(every.path).read_bytes())
         self.assertEqual(summary["output"], output)
         self.assertEqual(summary["validation"]["balanced_accuracy"], every.validation)
@@ -365,11 +551,16 @@ class Command(TrainingTest):
         text = self.run_program("-o", output)
         self.assertIn("papillarray_gru, labels latched", text.stdout)
         self.assertIn("15 trials for training, 4 for validation", text.stdout)
-        self.assertIn(f"next: {PROGRAM} eval {output} {self.data} --sensor pad --labels latched", text.stdout)
+        self.assertIn(
+            f"next: {PROGRAM} eval {output} {self.data} --sensor pad --labels latched", text.stdout
+        )
         self.assertIn("step 4/4, loss", text.stderr)
 
     def test_the_command_names_options_and_the_function_arguments(self):
-        for words, message in ((("--turned", "2"), "^slipbench: --turned 2: is for images of a myrmex"), (("--resume",), "train without --resume$")):
+        for words, message in (
+            (("--turned", "2"), "^slipbench: --turned 2: is for images of a myrmex"),
+            (("--resume",), "train without --resume$"),
+        ):
             with self.subTest(words=words):
                 done = self.run_program("-o", str(self.folder / "named.onnx"), *words)
                 self.assertEqual(done.returncode, 2)
@@ -378,7 +569,9 @@ class Command(TrainingTest):
     def test_without_torch_it_says_so_before_it_reads(self):
         without = self.folder / "without/torch"
         without.mkdir(parents=True)
-        (without / "__init__.py").write_text("raise ModuleNotFoundError(\"No module named 'torch'\", name='torch')\n")
+        (without / "__init__.py").write_text(
+            "raise ModuleNotFoundError(\"No module named 'torch'\", name='torch')\n"
+        )
         done = self.run_program("-o", "x.onnx", PYTHONPATH=str(without.parent))
         self.assertEqual(done.returncode, 2)
         self.assertRegex(done.stderr, "needs PyTorch.*pip install torch.*apt install python3-torch")
@@ -387,15 +580,28 @@ class Command(TrainingTest):
 
 class Recipes(unittest.TestCase):
     def test_the_program_lists_and_describes_them(self):
-        listed = json.loads(subprocess.run([PROGRAM, "list", "recipes", "--json"], capture_output=True, check=True).stdout)["recipes"]
-        self.assertEqual([(one["name"], one["summary"]) for one in listed if one["name"] != "gst_hd"],
-                         [(name, recipe.summary) for name, recipe in learning.RECIPES.items()])
+        listed = json.loads(
+            subprocess.run(
+                [PROGRAM, "list", "recipes", "--json"], capture_output=True, check=True
+            ).stdout
+        )["recipes"]
+        self.assertEqual(
+            [(one["name"], one["summary"]) for one in listed if one["name"] != "gst_hd"],
+            [(name, recipe.summary) for name, recipe in learning.RECIPES.items()],
+        )
         for name, recipe in learning.RECIPES.items():
             with self.subTest(name):
                 facts = _recipe.facts_of(recipe)
                 self.assertIn(recipe.input.sensor, facts["Input"])
                 self.assertIn("slipbench.learning.networks.", facts["Network"])
-                self.assertTrue(all(len(line) <= 100 for text in facts.values() for line in _recipe.wrapped(text, 100).split("\n") if "|" not in line))
+                self.assertTrue(
+                    all(
+                        len(line) <= 100
+                        for text in facts.values()
+                        for line in _recipe.wrapped(text, 100).split("\n")
+                        if "|" not in line
+                    )
+                )
 
     def test_every_network_runs_in_the_engine(self):
         self.assertEqual(set(INPUTS), set(learning.RECIPES))
@@ -405,8 +611,13 @@ class Recipes(unittest.TestCase):
                     classes = {"slip": 2, "kind": 3, "direction": 7}[recipe.classes]
                     torch.manual_seed(1)
                     members = [recipe.network(INPUTS[name], classes) for _ in range(recipe.members)]
-                    frames = np.random.default_rng(1).normal(size=(40, INPUTS[name])).astype(np.float32)
-                    described = learning.describe_file(recipe.input, [(f"class {i}", "gross" if i else "non_slip") for i in range(classes)])
+                    frames = (
+                        np.random.default_rng(1).normal(size=(40, INPUTS[name])).astype(np.float32)
+                    )
+                    described = learning.describe_file(
+                        recipe.input,
+                        [(f"class {i}", "gross" if i else "non_slip") for i in range(classes)],
+                    )
                     path = f"{folder}/{name}.onnx"
                     learning.write_detector(path, members, INPUTS[name], described)
                     self.assertLess(learning.check_engine(path, members, frames), 1e-5)
@@ -414,12 +625,23 @@ class Recipes(unittest.TestCase):
     # Weights and biases. A GRU of u units has 3 u (inputs + u + 2), in PyTorch two biases; Table I
     # prints 3.6k, 51k and 23k.
     def test_networks_have_the_papers_parameters(self):
-        counts = {name: sum(one.numel() for one in learning.RECIPES[name].network(INPUTS[name], 2).parameters())
-                  for name in ("piezo_mlp", "piezo_mlp_128", "piezo_fft_gru", "papillarray_gru")}
+        counts = {
+            name: sum(
+                one.numel() for one in learning.RECIPES[name].network(INPUTS[name], 2).parameters()
+            )
+            for name in ("piezo_mlp", "piezo_mlp_128", "piezo_fft_gru", "papillarray_gru")
+        }
         self.assertEqual(counts["piezo_mlp"], (12 + 1) * 32 + 3 * (32 + 1) * 32 + (32 + 1) * 2)
-        self.assertEqual(counts["piezo_mlp_128"], (12 + 1) * 128 + 3 * (128 + 1) * 128 + (128 + 1) * 2)
-        self.assertEqual(counts["piezo_fft_gru"], 96 * (12 + 34) + 3 * 96 * (32 + 34) + (32 + 1) * 2)
-        dense = sum((before + 1 + 2) * after for before, after in ((640, 1024), (1024, 128), (128, 256), (256, 128)))
+        self.assertEqual(
+            counts["piezo_mlp_128"], (12 + 1) * 128 + 3 * (128 + 1) * 128 + (128 + 1) * 2
+        )
+        self.assertEqual(
+            counts["piezo_fft_gru"], 96 * (12 + 34) + 3 * 96 * (32 + 34) + (32 + 1) * 2
+        )
+        dense = sum(
+            (before + 1 + 2) * after
+            for before, after in ((640, 1024), (1024, 128), (128, 256), (256, 128))
+        )
         self.assertEqual(counts["papillarray_gru"], dense + 384 * (128 + 130) + (128 + 1) * 2)
 
     def test_slip_gru_does_not_care_which_unit_is_which(self):
@@ -440,10 +662,15 @@ class Recipes(unittest.TestCase):
         for i in range(1, 3000):
             signal[i] = decay * signal[i - 1] + (force[i] - force[i - 1]) * (1 + decay) / 2
         frames = torch.tensor((signal / 70).reshape(1, 60, 50).tolist())
-        features = network.measures(torch.cat((torch.zeros(1, 3, 50), frames), 1), torch.cat((torch.zeros(1, 4), frames.mean(2)), 1))[0]
+        features = network.measures(
+            torch.cat((torch.zeros(1, 3, 50), frames), 1),
+            torch.cat((torch.zeros(1, 4), frames.mean(2)), 1),
+        )[0]
         rising, stopped = features[35, :2].expm1(), features[50, :2].expm1()
         # A mean of 50 samples has a noise of 70/sqrt(50) counts, a change over 5 ms sqrt(2) times as much.
-        np.testing.assert_allclose(rising.tolist(), np.array([150, 300]) / (70 / 50**0.5 * 2**0.5), rtol=0.01)
+        np.testing.assert_allclose(
+            rising.tolist(), np.array([150, 300]) / (70 / 50**0.5 * 2**0.5), rtol=0.01
+        )
         self.assertLess(float(stopped.abs().max()), 0.01)
 
     # Nine units that move as a rigid body, each with its own depth, and one that is not in contact;
@@ -483,7 +710,13 @@ class Recipes(unittest.TestCase):
 
         def departure(now):
             before = torch.tensor(rest.reshape(1, 1, 40).tolist())
-            return math.expm1(float(network.measures(torch.tensor(now.reshape(1, 1, 40).tolist()), before)[2][0, 0, 2]))
+            return math.expm1(
+                float(
+                    network.measures(torch.tensor(now.reshape(1, 1, 40).tolist()), before)[2][
+                        0, 0, 2
+                    ]
+                )
+            )
 
         self.assertAlmostEqual(departure(leant), 1.0, delta=1e-2)  # the noise
         leant[16:20] = rest[16:20]
@@ -505,9 +738,15 @@ class Pieces(unittest.TestCase):
         self.assertTrue(math.isnan(learning.balanced_accuracy([], [])))
 
     def test_scales(self):
-        frames = [np.array([[0.0, 5.0], [2.0, 5.0]], np.float32)]  # means 1 and 5, deviations 1 and 0
-        for scaling, offset, scale in (("standard", [1, 5], [1, 1]), ("range", [0, 5], [0.5, 1]), ("common", [3], [1 / math.sqrt(4.5)]),
-                                       ("none", [0], [1])):
+        frames = [
+            np.array([[0.0, 5.0], [2.0, 5.0]], np.float32)
+        ]  # means 1 and 5, deviations 1 and 0
+        for scaling, offset, scale in (
+            ("standard", [1, 5], [1, 1]),
+            ("range", [0, 5], [0.5, 1]),
+            ("common", [3], [1 / math.sqrt(4.5)]),
+            ("none", [0], [1]),
+        ):
             found = learning.scale_of(frames, scaling)
             np.testing.assert_allclose(found[0], offset)
             np.testing.assert_allclose(found[1], scale, rtol=1e-6)
@@ -538,27 +777,43 @@ class Pieces(unittest.TestCase):
     def test_a_training_seeds_no_generator_of_cuda(self):
         sequences = [(np.zeros((8, 1), np.float32), np.array([0, 1] * 4, np.uint8))]
         with mock.patch("torch.cuda.manual_seed_all") as seeded:
-            learning.fit(Own(1, 2), sequences, [], learning.Training(steps=3, batch=2, clip=4), classes=2)
+            learning.fit(
+                Own(1, 2), sequences, [], learning.Training(steps=3, batch=2, clip=4), classes=2
+            )
         seeded.assert_not_called()
 
     # One sequence of five frames, whose last three are slip: clips of two answers begin at frames 0
     # to 3; for each a class is drawn.
     def test_clips_are_drawn_around_a_class(self):
         frames = np.arange(5, dtype=np.float32)[:, None]
-        clips = learning.Clips([(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(batch=200, clip=2, balance="drawing"), 1, 2)
+        clips = learning.Clips(
+            [(frames, np.array([0, 0, 1, 1, 1], np.uint8))],
+            learning.Training(batch=200, clip=2, balance="drawing"),
+            1,
+            2,
+        )
         features, classes = clips.draw(1, 0)
         first = sorted({int(one) for one in features[:, 0, 0]})
         self.assertEqual(first, [0, 1, 2, 3])
         self.assertTrue(torch.equal(features[:, 1, 0], features[:, 0, 0] + 1))
         self.assertTrue(torch.equal(classes, (features[:, :, 0] >= 2).long()))
         self.assertTrue(torch.equal(clips.weights(), torch.ones(2)))
-        uniform = learning.Clips([(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(), 1, 2)
-        np.testing.assert_allclose([float(one) for one in uniform.weights()], [5 / 4, 5 / 6], rtol=1e-6)  # all/(classes x count)
+        uniform = learning.Clips(
+            [(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(), 1, 2
+        )
+        np.testing.assert_allclose(
+            [float(one) for one in uniform.weights()], [5 / 4, 5 / 6], rtol=1e-6
+        )  # all/(classes x count)
 
     # A short sequence is one clip; its last frame is repeated without training (-100).
     def test_a_short_sequence_fills_its_clip(self):
-        sequences = [(np.array([[1.0], [2.0]], np.float32), np.array([0, 1], np.uint8)), (np.zeros((4, 1), np.float32), np.array([0, 0, 1, 1], np.uint8))]
-        features, classes = learning.Clips(sequences, learning.Training(batch=50, clip=9), 1, 2).draw(1, 0)
+        sequences = [
+            (np.array([[1.0], [2.0]], np.float32), np.array([0, 1], np.uint8)),
+            (np.zeros((4, 1), np.float32), np.array([0, 0, 1, 1], np.uint8)),
+        ]
+        features, classes = learning.Clips(
+            sequences, learning.Training(batch=50, clip=9), 1, 2
+        ).draw(1, 0)
         shorter = [row for row in range(50) if float(features[row, 0, 0]) == 1.0]
         self.assertGreater(len(shorter), 0)
         self.assertEqual(features[shorter[0], :, 0].tolist(), [1, 2, 2, 2])
@@ -567,19 +822,36 @@ class Pieces(unittest.TestCase):
     # The first three of 25 successive frames of slip are trained on, then the 10th and the 20th.
     def test_the_onset_of_a_slip_trains(self):
         labels = np.array([0] * 5 + [1] * 25, np.uint8)
-        clips = learning.Clips([(np.zeros((30, 1), np.float32), labels)], learning.Training(batch=1, clip=30, onset_frames=3), 1, 2)
+        clips = learning.Clips(
+            [(np.zeros((30, 1), np.float32), labels)],
+            learning.Training(batch=1, clip=30, onset_frames=3),
+            1,
+            2,
+        )
         _, classes = clips.draw(1, 0)
-        self.assertEqual([t for t, one in enumerate(classes[0].tolist()) if one == 1], [5, 6, 7, 14, 24])
+        self.assertEqual(
+            [t for t, one in enumerate(classes[0].tolist()) if one == 1], [5, 6, 7, 14, 24]
+        )
 
     def test_frames_are_those_of_the_loop(self):
-        frames = learning.Frames(learning.Input("papillarray", 1000.0, {"force": [2, 5]}, window=3, stride=2), "papillarray", 1000.0, {"force": (9, 3)})
+        frames = learning.Frames(
+            learning.Input("papillarray", 1000.0, {"force": [2, 5]}, window=3, stride=2),
+            "papillarray",
+            1000.0,
+            {"force": (9, 3)},
+        )
         force = np.arange(7 * 27, dtype=np.float32).reshape(7, 9, 3)
         found, ends = frames.all({"force": force})
         self.assertEqual((frames.size, list(ends)), (6, [2, 4, 6]))
         flat = force.reshape(7, 27)[:, [2, 5]]
         np.testing.assert_array_equal(found, [flat[end - 2 : end + 1].ravel() for end in ends])
         with self.assertRaisesRegex(InputError, "taxels"):
-            learning.Frames(learning.Input("papillarray", 1000.0, ["force"]), "taxels", 1000.0, {"force": (9, 3)})
+            learning.Frames(
+                learning.Input("papillarray", 1000.0, ["force"]),
+                "taxels",
+                1000.0,
+                {"force": (9, 3)},
+            )
 
 
 if __name__ == "__main__":

@@ -38,13 +38,23 @@ class Locale(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         try:
-            subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", f"{self.folder.name}/de_DE.UTF-8"], check=True, capture_output=True)
+            subprocess.run(
+                ["localedef", "-i", "de_DE", "-f", "UTF-8", f"{self.folder.name}/de_DE.UTF-8"],
+                check=True,
+                capture_output=True,
+            )
         except (OSError, subprocess.CalledProcessError) as error:
             self.skipTest(f"no locale with a decimal comma can be made here: {error}")
 
     def digests(self, locale, paths):
         environment = {**os.environ, "LOCPATH": self.folder.name}
-        result = subprocess.run([sys.executable, "-c", RUN, locale, *map(str, paths)], env=environment, capture_output=True, text=True, check=False)
+        result = subprocess.run(
+            [sys.executable, "-c", RUN, locale, *map(str, paths)],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         self.assertEqual(result.returncode, 0, result.stderr)
         return json.loads(result.stdout)
 

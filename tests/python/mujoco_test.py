@@ -15,7 +15,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-
 import slipbench.mujoco
 from slipbench import InputError
 
@@ -28,8 +27,15 @@ HAS_IMPLICIT = hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
 def stock(collide=True):
     """Returns the gripper and the box of hold.xml without pads; its geoms collide, like a
     robot's."""
-    text = re.sub(r"<extension>.*</extension>|<sensor>.*</sensor>|<plugin instance=[^>]*/>", "", HOLD.read_text(encoding="utf-8"), flags=re.DOTALL)
-    return mujoco.MjSpec.from_string(text.replace('<geom contype="0" conaffinity="0"/>', "") if collide else text)
+    text = re.sub(
+        r"<extension>.*</extension>|<sensor>.*</sensor>|<plugin instance=[^>]*/>",
+        "",
+        HOLD.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    return mujoco.MjSpec.from_string(
+        text.replace('<geom contype="0" conaffinity="0"/>', "") if collide else text
+    )
 
 
 def grasp(model, seconds=1.0, control=4.0):
@@ -41,7 +47,10 @@ def grasp(model, seconds=1.0, control=4.0):
 
 def held(spec, left="left_pad", right="right_pad", touch="box", **more):
     """Attaches the pads of hold.xml."""
-    return [slipbench.mujoco.attach_pad(spec, site, touch, friction=0.5, **more) for site in (left, right)]
+    return [
+        slipbench.mujoco.attach_pad(spec, site, touch, friction=0.5, **more)
+        for site in (left, right)
+    ]
 
 
 def reference():
@@ -58,15 +67,30 @@ class Attach(unittest.TestCase):
         # Each pad carries half of 0.1 kg; the pads' axes are level, so that the load is all
         # tangential.
         for pad in (left, right):
-            self.assertAlmostEqual(np.hypot(*pad.read(data).force[:, :2].sum(axis=0)), 0.05 * 9.81, places=5)
+            self.assertAlmostEqual(
+                np.hypot(*pad.read(data).force[:, :2].sum(axis=0)), 0.05 * 9.81, places=5
+            )
         self.assertEqual(set(left.read(data).unit_state), {0.0, 1.0})
-        np.testing.assert_allclose(grasp(spec.compile()).sensordata, reference(), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(
+            grasp(spec.compile()).sensordata, reference(), rtol=0, atol=1e-12
+        )
 
     def test_touch_by_body_subtree_group_and_objects(self):
-        for touch in ("body:box", "subtree:box", "group:0", lambda spec: spec.geom("box"), lambda spec: spec.body("box"), lambda spec: [spec.geom("box")]):
+        for touch in (
+            "body:box",
+            "subtree:box",
+            "group:0",
+            lambda spec: spec.geom("box"),
+            lambda spec: spec.body("box"),
+            lambda spec: [spec.geom("box")],
+        ):
             spec = stock()
-            held(spec, touch=touch(spec) if callable(touch) else touch) if touch != "group:0" else self.by_group(spec)
-            np.testing.assert_allclose(grasp(spec.compile()).sensordata, reference(), rtol=0, atol=1e-12)
+            held(
+                spec, touch=touch(spec) if callable(touch) else touch
+            ) if touch != "group:0" else self.by_group(spec)
+            np.testing.assert_allclose(
+                grasp(spec.compile()).sensordata, reference(), rtol=0, atol=1e-12
+            )
 
     def by_group(self, spec):
         spec.geom("box").group = 3
@@ -74,9 +98,18 @@ class Attach(unittest.TestCase):
 
     def test_of_a_body_only_what_can_collide_is_touched(self):
         spec = stock()
-        spec.body("box").add_geom(name="look", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.02, 0.02, 0.03], mass=0, contype=0, conaffinity=0)
+        spec.body("box").add_geom(
+            name="look",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[0.02, 0.02, 0.03],
+            mass=0,
+            contype=0,
+            conaffinity=0,
+        )
         held(spec, touch="body:box")
-        np.testing.assert_allclose(grasp(spec.compile()).sensordata, reference(), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(
+            grasp(spec.compile()).sensordata, reference(), rtol=0, atol=1e-12
+        )
 
     def attached(self, child):
         parent = mujoco.MjSpec()
@@ -96,7 +129,9 @@ class Attach(unittest.TestCase):
     def test_after_an_attach_with_a_prefix(self):
         parent = self.attached(stock())
         held(parent, "robot/left_pad", "robot/right_pad", "robot/box")
-        np.testing.assert_allclose(grasp(parent.compile()).sensordata, reference(), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(
+            grasp(parent.compile()).sensordata, reference(), rtol=0, atol=1e-12
+        )
 
     def test_two_of_one_kind_each_with_its_own(self):
         parent = mujoco.MjSpec()
@@ -120,7 +155,9 @@ class Attach(unittest.TestCase):
         box = parent.worldbody.add_body(name="box", pos=[0, 0, 0.1])
         box.add_freejoint()
         box.add_geom(name="box", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.02, 0.02, 0.03], mass=0.1)
-        with self.assertRaisesRegex((ValueError, mujoco.FatalError), "MuJoCo's own contact between"):
+        with self.assertRaisesRegex(
+            (ValueError, mujoco.FatalError), "MuJoCo's own contact between"
+        ):
             mujoco.MjData(parent.compile())
         slipbench.mujoco.complete(parent)
         data = grasp(parent.compile())
@@ -158,21 +195,31 @@ class Attach(unittest.TestCase):
         self.assertEqual(len(spec.excludes), 0)
         with self.assertRaisesRegex(Exception, "(?s)contact.*'wall'.*contype.*conaffinity"):
             mujoco.MjData(spec.compile())
-        spec = mujoco.MjSpec.from_string(text.replace('name="wall"', 'name="wall" contype="0" conaffinity="0"'))
+        spec = mujoco.MjSpec.from_string(
+            text.replace('name="wall"', 'name="wall" contype="0" conaffinity="0"')
+        )
         slipbench.mujoco.attach_pad(spec, "pad", touch="wall", friction=0.5)
         data = grasp(spec.compile(), control=())
-        self.assertGreater(data.body("finger").xpos[2], 0.011)  # half of its height is 12 mm: it lies on the floor
+        self.assertGreater(
+            data.body("finger").xpos[2], 0.011
+        )  # half of its height is 12 mm: it lies on the floor
 
     def test_pads_of_like_names_are_told_apart(self):
         spec = stock()
         for site, name in (("left_pad", "pad"), ("right_pad", "pad_2")):
             slipbench.mujoco.attach_pad(spec, site, "box", friction=0.5, name=name)
         robot = mujoco.MjSpec()
-        robot.option.timestep, robot.option.integrator = spec.option.timestep, spec.option.integrator
+        robot.option.timestep, robot.option.integrator = (
+            spec.option.timestep,
+            spec.option.integrator,
+        )
         robot.attach(spec, prefix="robot_", frame=robot.worldbody.add_frame())
         slipbench.mujoco.complete(robot)
         data = grasp(robot.compile())
-        force = slipbench.mujoco.Pad("pad").read(data).force, slipbench.mujoco.Pad("pad_2").read(data).force
+        force = (
+            slipbench.mujoco.Pad("pad").read(data).force,
+            slipbench.mujoco.Pad("pad_2").read(data).force,
+        )
         self.assertFalse(np.shares_memory(*force))
         with self.assertRaisesRegex(InputError, "no pad 'ad_'"):
             slipbench.mujoco.Pad("ad_").read(data)
@@ -210,12 +257,31 @@ class Cpp(unittest.TestCase):
             with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
                 file.write(text)
                 file.flush()
-                said = subprocess.run([TRACE, slipbench.mujoco.plugin_path(), file.name, solver], capture_output=True, check=True).stdout
+                said = subprocess.run(
+                    [TRACE, slipbench.mujoco.plugin_path(), file.name, solver],
+                    capture_output=True,
+                    check=True,
+                ).stdout
             held(spec, solver=solver, damping=0.5e-3)
             model = spec.compile()
             sizes = np.frombuffer(said, np.int32, 6)
-            self.assertEqual(list(sizes), [model.nexclude, model.ntendon, model.nsite, model.nplugin, model.npluginstate, model.nsensordata])
-            np.testing.assert_allclose(np.frombuffer(said, np.float64, offset=sizes.nbytes), grasp(model).sensordata, rtol=0, atol=1e-12)
+            self.assertEqual(
+                list(sizes),
+                [
+                    model.nexclude,
+                    model.ntendon,
+                    model.nsite,
+                    model.nplugin,
+                    model.npluginstate,
+                    model.nsensordata,
+                ],
+            )
+            np.testing.assert_allclose(
+                np.frombuffer(said, np.float64, offset=sizes.nbytes),
+                grasp(model).sensordata,
+                rtol=0,
+                atol=1e-12,
+            )
 
 
 class Read(unittest.TestCase):
@@ -224,10 +290,29 @@ class Read(unittest.TestCase):
         pad = held(spec)[0]
         data = grasp(spec.compile(), 0.1)
         reading = pad.read(data)
-        self.assertEqual(reading.shapes, {"force": (9, 3), "displacement": (9, 3), "unit_state": (9,), "slip_velocity": (9, 2), "slip_distance": (9,),
-                                          "margin": (9,), "contact_force": (9, 3), "state": (), "state_micro": (), "stuck_fraction": ()})
-        self.assertEqual((reading.units["force"], reading.units["displacement"], reading.units["slip_velocity"]), ("N", "m", "m/s"))
-        self.assertEqual(np.concatenate([getattr(reading, name).ravel() for name in reading.shapes]).tobytes(), data.sensor("left_pad").data.tobytes())
+        self.assertEqual(
+            reading.shapes,
+            {
+                "force": (9, 3),
+                "displacement": (9, 3),
+                "unit_state": (9,),
+                "slip_velocity": (9, 2),
+                "slip_distance": (9,),
+                "margin": (9,),
+                "contact_force": (9, 3),
+                "state": (),
+                "state_micro": (),
+                "stuck_fraction": (),
+            },
+        )
+        self.assertEqual(
+            (reading.units["force"], reading.units["displacement"], reading.units["slip_velocity"]),
+            ("N", "m", "m/s"),
+        )
+        self.assertEqual(
+            np.concatenate([getattr(reading, name).ravel() for name in reading.shapes]).tobytes(),
+            data.sensor("left_pad").data.tobytes(),
+        )
         mujoco.mj_step(data.model, data)
         self.assertTrue(np.shares_memory(reading.force, data.sensordata))
         with self.assertRaisesRegex(AttributeError, "'forces'.*force, displacement"):
@@ -237,7 +322,11 @@ class Read(unittest.TestCase):
 
     def test_other_sensors_and_elements(self):
         rows = [[0.01 * i, 0, 0, 3000, 500] for i in (-1, 0, 1)]
-        for pad, channel, shape in (({"type": "papillarray", "bristles": 6}, "force", (9, 3)), (rows, "force", (3, 3)), ("myrmex", "taxels", (16, 16))):
+        for pad, channel, shape in (
+            ({"type": "papillarray", "bristles": 6}, "force", (9, 3)),
+            (rows, "force", (3, 3)),
+            ("myrmex", "taxels", (16, 16)),
+        ):
             spec = stock()
             attached = slipbench.mujoco.attach_pad(spec, "left_pad", "box", pad=pad, truth=False)
             data = mujoco.MjData(spec.compile())
@@ -256,11 +345,22 @@ class Step(unittest.TestCase):
                 self.made_for = (source.sensor, source.seed, source.trial)
 
             def layout(self):
-                return slipbench.Layout([(x, y, 0) for x in (-3e-3, 3e-3) for y in (-3e-3, 3e-3)], k_normal=7000.0, k_tangential=4000.0, units=[0, 0, 1, 1],
-                                        channels={"load": ((2, 3), "N"), "force": ((2, 3), "N")})
+                return slipbench.Layout(
+                    [(x, y, 0) for x in (-3e-3, 3e-3) for y in (-3e-3, 3e-3)],
+                    k_normal=7000.0,
+                    k_tangential=4000.0,
+                    units=[0, 0, 1, 1],
+                    channels={"load": ((2, 3), "N"), "force": ((2, 3), "N")},
+                )
 
             def measure(self, frame):
-                each = np.column_stack([4000.0 * frame["shear"][0], 4000.0 * frame["shear"][1], 7000.0 * frame["depth"]])
+                each = np.column_stack(
+                    [
+                        4000.0 * frame["shear"][0],
+                        4000.0 * frame["shear"][1],
+                        7000.0 * frame["depth"],
+                    ]
+                )
                 return {"load": each.reshape(2, 2, 3).sum(axis=1), "force": frame["force"]}
 
         spec = stock()
@@ -271,7 +371,10 @@ class Step(unittest.TestCase):
         self.assertGreater(np.abs(read.force).max(), 1.0)
         np.testing.assert_allclose(read.load, read.force, atol=2e-6)  # float32
         self.assertEqual(set(read.unit_state), {1.0})
-        Twin.measure = lambda self, frame: {"load": np.full((2, 3), np.nan), "force": frame["force"]}
+        Twin.measure = lambda self, frame: {
+            "load": np.full((2, 3), np.nan),
+            "force": frame["force"],
+        }
         with self.assertRaisesRegex(InputError, r"^measure\(\) .*load .*finite.* 0 s"):
             data = mujoco.MjData(spec.compile())
             mujoco.mj_forward(data.model, data)
@@ -282,9 +385,17 @@ class Step(unittest.TestCase):
         # rad/s, and a step of 1/omega is stable.
         spec = mujoco.MjSpec.from_string("""<mujoco><worldbody><geom name="plate" type="plane" size="1 1 1" contype="0" conaffinity="0"/>
             <body pos="0 0 0.2"><joint type="slide" axis="0 0 1"/><geom size="0.01" mass="2"/><site name="pad"/></body></worldbody></mujoco>""")
-        slipbench.mujoco.attach_pad(spec, "pad", "plate", pad=[[x, y, 0, 1000, 200] for x in (-0.01, 0.01) for y in (-0.01, 0.01)], damping=1e-4)
+        slipbench.mujoco.attach_pad(
+            spec,
+            "pad",
+            "plate",
+            pad=[[x, y, 0, 1000, 200] for x in (-0.01, 0.01) for y in (-0.01, 0.01)],
+            damping=1e-4,
+        )
         model = spec.compile()
-        self.assertAlmostEqual(slipbench.mujoco.max_timestep(model), 1 / math.sqrt(2000), delta=1e-9)
+        self.assertAlmostEqual(
+            slipbench.mujoco.max_timestep(model), 1 / math.sqrt(2000), delta=1e-9
+        )
 
     def test_of_a_grip_it_is_what_the_steps_bear(self):
         longest = slipbench.mujoco.max_timestep(mujoco.MjModel.from_xml_path(str(HOLD)))
@@ -302,7 +413,9 @@ class Step(unittest.TestCase):
 
 class Versions(unittest.TestCase):
     def test_the_extra_render_brings_a_version_that_has_a_build(self):
-        extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+        extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+            "optional-dependencies"
+        ]
         self.assertIn(f"mujoco-core=={slipbench.mujoco.builds()[-1]}", extras["render"])
 
     def test_another_version_is_refused_with_the_supported_ones(self):
@@ -311,17 +424,27 @@ class Versions(unittest.TestCase):
         with self.assertRaisesRegex(InputError, f"2.9.9.*{', '.join(builds)}"):
             slipbench.mujoco.plugin_path("2.9.9")
         code = "import mujoco; mujoco.__version__ = '2.9.9'\ntry: import slipbench.mujoco\nexcept ValueError as error: print(error)"
-        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        said = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
         self.assertIn("MuJoCo 2.9.9 has no build", said)
         self.assertIn(f"pip install mujoco-core=={builds[-1]}", said)
         self.assertIn(mujoco.__version__, said)
 
     def test_simulations_and_the_plugin_share_a_process(self):
-        simulate = "import slipbench; print(slipbench.Scene.load('bodies/held_box.yaml').run().sha256)"
-        hold = ("import slipbench.mujoco, mujoco; m = mujoco.MjModel.from_xml_path(%r); d = mujoco.MjData(m); mujoco.mj_step(m, d, 100); "
-                "print(d.sensordata.tobytes().hex())" % str(HOLD))
-        said = [subprocess.run([sys.executable, "-c", f"{a}\n{b}"], capture_output=True, text=True, check=True).stdout.split()
-                for a, b in ((simulate, hold), (hold, simulate))]
+        simulate = (
+            "import slipbench; print(slipbench.Scene.load('bodies/held_box.yaml').run().sha256)"
+        )
+        hold = (
+            "import slipbench.mujoco, mujoco; m = mujoco.MjModel.from_xml_path(%r); d = mujoco.MjData(m); mujoco.mj_step(m, d, 100); "
+            "print(d.sensordata.tobytes().hex())" % str(HOLD)
+        )
+        said = [
+            subprocess.run(
+                [sys.executable, "-c", f"{a}\n{b}"], capture_output=True, text=True, check=True
+            ).stdout.split()
+            for a, b in ((simulate, hold), (hold, simulate))
+        ]
         self.assertEqual(said[0], said[1][::-1])
 
 

@@ -54,7 +54,9 @@ class OutputTest(unittest.TestCase):
 
     def test_a_pipe_and_a_folder_are_refused(self):
         os.mkfifo(self.partial)
-        with self.assertRaisesRegex(slipbench.InputError, "a.bin.partial: it is not a regular file"):
+        with self.assertRaisesRegex(
+            slipbench.InputError, "a.bin.partial: it is not a regular file"
+        ):
             write_whole(self.path, b"new")
         self.partial.unlink()
         self.partial.mkdir()
@@ -64,7 +66,9 @@ class OutputTest(unittest.TestCase):
 
     def test_one_run_writes_a_file_at_a_time(self):
         with create_locked(self.partial) as file:
-            with self.assertRaisesRegex(slipbench.InputError, "a.bin.partial: another run is writing it"):
+            with self.assertRaisesRegex(
+                slipbench.InputError, "a.bin.partial: another run is writing it"
+            ):
                 write_whole(self.path, b"new")
             file.write(b"kept")
             file.flush()
@@ -82,7 +86,10 @@ class OutputTest(unittest.TestCase):
             self.partial.write_bytes(b"of the other run")
             lock(descriptor, kind)
 
-        with mock.patch.object(_output.fcntl, "flock", late), self.assertRaisesRegex(slipbench.InputError, "another run is writing it"):
+        with (
+            mock.patch.object(_output.fcntl, "flock", late),
+            self.assertRaisesRegex(slipbench.InputError, "another run is writing it"),
+        ):
             create_locked(self.partial)
         self.assertEqual(self.partial.read_bytes(), b"of the other run")
 
@@ -105,28 +112,61 @@ class OutputTest(unittest.TestCase):
                 files.publish()
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, before)
-        self.assertEqual((self.path.read_bytes(), other.read_bytes(), self.names()), (b"1", b"2", ["a.bin", "b.bin"]))
+        self.assertEqual(
+            (self.path.read_bytes(), other.read_bytes(), self.names()),
+            (b"1", b"2", ["a.bin", "b.bin"]),
+        )
 
 
 class EntryTest(unittest.TestCase):
     """Every command in Python ends as the program ends: a status, and one message."""
 
     def run_entry(self, body, **options):
-        return subprocess.run([sys.executable, "-c", ENTRY.format(body)], capture_output=True, text=True, check=False, **options)
+        return subprocess.run(
+            [sys.executable, "-c", ENTRY.format(body)],
+            capture_output=True,
+            text=True,
+            check=False,
+            **options,
+        )
 
     def test_every_error_is_one_message(self):
         for body, status, message in (
             ("return 0", 0, ""),
-            ("from slipbench import InputError; raise InputError('a.csv:1: no')", 2, "slipbench: a.csv:1: no\n"),
-            ("raise OSError(28, 'No space left on device')", 2, "slipbench: cannot write out.h5: No space left on device\n"),
+            (
+                "from slipbench import InputError; raise InputError('a.csv:1: no')",
+                2,
+                "slipbench: a.csv:1: no\n",
+            ),
+            (
+                "raise OSError(28, 'No space left on device')",
+                2,
+                "slipbench: cannot write out.h5: No space left on device\n",
+            ),
             ("open('no/file')", 2, "slipbench: no/file: No such file or directory\n"),
             ("raise MemoryError", 2, "slipbench: out of memory\n"),
             ("raise KeyboardInterrupt", 130, "slipbench: interrupted; nothing is kept\n"),
             ("raise Interrupted", 130, "slipbench: interrupted; nothing is kept\n"),
-            ("import no_such_package", 2, f"slipbench: x needs the Python package no_such_package, which {sys.executable} does not have; install it: pip install no_such_package\n"),
-            ("raise RuntimeError('one\\ntwo')", 2, "slipbench: internal error, please report it: RuntimeError: one"),
-            ("work()", 2, "slipbench: internal error, please report it: RecursionError: maximum recursion depth exceeded"),
-            ("from slipbench import InputError; raise InputError('\\x1b[31m \\u202e')", 2, "slipbench: \\x1b[31m "),
+            (
+                "import no_such_package",
+                2,
+                f"slipbench: x needs the Python package no_such_package, which {sys.executable} does not have; install it: pip install no_such_package\n",
+            ),
+            (
+                "raise RuntimeError('one\\ntwo')",
+                2,
+                "slipbench: internal error, please report it: RuntimeError: one",
+            ),
+            (
+                "work()",
+                2,
+                "slipbench: internal error, please report it: RecursionError: maximum recursion depth exceeded",
+            ),
+            (
+                "from slipbench import InputError; raise InputError('\\x1b[31m \\u202e')",
+                2,
+                "slipbench: \\x1b[31m ",
+            ),
         ):
             with self.subTest(body):
                 done = self.run_entry(body)
@@ -137,24 +177,52 @@ class EntryTest(unittest.TestCase):
 
     def test_an_internal_error_names_its_place(self):
         done = self.run_entry("import slipbench._values as v; v.plain(1, 2).x")
-        self.assertRegex(done.stderr, r"^slipbench: internal error, please report it: AttributeError: 'int' object has no attribute 'x', at _program\.py:\d+\n$")
+        self.assertRegex(
+            done.stderr,
+            r"^slipbench: internal error, please report it: AttributeError: 'int' object has no attribute 'x', at _program\.py:\d+\n$",
+        )
 
     def test_a_result_that_cannot_be_printed_is_an_error(self):
         body = "return write_result(lambda: print('x' * 100000))"
         with open("/dev/full", "w", encoding="utf-8") as full:
-            done = subprocess.run([sys.executable, "-c", ENTRY.format(body)], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-        self.assertEqual((done.returncode, done.stderr), (2, "slipbench: cannot write to standard output: No space left on device\n"))
-        done = subprocess.run(["sh", "-c", '"$0" -c "$1" >&-', sys.executable, ENTRY.format(body)], capture_output=True, text=True, check=False)
-        self.assertEqual((done.returncode, done.stderr), (2, "slipbench: cannot write to standard output: Bad file descriptor\n"))
+            done = subprocess.run(
+                [sys.executable, "-c", ENTRY.format(body)],
+                stdout=full,
+                stderr=subprocess.PIPE,
+                text=True,
+                check=False,
+            )
+        self.assertEqual(
+            (done.returncode, done.stderr),
+            (2, "slipbench: cannot write to standard output: No space left on device\n"),
+        )
+        done = subprocess.run(
+            ["sh", "-c", '"$0" -c "$1" >&-', sys.executable, ENTRY.format(body)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        self.assertEqual(
+            (done.returncode, done.stderr),
+            (2, "slipbench: cannot write to standard output: Bad file descriptor\n"),
+        )
         # The reader has closed the pipe: SIGPIPE ends the process, without a message.
         reading, writing = os.pipe()
         os.close(reading)
-        done = subprocess.run([sys.executable, "-c", ENTRY.format(body)], stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-c", ENTRY.format(body)],
+            stdout=writing,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
         os.close(writing)
         self.assertEqual((done.returncode, done.stderr), (-signal.SIGPIPE, ""))
         # Messages that cannot be written do not change the status.
         with open("/dev/full", "w", encoding="utf-8") as full:
-            done = subprocess.run([sys.executable, "-c", ENTRY.format("raise MemoryError")], stderr=full, check=False)
+            done = subprocess.run(
+                [sys.executable, "-c", ENTRY.format("raise MemoryError")], stderr=full, check=False
+            )
         self.assertEqual(done.returncode, 2)
 
 
@@ -163,15 +231,22 @@ class TextTest(unittest.TestCase):
         self.assertEqual(printable("a\x1b[2Jb\x7f\u0085"), "a\\x1b[2Jb\\x7f\\xc2\\x85")
         self.assertEqual(printable("a\nb"), "a\\x0ab")
         self.assertEqual(printable("a\nb", lines=True), "a\nb")
-        self.assertEqual(printable("\udce9.h5"), "\\udce9.h5")  # the name of a file that is not UTF-8
+        self.assertEqual(
+            printable("\udce9.h5"), "\\udce9.h5"
+        )  # the name of a file that is not UTF-8
 
     def test_cards_hold_no_html_links_or_code_of_a_dataset(self):
         # By CommonMark, "<" begins HTML, "[" a link or an image, "`" ends a code span that it began.
-        self.assertEqual(card._text("<script>&[a](b)`c`\n\x1b"), "&lt;script&gt;&amp;\\[a\\](b)\\`c\\` \\\\x1b")
+        self.assertEqual(
+            card._text("<script>&[a](b)`c`\n\x1b"), "&lt;script&gt;&amp;\\[a\\](b)\\`c\\` \\\\x1b"
+        )
         self.assertEqual(card._code("force"), "`force`")
         self.assertEqual(card._code("a`<b>"), "``a`<b>``")
         self.assertEqual(card._code("`a``"), "``` `a`` ```")
-        self.assertEqual(card._yaml("slipbench recordings of papillarray, taxels"), "slipbench recordings of papillarray, taxels")
+        self.assertEqual(
+            card._yaml("slipbench recordings of papillarray, taxels"),
+            "slipbench recordings of papillarray, taxels",
+        )
         self.assertEqual(card._yaml("x\nlicense: mit"), '"x\\nlicense: mit"')
 
 

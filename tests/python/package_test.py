@@ -14,7 +14,6 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-
 import slipbench
 
 PROGRAM = sys.argv.pop(1)
@@ -29,25 +28,51 @@ def command_line(folder, *words):
 
 class Trials(unittest.TestCase):
     def test_digests_are_those_of_the_command_line(self):
-        for scene, sets in (("papillarray/stage.yaml", {"motion.speed": "8 mm/s"}), ("grasp/lift.yaml", {"duration": "2 s", "motion.distance": "10 mm"}),
-                            ("piezo_skin/slide.yaml", {})):
+        for scene, sets in (
+            ("papillarray/stage.yaml", {"motion.speed": "8 mm/s"}),
+            ("grasp/lift.yaml", {"duration": "2 s", "motion.distance": "10 mm"}),
+            ("piezo_skin/slide.yaml", {}),
+        ):
             with self.subTest(scene=scene), tempfile.TemporaryDirectory() as folder:
-                words = [word for path, value in sets.items() for word in ("--set", f"{path}={value}")]
-                path = command_line(folder, "run", str(slipbench.scenes() / scene), *words, "--seed", "5", "--trials", "2")
+                words = [
+                    word for path, value in sets.items() for word in ("--set", f"{path}={value}")
+                ]
+                path = command_line(
+                    folder,
+                    "run",
+                    str(slipbench.scenes() / scene),
+                    *words,
+                    "--seed",
+                    "5",
+                    "--trials",
+                    "2",
+                )
                 with slipbench.open(path) as stored:
                     self.assertEqual(stored.trials, [0, 1])
                     for number, trial in stored.items():
                         simulated = slipbench.Scene.load(scene).set(sets).run(number, seed=5)
                         self.assertEqual(simulated.sha256, trial.sha256)
-                        self.assertEqual((simulated.outcome, simulated.params), (trial.outcome, trial.params))
+                        self.assertEqual(
+                            (simulated.outcome, simulated.params), (trial.outcome, trial.params)
+                        )
 
     def test_written_datasets_are_those_of_the_command_line(self):
         sweep = {"motion.speed": ["2 mm/s", "4 mm/s"], "trials": 2}
         with tempfile.TemporaryDirectory() as folder:
-            path = command_line(folder, "sweep", str(slipbench.scenes() / "papillarray/stage.yaml"), "--set", "sweep=" + json.dumps(sweep))
+            path = command_line(
+                folder,
+                "sweep",
+                str(slipbench.scenes() / "papillarray/stage.yaml"),
+                "--set",
+                "sweep=" + json.dumps(sweep),
+            )
             own = str(Path(folder) / "own.h5")
             told = []
-            summary = slipbench.Scene.load("papillarray/stage.yaml").set(sweep=sweep).write(own, jobs=2, progress=lambda *at: told.append(at))
+            summary = (
+                slipbench.Scene.load("papillarray/stage.yaml")
+                .set(sweep=sweep)
+                .write(own, jobs=2, progress=lambda *at: told.append(at))
+            )
             self.assertEqual(sorted(told), told)
             self.assertEqual(told[-1], (4, 4))
             self.assertEqual(summary["files"], [own])
@@ -55,7 +80,9 @@ class Trials(unittest.TestCase):
                 self.assertEqual(one.attrs["content_sha256"], other.attrs["content_sha256"])
 
     def test_a_sweep_gives_every_trial_in_order_whatever_the_threads(self):
-        scene = slipbench.Scene.load("papillarray/stage.yaml").set(sweep={"motion.speed": ["1 mm/s", "2 mm/s", "4 mm/s"], "trials": 2})
+        scene = slipbench.Scene.load("papillarray/stage.yaml").set(
+            sweep={"motion.speed": ["1 mm/s", "2 mm/s", "4 mm/s"], "trials": 2}
+        )
         self.assertEqual(scene.trials(), 6)
         one = [trial.sha256 for trial in scene.sweep(jobs=1)]
         self.assertEqual([trial.sha256 for trial in scene.sweep(jobs=4)], one)
@@ -86,38 +113,88 @@ class Trials(unittest.TestCase):
         self.assertGreater(trial.outcome["first_slip_time_s"], 0.0)
 
     def test_bodies_and_control_stand_beside_the_sensors(self):
-        trial = slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "motion.distance": "10 mm"}).run()
+        trial = (
+            slipbench.Scene.load("grasp/lift.yaml")
+            .set({"duration": "2 s", "motion.distance": "10 mm"})
+            .run()
+        )
         samples = len(trial.control.t)
         self.assertEqual(trial.control.command.shape, (samples, 3))
-        self.assertEqual((trial.control.detector, trial.control.controller), ("gst_hd", "step_on_slip"))
+        self.assertEqual(
+            (trial.control.detector, trial.control.controller), ("gst_hd", "step_on_slip")
+        )
         self.assertEqual(trial.bodies["box"]["pose"].shape[1], 7)
 
     def test_stored_trials_look_as_simulated_ones(self):
-        scene = slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "motion.distance": "10 mm"})
+        scene = slipbench.Scene.load("grasp/lift.yaml").set(
+            {"duration": "2 s", "motion.distance": "10 mm"}
+        )
         one = scene.run()
         with tempfile.TemporaryDirectory() as folder:
             scene.write(folder + "/lift.h5", trials=1)
             with slipbench.open(folder + "/lift.h5") as data:
                 other = data[0]
-                for simulated, stored in ((one.sensors["pad"], other.sensors["pad"]), (one.labels["pad"], other.labels["pad"]),
-                                          (one.bodies["box"], other.bodies["box"]), (one.control, other.control)):
+                for simulated, stored in (
+                    (one.sensors["pad"], other.sensors["pad"]),
+                    (one.labels["pad"], other.labels["pad"]),
+                    (one.bodies["box"], other.bodies["box"]),
+                    (one.control, other.control),
+                ):
                     with self.subTest(name=type(stored).__name__):
-                        self.assertEqual({name for name in set(dir(simulated)) - set(dir(stored)) if not name.startswith("_")}, set())
-                        self.assertEqual((repr(stored), stored._repr_html_()), (repr(simulated), simulated._repr_html_()))
+                        self.assertEqual(
+                            {
+                                name
+                                for name in set(dir(simulated)) - set(dir(stored))
+                                if not name.startswith("_")
+                            },
+                            set(),
+                        )
+                        self.assertEqual(
+                            (repr(stored), stored._repr_html_()),
+                            (repr(simulated), simulated._repr_html_()),
+                        )
                         for name, shape, _ in simulated._rows():
                             self.assertEqual(getattr(stored, name).shape, shape)
                             self.assertFalse(getattr(stored, name).flags.writeable, name)
                 self.assertFalse(other.sensors["pad"].channels["force"].flags.writeable)
 
     def test_a_check_is_that_of_the_command_line(self):
-        path, expect = slipbench.scenes() / "grasp/lift.yaml", {"dropped": False, "max_slip": "0.1 mm"}
+        path, expect = (
+            slipbench.scenes() / "grasp/lift.yaml",
+            {"dropped": False, "max_slip": "0.1 mm"},
+        )
         with tempfile.TemporaryDirectory() as folder:  # a failed check leaves its evidence there
-            done = subprocess.run([str(Path(PROGRAM).resolve()), "check", str(path), "--set", "duration=2.5 s", "--set", "motion.distance=30 mm", "--set", "expect=" + json.dumps(expect),
-                                   "--trials", "2", "--json"], capture_output=True, text=True, check=False, cwd=folder)
+            done = subprocess.run(
+                [
+                    str(Path(PROGRAM).resolve()),
+                    "check",
+                    str(path),
+                    "--set",
+                    "duration=2.5 s",
+                    "--set",
+                    "motion.distance=30 mm",
+                    "--set",
+                    "expect=" + json.dumps(expect),
+                    "--trials",
+                    "2",
+                    "--json",
+                ],
+                capture_output=True,
+                text=True,
+                check=False,
+                cwd=folder,
+            )
         told = json.loads(done.stdout)["scenes"][0]
-        check = slipbench.Scene.load(path).set({"duration": "2.5 s", "motion.distance": "30 mm", "expect": expect}).check(draws=2)
+        check = (
+            slipbench.Scene.load(path)
+            .set({"duration": "2.5 s", "motion.distance": "30 mm", "expect": expect})
+            .check(draws=2)
+        )
         self.assertEqual(check.verdict, told["verdict"])
-        self.assertEqual([one["kept"] for one in check.expectations], [one["kept"] for one in told["expectations"]])
+        self.assertEqual(
+            [one["kept"] for one in check.expectations],
+            [one["kept"] for one in told["expectations"]],
+        )
 
 
 class Warnings(unittest.TestCase):
@@ -136,60 +213,110 @@ class Warnings(unittest.TestCase):
         return [str(one.message) for one in caught], result
 
     def command_lines(self, verb, scene, sets, *words):
-        sets = [word for path, value in sets.items() for word in ("--set", f"{path}={value if isinstance(value, str) else json.dumps(value)}")]
-        done = subprocess.run([PROGRAM, verb, scene, *sets, *words, "--json"], capture_output=True, text=True, check=True)
+        sets = [
+            word
+            for path, value in sets.items()
+            for word in (
+                "--set",
+                f"{path}={value if isinstance(value, str) else json.dumps(value)}",
+            )
+        ]
+        done = subprocess.run(
+            [PROGRAM, verb, scene, *sets, *words, "--json"],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         return [one["text"] for one in json.loads(done.stdout)["warnings"]]
 
     def test_a_value_is_warned_of_where_it_is_set(self):
         brief = {"duration": "2.5 s"}
-        for scene, sets in ((self.STAGE, {"motion.speed": 8}), (self.STAGE, {"motion.start": "3 s"}), (self.STAGE, {"motion.speed": [2, 4]}),
-                            (self.LIFT, {"motion.speed": 5, "motion.distance": "10 mm"})):
+        for scene, sets in (
+            (self.STAGE, {"motion.speed": 8}),
+            (self.STAGE, {"motion.start": "3 s"}),
+            (self.STAGE, {"motion.speed": [2, 4]}),
+            (self.LIFT, {"motion.speed": 5, "motion.distance": "10 mm"}),
+        ):
             verb = "run"
             if isinstance(sets.get("motion.speed"), list):
                 sets, verb = {"sweep": sets}, "sweep"
             with self.subTest(sets=sets):
                 expected = self.command_lines(verb, scene, {**brief, **sets})
                 self.assertEqual(len(expected), 1, expected)
-                told, made = self.told(lambda scene=scene, sets=sets: slipbench.Scene.load(scene).set({**brief, **sets}))
+                told, made = self.told(
+                    lambda scene=scene, sets=sets: slipbench.Scene.load(scene).set(
+                        {**brief, **sets}
+                    )
+                )
                 self.assertEqual(told, expected)
-                self.assertEqual(self.told(lambda made=made: made.set(seed=3).run(record="outcome"))[0], [], "said twice")
+                self.assertEqual(
+                    self.told(lambda made=made: made.set(seed=3).run(record="outcome"))[0],
+                    [],
+                    "said twice",
+                )
 
     def test_what_takes_a_look_at_sensors_is_warned_of_before_trials_run(self):
         deep = {"duration": "2.1 s", "motion.compression": "5 mm"}
         expected = self.command_lines("run", self.STAGE, deep)
         self.assertIn("motion.compression", " ".join(expected))
         scene = slipbench.Scene.load(self.STAGE)
-        self.assertEqual(sorted(self.told(lambda: scene.set(deep).run(record="outcome"))[0]), sorted(expected))
-        self.assertEqual(sorted(self.told(lambda: list(scene.set(deep).sweep(record="outcome")))[0]), sorted(expected))
+        self.assertEqual(
+            sorted(self.told(lambda: scene.set(deep).run(record="outcome"))[0]), sorted(expected)
+        )
+        self.assertEqual(
+            sorted(self.told(lambda: list(scene.set(deep).sweep(record="outcome")))[0]),
+            sorted(expected),
+        )
 
     def test_a_dataset_without_a_part_is_warned_of(self):
-        sets = {"duration": "2 s", "motion.distance": "10 mm", "sweep": {"surface.material": ["ptfe", "felt"]}}
+        sets = {
+            "duration": "2 s",
+            "motion.distance": "10 mm",
+            "sweep": {"surface.material": ["ptfe", "felt"]},
+        }
         with tempfile.TemporaryDirectory() as folder:
             expected = self.command_lines("sweep", self.LIFT, sets, "-o", folder + "/command.h5")
             self.assertEqual(len(expected), 1, expected)
-            self.assertEqual(self.told(lambda: slipbench.Scene.load(self.LIFT).set(sets).write(folder + "/own.h5"))[0], expected)
+            self.assertEqual(
+                self.told(
+                    lambda: slipbench.Scene.load(self.LIFT).set(sets).write(folder + "/own.h5")
+                )[0],
+                expected,
+            )
 
     def test_environments_warn_when_they_are_made(self):
         import gymnasium
-
         import slipbench.gym
 
         sets = {"motion.speed": 5, "motion.distance": "10 mm"}
         expected = self.command_lines("run", self.LIFT, sets)
         for make in (slipbench.gym.GraspEnv, slipbench.gym.GraspVectorEnv):
-            self.assertEqual(self.told(lambda make=make: make(scene=self.LIFT, values=sets))[0], expected)
+            self.assertEqual(
+                self.told(lambda make=make: make(scene=self.LIFT, values=sets))[0], expected
+            )
         with self.assertWarnsRegex(UserWarning, "5 has no unit, so it is in m/s"):
             gymnasium.make("slipbench/Grasp-v0", values=sets)
-        self.assertEqual(self.told(lambda: slipbench.gym.StageSlipEnv(self.STAGE, {"duration": "2.5 s", "motion.speed": 8}))[0],
-                         self.command_lines("run", self.STAGE, {"duration": "2.5 s", "motion.speed": 8}))
+        self.assertEqual(
+            self.told(
+                lambda: slipbench.gym.StageSlipEnv(
+                    self.STAGE, {"duration": "2.5 s", "motion.speed": 8}
+                )
+            )[0],
+            self.command_lines("run", self.STAGE, {"duration": "2.5 s", "motion.speed": 8}),
+        )
 
 
 class Errors(unittest.TestCase):
     def test_bad_input_is_the_programs_own_message(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "stage.yaml"
-            path.write_text("slipbench: 1\nduration: 1 s\nmotion: {sped: 1 mm/s}\nsensors: {pad: {type: papillarray}}\n")
-            with self.assertRaisesRegex(slipbench.InputError, r"stage.yaml:3: unknown key 'sped' in motion; did you mean 'speed'"):
+            path.write_text(
+                "slipbench: 1\nduration: 1 s\nmotion: {sped: 1 mm/s}\nsensors: {pad: {type: papillarray}}\n"
+            )
+            with self.assertRaisesRegex(
+                slipbench.InputError,
+                r"stage.yaml:3: unknown key 'sped' in motion; did you mean 'speed'",
+            ):
                 slipbench.Scene.load(path)
         with self.assertRaisesRegex(ValueError, "--set motion.speed=fast"):
             slipbench.Scene.load("papillarray/stage.yaml").set({"motion.speed": "fast"})
@@ -200,16 +327,26 @@ class Errors(unittest.TestCase):
 
     def test_counts_that_cannot_be_are_named(self):
         scene = slipbench.Scene.load("papillarray/stage.yaml")
-        for call, told in ((lambda: scene.sweep(jobs=-1), "jobs=-1; allowed"), (lambda: scene.run(seed=-1), "seed=-1; allowed"),
-                           (lambda: scene.run(seed=2**64), "allowed"), (lambda: scene.check(draws=-2), "draws=-2; allowed"),
-                           (lambda: scene.write("never.h5", draws=3, trials=2), "draws=3.*trials=2")):
+        for call, told in (
+            (lambda: scene.sweep(jobs=-1), "jobs=-1; allowed"),
+            (lambda: scene.run(seed=-1), "seed=-1; allowed"),
+            (lambda: scene.run(seed=2**64), "allowed"),
+            (lambda: scene.check(draws=-2), "draws=-2; allowed"),
+            (lambda: scene.write("never.h5", draws=3, trials=2), "draws=3.*trials=2"),
+        ):
             with self.subTest(told=told), self.assertRaisesRegex(slipbench.InputError, told):
                 call()
         self.assertFalse(Path("never.h5").exists())
 
     def test_interrupts_go_back_to_python_when_the_last_thread_is_done(self):
-        scene, before = slipbench.Scene.load("papillarray/stage.yaml"), signal.getsignal(signal.SIGINT)
-        threads = [threading.Thread(target=lambda: [scene.run(k, record="outcome") for k in range(10)]) for _ in range(3)]
+        scene, before = (
+            slipbench.Scene.load("papillarray/stage.yaml"),
+            signal.getsignal(signal.SIGINT),
+        )
+        threads = [
+            threading.Thread(target=lambda: [scene.run(k, record="outcome") for k in range(10)])
+            for _ in range(3)
+        ]
         for thread in threads:
             thread.start()
         for thread in threads:
@@ -221,7 +358,9 @@ class Errors(unittest.TestCase):
     def test_channels_of_another_rate_are_named(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "nib.h5"
-            slipbench.Scene.load("nib_pad/reorient.yaml").set({"duration": "1 s"}).write(path, trials=1)
+            slipbench.Scene.load("nib_pad/reorient.yaml").set({"duration": "1 s"}).write(
+                path, trials=1
+            )
             with slipbench.open(path) as data:
                 name = next(iter(data[0].sensors))
                 rates = {channel: len(values) for channel, values in data[0].sensors[name].items()}
@@ -243,7 +382,9 @@ class Datasets(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = str(Path(cls.folder.name) / "speeds.h5")
         scene = slipbench.Scene.load("papillarray/stage.yaml")
-        scene.set(sweep={"motion.speed": ["2 mm/s", "4 mm/s", "8 mm/s"], "trials": 2}).write(cls.path)
+        scene.set(sweep={"motion.speed": ["2 mm/s", "4 mm/s", "8 mm/s"], "trials": 2}).write(
+            cls.path
+        )
 
     @classmethod
     def tearDownClass(cls):
@@ -269,8 +410,13 @@ class Datasets(unittest.TestCase):
             for index in (0, each - 1, each, 3 * each + 5, len(windows) - 1):
                 trial, first = data[index // each], index % each * stride
                 values, slips = windows[index]
-                np.testing.assert_array_equal(values, trial.sensors["pad"]["force"][first : first + length].reshape(length, -1))
-                self.assertEqual(slips, int(trial.labels["pad"]["state_micro"][first + length - 1] >= 2))
+                np.testing.assert_array_equal(
+                    values,
+                    trial.sensors["pad"]["force"][first : first + length].reshape(length, -1),
+                )
+                self.assertEqual(
+                    slips, int(trial.labels["pad"]["state_micro"][first + length - 1] >= 2)
+                )
             self.assertEqual(windows[-1][1], windows[len(windows) - 1][1])
             self.assertEqual(len(windows[2:5]), 3)
             with self.assertRaises(IndexError):
@@ -293,14 +439,22 @@ class Datasets(unittest.TestCase):
 
     def test_windows_of_trials_that_differ_are_refused(self):
         with tempfile.TemporaryDirectory() as folder:
-            scene = slipbench.Scene.from_text("slipbench: 1\nduration: 0.3 s\nsensors: {pad: {type: papillarray, rate: 1 kHz}}\n")
+            scene = slipbench.Scene.from_text(
+                "slipbench: 1\nduration: 0.3 s\nsensors: {pad: {type: papillarray, rate: 1 kHz}}\n"
+            )
             path = Path(folder, "rates.h5")
             scene.set({"sweep": {"sensors.pad.rate": ["1 kHz", "100 Hz"], "trials": 2}}).write(path)
             with slipbench.open(path) as data:
                 # 40 samples are 40 ms and 400 ms.
-                with self.assertRaisesRegex(slipbench.InputError, r"trial 2: sensor 'pad' has 100 Hz, but 1000 Hz in trial 0.*trials=\[2, 3\]"):
+                with self.assertRaisesRegex(
+                    slipbench.InputError,
+                    r"trial 2: sensor 'pad' has 100 Hz, but 1000 Hz in trial 0.*trials=\[2, 3\]",
+                ):
                     data.windows(length=4)
-                self.assertEqual(len(data.windows(length=4, stride=4, trials=[2, 3])), 2 * ((len(data[2].sensors["pad"].t) - 4) // 4 + 1))
+                self.assertEqual(
+                    len(data.windows(length=4, stride=4, trials=[2, 3])),
+                    2 * ((len(data[2].sensors["pad"].t) - 4) // 4 + 1),
+                )
                 with self.assertRaisesRegex(slipbench.InputError, "trials: 7; allowed"):
                     data.windows(length=4, trials=[0, 7])
             path = Path(folder, "durations.h5")
@@ -308,17 +462,27 @@ class Datasets(unittest.TestCase):
             with slipbench.open(path) as data:
                 samples = [len(data[trial].sensors["pad"].t) for trial in (0, 1)]
                 self.assertGreater(samples[0], samples[1])
-                with self.assertRaisesRegex(slipbench.InputError, f"length 1000: the longest trial, 0, has {samples[0]} samples; allowed: 1 to {samples[0]}"):
+                with self.assertRaisesRegex(
+                    slipbench.InputError,
+                    f"length 1000: the longest trial, 0, has {samples[0]} samples; allowed: 1 to {samples[0]}",
+                ):
                     data.windows(length=1000)
-                with self.assertWarnsRegex(UserWarning, f"1 of 2 trials has fewer than {samples[0]} samples and no window: 1"):
+                with self.assertWarnsRegex(
+                    UserWarning,
+                    f"1 of 2 trials has fewer than {samples[0]} samples and no window: 1",
+                ):
                     self.assertEqual(len(data.windows(length=samples[0])), 1)
-                with self.assertRaisesRegex(slipbench.InputError, "trial 0: channel 'nope' is not there; allowed: .*'force'"):
+                with self.assertRaisesRegex(
+                    slipbench.InputError, "trial 0: channel 'nope' is not there; allowed: .*'force'"
+                ):
                     data.windows(length=4, channels=["nope"])
 
     def test_windows_without_trials_are_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "one.h5")
-            slipbench.Scene.from_text("slipbench: 1\nduration: 0.1 s\nsensors: {pad: {type: papillarray}}\n").write(path)
+            slipbench.Scene.from_text(
+                "slipbench: 1\nduration: 0.1 s\nsensors: {pad: {type: papillarray}}\n"
+            ).write(path)
             with slipbench.open(path) as data:
                 # The only trial is in one of the three masks.
                 sizes = {part: len(data.mask(part)) for part in ("train", "valid", "test")}
@@ -330,15 +494,25 @@ class Datasets(unittest.TestCase):
                         continue
                     with self.assertRaises(slipbench.InputError) as caught:
                         data.windows(length=10, part=part)
-                    self.assertEqual(str(caught.exception), f"part '{part}' has no trials; trials in the masks: {masks}, of 1 in the dataset")
+                    self.assertEqual(
+                        str(caught.exception),
+                        f"part '{part}' has no trials; trials in the masks: {masks}, of 1 in the dataset",
+                    )
                 with self.assertRaises(slipbench.InputError) as caught:
                     data.windows(length=10, trials=[])
-                self.assertEqual(str(caught.exception), f"trials: found an empty list; expected numbers of trials, or None for all of them; trials in the masks: {masks}")
+                self.assertEqual(
+                    str(caught.exception),
+                    f"trials: found an empty list; expected numbers of trials, or None for all of them; trials in the masks: {masks}",
+                )
 
     def test_what_cannot_be_asked_for_is_said(self):
         with slipbench.open(self.path) as data:
-            for wrong, told in (({"length": 0}, "length 0"), ({"length": 4, "labels": "strickt"}, "labels 'strickt'.*'strict'"),
-                                ({"length": 4, "sensor": "skin"}, "sensor 'skin'.*'pad'"), ({"length": 4, "part": "rest"}, "part 'rest'.*'train'")):
+            for wrong, told in (
+                ({"length": 0}, "length 0"),
+                ({"length": 4, "labels": "strickt"}, "labels 'strickt'.*'strict'"),
+                ({"length": 4, "sensor": "skin"}, "sensor 'skin'.*'pad'"),
+                ({"length": 4, "part": "rest"}, "part 'rest'.*'train'"),
+            ):
                 with self.subTest(wrong=wrong), self.assertRaisesRegex(slipbench.InputError, told):
                     data.windows(**wrong)
 
@@ -351,7 +525,10 @@ class Datasets(unittest.TestCase):
             group["force"] = h5py.ExternalLink(self.path, "/data/demo_0/sensors/pad/force")
         with self.assertRaisesRegex(slipbench.InputError, "linked.h5: .*is a link to another file"):
             slipbench.open(linked)
-        with slipbench.open(linked, check=False) as data, self.assertRaisesRegex(slipbench.InputError, "is a link to another file"):
+        with (
+            slipbench.open(linked, check=False) as data,
+            self.assertRaisesRegex(slipbench.InputError, "is a link to another file"),
+        ):
             data[0].sensors["pad"]["force"]
 
 
@@ -359,14 +536,30 @@ def values_of(path, check):
     """Returns everything that the package reads of a dataset, as text."""
 
     def arrays(group):
-        return {name: arrays(group[name]) if isinstance(group[name], slipbench.Arrays) else group[name][()].tobytes() for name in group}
+        return {
+            name: arrays(group[name])
+            if isinstance(group[name], slipbench.Arrays)
+            else group[name][()].tobytes()
+            for name in group
+        }
 
     with slipbench.open(path, check=check) as data:
         return repr(
-            [(data.scene, data.seed, data.command, data.failed, [data.mask(part) for part in ("train", "valid", "test")])]
+            [
+                (
+                    data.scene,
+                    data.seed,
+                    data.command,
+                    data.failed,
+                    [data.mask(part) for part in ("train", "valid", "test")],
+                )
+            ]
             + [
                 (number, trial.params, trial.outcome, trial.sha256)
-                + tuple({name: (arrays(group), group.attrs) for name, group in groups.items()} for groups in (trial.sensors, trial.labels, trial.bodies))
+                + tuple(
+                    {name: (arrays(group), group.attrs) for name, group in groups.items()}
+                    for groups in (trial.sensors, trial.labels, trial.bodies)
+                )
                 for number, trial in data.items()
             ]
         )
@@ -381,7 +574,9 @@ class DamagedDatasets(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name) / "a.h5"
-        scene = slipbench.Scene.load("papillarray/stage.yaml").set({"duration": "0.9 s", "motion.start": "0.5 s", "sensors.pad.rate": "100 Hz"})
+        scene = slipbench.Scene.load("papillarray/stage.yaml").set(
+            {"duration": "0.9 s", "motion.start": "0.5 s", "sensors.pad.rate": "100 Hz"}
+        )
         scene = scene.set({"sweep": {"motion.speed": ["2 mm/s", "4 mm/s"]}})
         scene.write(cls.path)
         cls.whole = cls.path.read_bytes()
@@ -397,7 +592,12 @@ class DamagedDatasets(unittest.TestCase):
             pass
         message = str(refused.exception)
         self.assertNotIn("\n", message)
-        told = subprocess.run([PROGRAM, "report", path, "-o", Path(self.folder.name) / "page.html"], capture_output=True, text=True, check=False)
+        told = subprocess.run(
+            [PROGRAM, "report", path, "-o", Path(self.folder.name) / "page.html"],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         self.assertEqual((told.returncode, told.stderr), (2, f"slipbench: {message}\n"))
         return message
 
@@ -408,7 +608,9 @@ class DamagedDatasets(unittest.TestCase):
         kinds = {
             b"": "is empty",
             self.whole[:1]: "is truncated",
-            self.whole[: len(self.whole) // 2]: f"is truncated: it has {len(self.whole) // 2} of {len(self.whole)} bytes",
+            self.whole[
+                : len(self.whole) // 2
+            ]: f"is truncated: it has {len(self.whole) // 2} of {len(self.whole)} bytes",
             self.whole[:-1]: "is truncated",
             bytes(4096): "is not an HDF5 file",
             b"version https://git-lfs.github.com/spec/v1\n": "is a Git LFS pointer, not the data; run 'git lfs pull'",
@@ -442,14 +644,20 @@ class DamagedDatasets(unittest.TestCase):
         first, second = self.write_pair(self.whole, self.other, 1)
         self.assertRegex(self.refusal(first), f"^{second}: .*another dataset.*{first}")
         first, second = self.write_pair(self.whole, self.whole, 0)
-        self.assertIn(f"{second}: /: is file 0 of its dataset, but file 1 was expected", self.refusal(first))
+        self.assertIn(
+            f"{second}: /: is file 0 of its dataset, but file 1 was expected", self.refusal(first)
+        )
         self.assertEqual(self.refusal(first, check=False), self.refusal(first))
         second.unlink()
         self.assertRegex(self.refusal(first), f"^{second}: no such file.*file 1 .*{first}")
         second.write_bytes(self.whole[:1000])
-        self.assertIn(f"{second}: is truncated: it has 1000 of {len(self.whole)} bytes", self.refusal(first))
+        self.assertIn(
+            f"{second}: is truncated: it has 1000 of {len(self.whole)} bytes", self.refusal(first)
+        )
         first, second = self.write_pair(self.whole, self.whole, 1)
-        with slipbench.open(first, check=False) as data:  # together they are one; their digests belong to two
+        with slipbench.open(
+            first, check=False
+        ) as data:  # together they are one; their digests belong to two
             self.assertEqual(data.trials, [0, 1, 2, 3])
         self.assertIn("is damaged: its content has the SHA-256", self.refusal(first))
 
@@ -480,7 +688,9 @@ def with_training(network, trained):
     file.
     """
     data = network.read_bytes()
-    start = data.rindex(b"\x72", 0, data.index(b"\n\tslipbench\x12"))  # metadata_props is field 14 of ModelProto, of the wire type 2
+    start = data.rindex(
+        b"\x72", 0, data.index(b"\n\tslipbench\x12")
+    )  # metadata_props is field 14 of ModelProto, of the wire type 2
     text = data[data.index(b'{"format"', start) :]
 
     def field(tag, value):
@@ -490,7 +700,9 @@ def with_training(network, trained):
         return bytes([tag]) + length + bytes([size]) + value
 
     description = json.loads(text) | {"trained": trained}
-    return data[:start] + field(0x72, field(0x0A, b"slipbench") + field(0x12, json.dumps(description).encode()))
+    return data[:start] + field(
+        0x72, field(0x0A, b"slipbench") + field(0x12, json.dumps(description).encode())
+    )
 
 
 @unittest.skipUnless(importlib.util.find_spec("openvino"), "networks need the package openvino")
@@ -498,11 +710,27 @@ class Networks(unittest.TestCase):
     def test_a_network_is_not_judged_on_what_it_has_learnt(self):
         with tempfile.TemporaryDirectory() as folder:
             path, model = Path(folder) / "lifts.h5", Path(folder) / "grasp.onnx"
-            slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "motion.distance": "10 mm", "sensors.pad.rate": "1 kHz", "sweep": {"trials": 3}}).write(path)
+            slipbench.Scene.load("grasp/lift.yaml").set(
+                {
+                    "duration": "2 s",
+                    "motion.distance": "10 mm",
+                    "sensors.pad.rate": "1 kHz",
+                    "sweep": {"trials": 3},
+                }
+            ).write(path)
             with slipbench.open(path) as data:
                 learnt = [data[0].sha256, data[2].sha256]
-            model.write_bytes(with_training(slipbench.scenes() / "learn/papillarray_slip.onnx", {"sha256_seen": learnt}))
-            told = subprocess.run([PROGRAM, "eval", str(model), str(path), "--json"], capture_output=True, text=True, check=True).stdout
+            model.write_bytes(
+                with_training(
+                    slipbench.scenes() / "learn/papillarray_slip.onnx", {"sha256_seen": learnt}
+                )
+            )
+            told = subprocess.run(
+                [PROGRAM, "eval", str(model), str(path), "--json"],
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
             own = slipbench.evaluate(str(model), path)
             self.assertEqual(own["left_out"], [0, 2])
             self.assertEqual(own["all"], json.loads(told)["all"])
@@ -513,12 +741,21 @@ class Networks(unittest.TestCase):
 
 class Words(unittest.TestCase):
     def test_describe_and_list_are_the_programs(self):
-        told = json.loads(subprocess.run([PROGRAM, "describe", "papillarray", "--json"], capture_output=True, text=True, check=True).stdout)
+        told = json.loads(
+            subprocess.run(
+                [PROGRAM, "describe", "papillarray", "--json"],
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+        )
         self.assertEqual(slipbench.describe("papillarray"), told["entries"])
         self.assertIn("papillarray", [one["name"] for one in slipbench.list_names()["sensors"]])
 
     def test_versions_agree(self):
-        told = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout
+        told = subprocess.run(
+            [PROGRAM, "--version"], capture_output=True, text=True, check=True
+        ).stdout
         self.assertEqual(told.split()[1], slipbench.__version__)
 
 

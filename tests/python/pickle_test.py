@@ -15,10 +15,9 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import own_in_module
-from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
-
 import slipbench
 import slipbench.gym
+from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 BRIEF = {"duration": "2 s"}
 KINDS = ("fork", "forkserver", "spawn")
@@ -48,11 +47,15 @@ def steps(env, count):
 
 
 def grasp():
-    return slipbench.gym.GraspEnv("grasp/lift.yaml", values={**BRIEF, "detector": {"type": "mine_in_a_module"}})
+    return slipbench.gym.GraspEnv(
+        "grasp/lift.yaml", values={**BRIEF, "detector": {"type": "mine_in_a_module"}}
+    )
 
 
 def unknown():
-    return slipbench.gym.GraspEnv("grasp/lift.yaml", values={**BRIEF, "detector": {"type": "mine_in_main"}})
+    return slipbench.gym.GraspEnv(
+        "grasp/lift.yaml", values={**BRIEF, "detector": {"type": "mine_in_main"}}
+    )
 
 
 def loads(scene):
@@ -74,7 +77,9 @@ class Copies(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name) / "speeds.h5"
         sweep = {"motion.speed": ["2 mm/s", "3 mm/s", "4 mm/s", "5 mm/s"], "trials": 1}
-        slipbench.Scene.load("papillarray/stage.yaml").set(sweep=sweep, split={"by": "trial", "shares": [0.5, 0.25, 0.25]}).write(cls.path)
+        slipbench.Scene.load("papillarray/stage.yaml").set(
+            sweep=sweep, split={"by": "trial", "shares": [0.5, 0.25, 0.25]}
+        ).write(cls.path)
         cls.data = slipbench.open(cls.path)
 
     @classmethod
@@ -88,7 +93,10 @@ class Copies(unittest.TestCase):
         scene = slipbench.Scene.load(path).set({"motion.speed": "8 mm/s"})
         pickled = pickle.dumps(scene)
         for other in both(scene):
-            self.assertEqual((other.path, other.overrides, other.run().sha256), (scene.path, scene.overrides, scene.run().sha256))
+            self.assertEqual(
+                (other.path, other.overrides, other.run().sha256),
+                (scene.path, scene.overrides, scene.run().sha256),
+            )
         path.unlink()
         self.assertEqual(pickle.loads(pickled).run().sha256, scene.run().sha256)
 
@@ -96,8 +104,13 @@ class Copies(unittest.TestCase):
         scene = slipbench.Scene.load("grasp/lift.yaml").set({**BRIEF, "motion.distance": "10 mm"})
         trial = scene.run(record="contact")
         for other in both(trial):
-            self.assertEqual((other.sha256, other.outcome, other.params), (trial.sha256, trial.outcome, trial.params))
-            with self.assertRaisesRegex(slipbench.InputError, "a copy by pickle or deepcopy, which has no record"):
+            self.assertEqual(
+                (other.sha256, other.outcome, other.params),
+                (trial.sha256, trial.outcome, trial.params),
+            )
+            with self.assertRaisesRegex(
+                slipbench.InputError, "a copy by pickle or deepcopy, which has no record"
+            ):
                 other._simulated
             np.testing.assert_array_equal(other.sensors["pad"].force, trial.sensors["pad"].force)
             np.testing.assert_array_equal(other.labels["pad"].state, trial.labels["pad"].state)
@@ -115,7 +128,10 @@ class Copies(unittest.TestCase):
             np.testing.assert_array_equal(other.arrays()[0], windows.arrays()[0])
             other._dataset.close()
         for other in both(self.data):
-            self.assertEqual([trial.sha256 for trial in other.values()], [trial.sha256 for trial in self.data.values()])
+            self.assertEqual(
+                [trial.sha256 for trial in other.values()],
+                [trial.sha256 for trial in self.data.values()],
+            )
             other.close()
         for held in (self.data[1], self.data[1].sensors["pad"], self.data[1].labels["pad"]):
             for other in both(held):
@@ -127,19 +143,29 @@ class Copies(unittest.TestCase):
         trial = scene.run()
         windows = self.data.windows(length=40, stride=10, channels=["force"])
         for kind in KINDS:
-            with self.subTest(kind=kind), ProcessPoolExecutor(2, multiprocessing.get_context(kind)) as pool:
+            with (
+                self.subTest(kind=kind),
+                ProcessPoolExecutor(2, multiprocessing.get_context(kind)) as pool,
+            ):
                 self.assertEqual(pool.submit(digest, scene).result(60), trial.sha256)
                 self.assertEqual(pool.submit(onset, trial).result(60), onset(trial))
                 self.assertEqual(pool.submit(onset, self.data[1]).result(60), onset(self.data[1]))
-                self.assertEqual([pool.submit(taken, windows, index).result(60) for index in (0, 7, 50)], [taken(windows, index) for index in (0, 7, 50)])
+                self.assertEqual(
+                    [pool.submit(taken, windows, index).result(60) for index in (0, 7, 50)],
+                    [taken(windows, index) for index in (0, 7, 50)],
+                )
 
     @unittest.skipUnless(importlib.util.find_spec("joblib"), "joblib is not installed")
     def test_joblib_takes_them(self):
         from joblib import Parallel, delayed
 
         scene = slipbench.Scene.load("papillarray/stage.yaml")
-        found = Parallel(n_jobs=2)(delayed(digest)(scene.set({"motion.speed": speed})) for speed in (0.002, 0.004))
-        self.assertEqual(found, [digest(scene.set({"motion.speed": speed})) for speed in (0.002, 0.004)])
+        found = Parallel(n_jobs=2)(
+            delayed(digest)(scene.set({"motion.speed": speed})) for speed in (0.002, 0.004)
+        )
+        self.assertEqual(
+            found, [digest(scene.set({"motion.speed": speed})) for speed in (0.002, 0.004)]
+        )
 
 
 class Environments(unittest.TestCase):
@@ -149,7 +175,10 @@ class Environments(unittest.TestCase):
                 np.testing.assert_array_equal(x, y)
 
     def test_a_grasps_copy_goes_on_bit_for_bit(self):
-        for env in (slipbench.gym.GraspEnv("grasp/lift.yaml", values=BRIEF), gymnasium.make("slipbench/GraspLift-v0")):
+        for env in (
+            slipbench.gym.GraspEnv("grasp/lift.yaml", values=BRIEF),
+            gymnasium.make("slipbench/GraspLift-v0"),
+        ):
             copies = both(env)  # before a first reset
             for each in (env, *copies):
                 each.reset(seed=5)
@@ -162,7 +191,9 @@ class Environments(unittest.TestCase):
 
     def test_a_vectors_copy_goes_on_also_where_episodes_have_ended(self):
         # 1.6 s in steps of 20 ms: after 100 steps each environment is in its second episode.
-        vector = slipbench.gym.GraspVectorEnv(2, "grasp/lift.yaml", values={"duration": "1.6 s"}, jobs=1)
+        vector = slipbench.gym.GraspVectorEnv(
+            2, "grasp/lift.yaml", values={"duration": "1.6 s"}, jobs=1
+        )
         vector.reset(seed=5)
         steps(vector, 100)
         self.assertEqual(vector._episodes, [1, 1])
@@ -177,14 +208,18 @@ class Environments(unittest.TestCase):
         env.step(slipbench.State.NON_SLIP)
         for other in both(env):
             for _ in range(3):
-                np.testing.assert_array_equal(copy.deepcopy(env).step(1)[0], copy.deepcopy(other).step(1)[0])
+                np.testing.assert_array_equal(
+                    copy.deepcopy(env).step(1)[0], copy.deepcopy(other).step(1)[0]
+                )
 
     def test_vectors_of_processes_equal_those_of_one(self):
         self.assertTrue(own_in_module.Mine)
         expected = rolled(SyncVectorEnv([grasp, grasp]))
         for kind in KINDS:
             with self.subTest(kind=kind):
-                np.testing.assert_array_equal(rolled(AsyncVectorEnv([grasp, grasp], context=kind)), expected)
+                np.testing.assert_array_equal(
+                    rolled(AsyncVectorEnv([grasp, grasp], context=kind)), expected
+                )
 
     def test_a_worker_that_does_not_know_a_class_says_where_to_register_it(self):
         slipbench.detector("mine_in_main")(own_in_module.Mine)

@@ -16,7 +16,6 @@ from pathlib import Path
 from unittest import mock
 
 import mujoco
-
 import slipbench.mujoco
 
 FOLDER = Path(sys.argv.pop(1))
@@ -41,7 +40,11 @@ HAND = """<mujoco model="stand-in"><option integrator="implicitfast"/><worldbody
 def run(*words):
     """Returns exit status, output and errors."""
     out, complaint = io.StringIO(), io.StringIO()
-    with mock.patch.object(sys, "argv", ["robots.py", *map(str, words)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(complaint):
+    with (
+        mock.patch.object(sys, "argv", ["robots.py", *map(str, words)]),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(complaint),
+    ):
         try:
             status = robots.main()
         except SystemExit as end:
@@ -66,8 +69,14 @@ class Checks(unittest.TestCase):
     def drive_is_what_pads_feel(self, figures):
         # Two slides, each pulled by a tendon with half its force, at rest: only residual motion
         # disturbs the balance.
-        self.assertAlmostEqual(figures["normal force of the pads at rest [N]"], figures["force of the drive on a finger [N]"], delta=1e-4)
-        self.assertGreater(figures["force of the drive on a finger [N]"], 1.2)  # 100 N/m over 29.7 mm, halved, is 1.49 N; the pads open it further
+        self.assertAlmostEqual(
+            figures["normal force of the pads at rest [N]"],
+            figures["force of the drive on a finger [N]"],
+            delta=1e-4,
+        )
+        self.assertGreater(
+            figures["force of the drive on a finger [N]"], 1.2
+        )  # 100 N/m over 29.7 mm, halved, is 1.49 N; the pads open it further
 
     def refuses(self, function, folder, text, **changes):
         """Returns attach_pad with changed arguments; `excludes=False` removes what it excluded."""
@@ -75,11 +84,18 @@ class Checks(unittest.TestCase):
 
         def changed(spec, *words, **named):
             pad = attach(spec, *words, **{**named, **changes})
-            for exclude in [] if excludes else [e for e in spec.excludes if "object" in (e.bodyname1, e.bodyname2)]:
+            for exclude in (
+                []
+                if excludes
+                else [e for e in spec.excludes if "object" in (e.bodyname1, e.bodyname2)]
+            ):
                 spec.delete(exclude)
             return pad
 
-        with mock.patch.object(slipbench.mujoco, "attach_pad", changed), self.assertRaisesRegex((ValueError, mujoco.FatalError), text):
+        with (
+            mock.patch.object(slipbench.mujoco, "attach_pad", changed),
+            self.assertRaisesRegex((ValueError, mujoco.FatalError), text),
+        ):
             function(folder)
 
 
@@ -93,25 +109,41 @@ class WithoutModels(Checks):
         path.write_text(text, encoding="utf-8")
 
     def test_wrong_words(self):
-        files = {"panda": "franka_emika_panda/panda.xml", "robotiq_2f85": "robotiq_2f85/2f85.xml", "leap_hand": "leap_hand/right_hand.xml"}
+        files = {
+            "panda": "franka_emika_panda/panda.xml",
+            "robotiq_2f85": "robotiq_2f85/2f85.xml",
+            "leap_hand": "leap_hand/right_hand.xml",
+        }
         for robot, file in files.items():
             status, out, complaint = run(self.folder, robot)
             self.assertEqual((status, out), (2, ""))
-            self.assertRegex(complaint, f"^error: {self.folder / file}: no such file.*github.com/google-deepmind/mujoco_menagerie\n$")
+            self.assertRegex(
+                complaint,
+                f"^error: {self.folder / file}: no such file.*github.com/google-deepmind/mujoco_menagerie\n$",
+            )
         status, _, complaint = run(self.folder, "shadow_hand")
         self.assertEqual(status, 2)
         self.assertRegex(complaint, "invalid choice: 'shadow_hand'.*panda.*robotiq_2f85.*leap_hand")
 
     def test_a_model_of_another_make(self):
-        self.write("robotiq_2f85/2f85.xml", '<mujoco model="half"><worldbody><body name="base_mount"/></worldbody></mujoco>')
+        self.write(
+            "robotiq_2f85/2f85.xml",
+            '<mujoco model="half"><worldbody><body name="base_mount"/></worldbody></mujoco>',
+        )
         status, out, complaint = run(self.folder, "robotiq_2f85")
         self.assertEqual((status, out), (2, ""))
         self.assertRegex(complaint, "^error: .*'half'.*'left_pad'.*\n$")
-        self.write("leap_hand/right_hand.xml", '<mujoco><worldbody><body><geom size="1"/></body></worldbody></mujoco>')
+        self.write(
+            "leap_hand/right_hand.xml",
+            '<mujoco><worldbody><body><geom size="1"/></body></worldbody></mujoco>',
+        )
         status, _, complaint = run(self.folder, "leap_hand")
         self.assertEqual(status, 2)
         self.assertRegex(complaint, "^error: .*LEAP hand.* 1 tips.* 0 joints.* 4 .*16\n$")
-        self.write("franka_emika_panda/panda.xml", HAND.replace("<worldbody>", '<asset><mesh file="no.stl"/></asset><worldbody>'))
+        self.write(
+            "franka_emika_panda/panda.xml",
+            HAND.replace("<worldbody>", '<asset><mesh file="no.stl"/></asset><worldbody>'),
+        )
         status, _, complaint = run(self.folder, "panda")
         self.assertEqual(status, 2)
         self.assertIn("no.stl", complaint)
@@ -128,14 +160,21 @@ class WithoutModels(Checks):
 
     def test_mistakes(self):
         self.write("franka_emika_panda/panda.xml", HAND)
-        self.refuses(robots.panda, self.folder, 'own contact between .*<exclude body1="left_finger" body2="object"/>', excludes=False)
+        self.refuses(
+            robots.panda,
+            self.folder,
+            'own contact between .*<exclude body1="left_finger" body2="object"/>',
+            excludes=False,
+        )
         with mock.patch.object(robots, "JAW_SIDE", [1, 1, 0, 0]):
             self.refuses(robots.panda, self.folder, "the site points the wrong way")
 
 
 class Models(Checks):
     def setUp(self):
-        folder = {"panda": "franka_emika_panda", "leap": "leap_hand", "2f85": "robotiq_2f85"}[self._testMethodName.split("_")[1]]
+        folder = {"panda": "franka_emika_panda", "leap": "leap_hand", "2f85": "robotiq_2f85"}[
+            self._testMethodName.split("_")[1]
+        ]
         if not (MENAGERIE / folder).is_dir():
             self.skipTest(f"SLIPBENCH_MENAGERIE names no folder with {folder}")
 
@@ -145,15 +184,28 @@ class Models(Checks):
         self.slips_by_the_law(figures, 0.1, 0.05)
 
     def test_panda_mistakes(self):
-        self.refuses(robots.panda, MENAGERIE, 'own contact between .*<exclude body1="left_finger" body2="object"/>', excludes=False)
+        self.refuses(
+            robots.panda,
+            MENAGERIE,
+            'own contact between .*<exclude body1="left_finger" body2="object"/>',
+            excludes=False,
+        )
         if HAS_IMPLICIT:  # otherwise the example takes shorter steps
-            self.refuses(robots.panda, MENAGERIE, "the time step 2 ms is too long .* or any step with solver='implicit'", solver="explicit")
+            self.refuses(
+                robots.panda,
+                MENAGERIE,
+                "the time step 2 ms is too long .* or any step with solver='implicit'",
+                solver="explicit",
+            )
         with mock.patch.object(robots, "JAW_SIDE", [1, 1, 0, 0]):
             self.refuses(robots.panda, MENAGERIE, "the site points the wrong way")
 
     def test_2f85(self):
         figures, _ = robots.robotiq_2f85(MENAGERIE)
-        drive, pads = figures["work of drive, springs and weight [N m/rad]"], figures["work of the pads [N m/rad]"]
+        drive, pads = (
+            figures["work of drive, springs and weight [N m/rad]"],
+            figures["work of the pads [N m/rad]"],
+        )
         self.assertGreater(drive, 0.3)
         # At rest they are opposite. The example takes a pillar's force as acting straight behind
         # its tip, the field along the face's normal: a jaw that leans by 0.02 rad gives 22 um of
@@ -163,25 +215,44 @@ class Models(Checks):
 
     def test_2f85_mistakes(self):
         # The jaw is welded to the follower and carries a silicone pad: three bodies per side.
-        self.refuses(robots.robotiq_2f85, MENAGERIE, 'own contact between .*<exclude body1="left_follower" body2="object"/>', excludes=False)
+        self.refuses(
+            robots.robotiq_2f85,
+            MENAGERIE,
+            'own contact between .*<exclude body1="left_follower" body2="object"/>',
+            excludes=False,
+        )
 
     def test_leap_hand(self):
         figures, _ = robots.leap_hand(MENAGERIE)
         # Newton's second law of a bar at rest. A residual acceleration of 1 mm/s2 from a swing
         # would give 0.1 mN at 100 g.
         self.assertAlmostEqual(figures["weight of the bar [N]"], 0.981, places=12)
-        self.assertAlmostEqual(figures["sum of the pads' forces on it, upwards [N]"], 0.981, delta=1e-4)
+        self.assertAlmostEqual(
+            figures["sum of the pads' forces on it, upwards [N]"], 0.981, delta=1e-4
+        )
         self.assertLess(figures["sum, sideways [N]"], 1e-4)
         self.assertEqual(figures["other contacts of the bar"], 0)
         fingers = [figures[f"normal force of {name} [N]"] for name in ("index", "middle", "ring")]
         # 1 N is requested. The servos yield to the bar: less in the older model, more in the newer.
         self.assertTrue(all(0.7 < force < 1.3 for force in fingers), fingers)
-        self.assertAlmostEqual(figures["normal force of thumb [N]"], sum(fingers), delta=0.02)  # faces lean by up to 1 degree: the weight's share
+        self.assertAlmostEqual(
+            figures["normal force of thumb [N]"], sum(fingers), delta=0.02
+        )  # faces lean by up to 1 degree: the weight's share
 
     def test_leap_hand_mistakes(self):
-        self.refuses(robots.leap_hand, MENAGERIE, "own contact between .*, which moves with the pad", excludes=False)
+        self.refuses(
+            robots.leap_hand,
+            MENAGERIE,
+            "own contact between .*, which moves with the pad",
+            excludes=False,
+        )
         if HAS_IMPLICIT:
-            self.refuses(robots.leap_hand, MENAGERIE, "the time step 2 ms is too long .* or any step with solver='implicit'", solver="explicit")
+            self.refuses(
+                robots.leap_hand,
+                MENAGERIE,
+                "the time step 2 ms is too long .* or any step with solver='implicit'",
+                solver="explicit",
+            )
         with mock.patch.object(robots, "PALM_SIDE", [1, 0, -1, 0]):
             self.refuses(robots.leap_hand, MENAGERIE, "the site points the wrong way")
 

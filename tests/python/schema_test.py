@@ -18,7 +18,12 @@ SOURCE = Path(sys.argv.pop(1))
 SCENES = SOURCE / "scenes"
 MODELINE = "# yaml-language-server: $schema="
 # Scenes whose bytes are part of a protocol's digest in `slipbench benchmark`.
-FROZEN = ("benchmark/*/*.yaml", "biotac_sp/slip.yaml", "myrmex/dataset.yaml", "piezo_skin/dataset.yaml")
+FROZEN = (
+    "benchmark/*/*.yaml",
+    "biotac_sp/slip.yaml",
+    "myrmex/dataset.yaml",
+    "piezo_skin/dataset.yaml",
+)
 STAGE = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n"
 WRONG = (
     "sensors: {pad: {type: papillarray}}",  # no version
@@ -88,8 +93,10 @@ MAP = "sensor: pad\ntype: own\nchannels: {force: {unit: N, columns: [f1]}}\n"
 RIGHT_MAPS = (
     MAP,
     MAP + "time: {column: t, unit: ms}\nskip: [1, 2]\nmissing: nan\nseparator: ';'",
-    MAP + "time: {rate: 100 Hz}\nstate: {column: label, values: {hold: non_slip, slip: 3}, rule: a button}",
-    MAP.replace("N,", "counts, scale: 0.01 N, baseline: 0.2 s,") + "time: {column: t}\nnote: a gain of 1 is assumed",
+    MAP
+    + "time: {rate: 100 Hz}\nstate: {column: label, values: {hold: non_slip, slip: 3}, rule: a button}",
+    MAP.replace("N,", "counts, scale: 0.01 N, baseline: 0.2 s,")
+    + "time: {column: t}\nnote: a gain of 1 is assumed",
     MAP.replace("N,", "counts, components: 2, scale: [0.6 uT, -1e-3 uT], baseline: 1,"),
     "sensors: {a: {type: own, channels: {f: {unit: N, scale: 1e-3, columns: [a]}}}}\nobject: {folder: 1}",
 )
@@ -116,12 +123,17 @@ WRONG_MAPS = (
 
 def printed(*words):
     """Returns the output of `slipbench schema`."""
-    return subprocess.run([PROGRAM, "schema", *words], check=True, capture_output=True, text=True).stdout
+    return subprocess.run(
+        [PROGRAM, "schema", *words], check=True, capture_output=True, text=True
+    ).stdout
 
 
 def faults(validator, text):
     """Returns a validator's messages about YAML."""
-    return [f"{error.json_path}: {error.message}" for error in validator.iter_errors(yaml.safe_load(text))]
+    return [
+        f"{error.json_path}: {error.message}"
+        for error in validator.iter_errors(yaml.safe_load(text))
+    ]
 
 
 class Scenes(unittest.TestCase):
@@ -175,7 +187,10 @@ class Scenes(unittest.TestCase):
                 with self.subTest(name):
                     scene = {"slipbench": 1, "sensors": {"pad": {"type": "papillarray"}}}
                     scene.update(yaml.safe_load(entry["example"]))
-                    found = [f"{error.json_path}: {error.message}" for error in self.validator.iter_errors(scene)]
+                    found = [
+                        f"{error.json_path}: {error.message}"
+                        for error in self.validator.iter_errors(scene)
+                    ]
                     self.assertEqual(found, [])
                     count += 1
         self.assertGreater(count, 100)
@@ -199,7 +214,9 @@ class Scenes(unittest.TestCase):
             with self.subTest(text):
                 with self.assertRaises(slipbench.InputError) as refused:
                     slipbench.Scene.from_text(text)
-                allowed = re.search(r"unknown key 'x' .*allowed: (.*)$", str(refused.exception)).group(1)
+                allowed = re.search(
+                    r"unknown key 'x' .*allowed: (.*)$", str(refused.exception)
+                ).group(1)
                 self.assertEqual(allowed.split(", "), sorted(section))
 
     def test_choices_hold_what_yaml_makes_of_their_texts(self):
@@ -236,9 +253,13 @@ class Maps(unittest.TestCase):
                 self.assertNotEqual(faults(validator, text), [])
 
     def test_another_kind_is_refused(self):
-        refused = subprocess.run([PROGRAM, "schema", "scenes"], check=False, capture_output=True, text=True)
+        refused = subprocess.run(
+            [PROGRAM, "schema", "scenes"], check=False, capture_output=True, text=True
+        )
         self.assertEqual(refused.returncode, 2)
-        self.assertIn("unknown kind 'scenes'; did you mean 'scene'? allowed: map, scene", refused.stderr)
+        self.assertIn(
+            "unknown kind 'scenes'; did you mean 'scene'? allowed: map, scene", refused.stderr
+        )
 
 
 if __name__ == "__main__":

@@ -24,7 +24,13 @@ class FirstSceneTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "first.yaml").write_text(text, encoding="utf-8")
             sets = [word for setting in settings for word in ("--set", setting)]
-            done = subprocess.run([PROGRAM, "run", "first.yaml", "--json", *sets], cwd=folder, capture_output=True, text=True, check=True)
+            done = subprocess.run(
+                [PROGRAM, "run", "first.yaml", "--json", *sets],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=True,
+            )
         result = json.loads(done.stdout)
         return result["trials"][0]["outcome"], done.stderr
 
@@ -32,7 +38,10 @@ class FirstSceneTest(unittest.TestCase):
         outcome, warnings = self.run_with()
         self.assertEqual(warnings, "")
         self.assertEqual(outcome["detection"], "seen")
-        self.assertIn(f"slip {1e3 * outcome['detection_delay_s']:.0f} ms after", (ROOT / "scenes/README.md").read_text(encoding="utf-8"))
+        self.assertIn(
+            f"slip {1e3 * outcome['detection_delay_s']:.0f} ms after",
+            (ROOT / "scenes/README.md").read_text(encoding="utf-8"),
+        )
 
     def test_bad_examples(self):
         _, warnings = self.run_with("surface.material=rubber")

@@ -39,8 +39,15 @@ def failures(text):
             if kind == "file":
                 (Path(name) / step[0]).write_text(step[1], encoding="utf-8")
                 continue
-            done = subprocess.run(["bash", "-c", step[0]], cwd=name, capture_output=True, text=True, check=False, timeout=300,
-                                  env={**os.environ, "PYTHONPATH": "build/release/python"})
+            done = subprocess.run(
+                ["bash", "-c", step[0]],
+                cwd=name,
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=300,
+                env={**os.environ, "PYTHONPATH": "build/release/python"},
+            )
             print(f"{done.returncode} {step[0]}", flush=True)
             if done.returncode != 0:
                 yield f"{step[0]}\n{done.stdout}{done.stderr}"

@@ -22,7 +22,9 @@ FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "python
 # compiles the same sources again.
 OF_MUJOCO = ",-bugprone-implicit-widening-of-multiplication-result,-performance-no-int-to-ptr"
 WITH_MUJOCO = ("sim/mujoco/", "tools/plugin/")
-UNITY = "-bugprone-suspicious-include"  # inherent to unity sources; include_rule.py finds it elsewhere
+UNITY = (
+    "-bugprone-suspicious-include"  # inherent to unity sources; include_rule.py finds it elsewhere
+)
 
 
 def commands(root, build):
@@ -31,18 +33,36 @@ def commands(root, build):
         source = Path(entry["directory"], entry["file"]).resolve()
         unity = source.is_relative_to(build) and source.parent.name == "Unity"
         above = build if unity else root
-        generated = any(f"/{target}.dir/" in str(source) for target in ("rtl_models", "nanobind-static"))
-        if source.is_relative_to(above) and source.relative_to(above).parts[0] in FOLDERS and not generated:
-            folder = source.relative_to(above).as_posix().split("/CMakeFiles/")[0] if unity else source.relative_to(above).parent.as_posix()
+        generated = any(
+            f"/{target}.dir/" in str(source) for target in ("rtl_models", "nanobind-static")
+        )
+        if (
+            source.is_relative_to(above)
+            and source.relative_to(above).parts[0] in FOLDERS
+            and not generated
+        ):
+            folder = (
+                source.relative_to(above).as_posix().split("/CMakeFiles/")[0]
+                if unity
+                else source.relative_to(above).parent.as_posix()
+            )
             yield source, folder, entry["directory"], shlex.split(entry["command"])
 
 
 def fingerprint(root, directory, command):
     """Hash of all inputs of clang-tidy. Comments count: they may hold NOLINT."""
     output = command.index("-o")
-    preprocess = [word for word in command[:output] + command[output + 2:] if word not in ("-c", "ccache", "/usr/bin/ccache")]
-    text = subprocess.run([*preprocess, "-E", "-C"], cwd=directory, capture_output=True, check=True).stdout
-    return hashlib.sha256(text + shlex.join(command).encode() + (root / ".clang-tidy").read_bytes()).hexdigest()
+    preprocess = [
+        word
+        for word in command[:output] + command[output + 2 :]
+        if word not in ("-c", "ccache", "/usr/bin/ccache")
+    ]
+    text = subprocess.run(
+        [*preprocess, "-E", "-C"], cwd=directory, capture_output=True, check=True
+    ).stdout
+    return hashlib.sha256(
+        text + shlex.join(command).encode() + (root / ".clang-tidy").read_bytes()
+    ).hexdigest()
 
 
 def tidy(root, build, source, folder, directory, command):
@@ -51,10 +71,21 @@ def tidy(root, build, source, folder, directory, command):
     if clean.exists():
         return ""
     result = subprocess.run(
-        [PROGRAM, "--quiet", f"--config-file={root / '.clang-tidy'}", f"--header-filter=^{root}/({'|'.join(FOLDERS)})/",
-         f"--checks={UNITY}{OF_MUJOCO if f'{folder}/'.startswith(WITH_MUJOCO) else ''}", "--extra-arg=-Wno-unknown-warning-option",
-         "-p", build, source],
-        capture_output=True, text=True, check=False)
+        [
+            PROGRAM,
+            "--quiet",
+            f"--config-file={root / '.clang-tidy'}",
+            f"--header-filter=^{root}/({'|'.join(FOLDERS)})/",
+            f"--checks={UNITY}{OF_MUJOCO if f'{folder}/'.startswith(WITH_MUJOCO) else ''}",
+            "--extra-arg=-Wno-unknown-warning-option",
+            "-p",
+            build,
+            source,
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if result.returncode == 0 and not result.stdout.strip():
         clean.parent.mkdir(exist_ok=True)
         clean.touch()
@@ -74,7 +105,9 @@ def check_compilations(preset, check):
         sys.exit(f"usage: {sys.argv[0]} ROOT BUILD")
     root, build = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
     if build == root / "build" / preset:
-        subprocess.run(["cmake", "--preset", preset], cwd=root, stdout=subprocess.DEVNULL, check=True)
+        subprocess.run(
+            ["cmake", "--preset", preset], cwd=root, stdout=subprocess.DEVNULL, check=True
+        )
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         reports = list(pool.map(lambda entry: check(root, build, *entry), commands(root, build)))
     if not reports:

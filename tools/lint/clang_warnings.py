@@ -16,9 +16,21 @@ PROGRAM = "clang++-16"
 def warnings(_root, _build, _source, _folder, directory, command):
     """Output of clang for a source; empty if there is no warning."""
     output = command.index("-o")
-    words = [word for word in command[:output] + command[output + 2:] if word not in ("ccache", "/usr/bin/ccache")]
-    result = subprocess.run([PROGRAM, *words[1:], "-fsyntax-only"], cwd=directory, capture_output=True, text=True, check=False)
-    return result.stderr or ("" if result.returncode == 0 else f"{words[-1]}: status {result.returncode}\n")
+    words = [
+        word
+        for word in command[:output] + command[output + 2 :]
+        if word not in ("ccache", "/usr/bin/ccache")
+    ]
+    result = subprocess.run(
+        [PROGRAM, *words[1:], "-fsyntax-only"],
+        cwd=directory,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return result.stderr or (
+        "" if result.returncode == 0 else f"{words[-1]}: status {result.returncode}\n"
+    )
 
 
 if __name__ == "__main__":

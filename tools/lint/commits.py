@@ -17,7 +17,9 @@ LONGEST = 72  # characters
 MOST = 50  # commits
 SHAPE = re.compile(r"[a-z][\w./+-]*: (?P<verb>\S+).*(?<!\.)")
 # Such as "added" or "fixing"; the listed words are no participles.
-PARTICIPLE = re.compile(r"(?!(?:embed|feed|need|seed|shed|speed|bring|ring|string)$)[a-z]+(?:ed|ing)")
+PARTICIPLE = re.compile(
+    r"(?!(?:embed|feed|need|seed|shed|speed|bring|ring|string)$)[a-z]+(?:ed|ing)"
+)
 # Git writes these itself.
 GENERATED = ("Merge ", "Revert ", "fixup! ", "squash! ")
 
@@ -38,13 +40,22 @@ def findings_of(subject):
 
 
 def git(root, *arguments):
-    return subprocess.run(["git", "-c", "safe.directory=*", "-C", root, *arguments], capture_output=True, text=True, check=False)
+    return subprocess.run(
+        ["git", "-c", "safe.directory=*", "-C", root, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 def subjects(root):
     """(name, subject) of the commits to check."""
     if Path(root).is_file():
-        lines = [line for line in Path(root).read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+        lines = [
+            line
+            for line in Path(root).read_text(encoding="utf-8").splitlines()
+            if not line.startswith("#")
+        ]
         return [("message", next((line for line in lines if line.strip()), ""))]
     tag = git(root, "describe", "--tags", "--abbrev=0")
     span = [f"{tag.stdout.strip()}..HEAD"] if tag.returncode == 0 else []

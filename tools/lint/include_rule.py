@@ -35,9 +35,21 @@ INCLUDE = re.compile(r'#include (["<])([^">]+)[">]')
 ANY_INCLUDE = re.compile(r"^\s*(?:/\*.*\*/\s*)?#\s*(?:include|\\$)")
 STANDARD = re.compile(r"[a-z_0-9]+")
 # The truth, and the interfaces that receive or return it.
-TRUTH = ("sim/api/contact_frame.h", "sim/api/effect.h", "sim/api/element_columns.h", "sim/api/element_event.h",
-         "sim/api/motion.h", "sim/api/sensor.h", "sim/api/simulation.h")
-MUJOCO = ("sim/mujoco/", "tests/sim/mujoco/", "tests/stability/", "tests/install/consumer/")  # who may include its headers
+TRUTH = (
+    "sim/api/contact_frame.h",
+    "sim/api/effect.h",
+    "sim/api/element_columns.h",
+    "sim/api/element_event.h",
+    "sim/api/motion.h",
+    "sim/api/sensor.h",
+    "sim/api/simulation.h",
+)
+MUJOCO = (
+    "sim/mujoco/",
+    "tests/sim/mujoco/",
+    "tests/stability/",
+    "tests/install/consumer/",
+)  # who may include its headers
 TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "python", "tests")
 # The layers of sim, as in sim/README.md, with the other layers that each may include.
 SIM_LAYERS = {
@@ -54,8 +66,27 @@ SIM_LAYERS = {
 }
 # The folders of tools with sources: those that know no scene, and the tasks of the program.
 BASE = ("dataset", "files", "page", "statistics", "workers")
-TASKS = ("benchmark", "calibrate", "check", "cli", "cost", "demo", "doctor", "eval", "formats", "gym", "learning_data", "plugin", "reader",
-         "registry", "report", "train", "trial", "verify", "view")
+TASKS = (
+    "benchmark",
+    "calibrate",
+    "check",
+    "cli",
+    "cost",
+    "demo",
+    "doctor",
+    "eval",
+    "formats",
+    "gym",
+    "learning_data",
+    "plugin",
+    "reader",
+    "registry",
+    "report",
+    "train",
+    "trial",
+    "verify",
+    "view",
+)
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 FOR_PARTS = ("sim/core/", "sim/api/", "sim/plugins/")  # for sensors, detectors and controllers
 
@@ -77,9 +108,16 @@ ENTRIES = {
     "tools/formats/import": ("tools/formats/import/source_table.h",),
 }
 # Libraries that are loaded; sensors that are written as such a library and built into the program.
-LOADED = ("detectors/network/openvino_engine.cc", "rtl/verilated/verilated_core.cc", "sensors/gel_markers/gel_markers.cc",
-          "sensors/magnetic_skin/magnetic_skin.cc", "sensors/plugins/bundled_kind.cc", "tools/plugin/find_build.cc",
-          "tools/plugin/mujoco_plugin.cc", "tools/plugin/static_parts.cc")
+LOADED = (
+    "detectors/network/openvino_engine.cc",
+    "rtl/verilated/verilated_core.cc",
+    "sensors/gel_markers/gel_markers.cc",
+    "sensors/magnetic_skin/magnetic_skin.cc",
+    "sensors/plugins/bundled_kind.cc",
+    "tools/plugin/find_build.cc",
+    "tools/plugin/mujoco_plugin.cc",
+    "tools/plugin/static_parts.cc",
+)
 # Variants: the header that declares what they implement.
 VARIANTS = {
     "detectors/hd/kernel/kernel.cc": "detectors/hd/engine.h",
@@ -98,7 +136,12 @@ def without_header(path, included):
     """Error of a source that includes the headers `included` and has no header of its name, or
     None."""
     name = path.as_posix()
-    if path.name == "main.cc" or path.parts[0] == "tests" or path.parent.name == "example" or name in LOADED:
+    if (
+        path.name == "main.cc"
+        or path.parts[0] == "tests"
+        or path.parent.name == "example"
+        or name in LOADED
+    ):
         return None
     declared_in = (VARIANTS[name],) if name in VARIANTS else ENTRIES.get(path.parent.as_posix(), ())
     if included.intersection(declared_in):
@@ -124,7 +167,12 @@ def allowed_folders(path):
             return None
         return tuple(f"sim/{layer}/" for layer in (path.parts[1], *SIM_LAYERS[path.parts[1]]))
     if top == "sensors":
-        return (*FOR_PARTS, f"sensors/{path.parts[1]}/", "sensors/electronics/", "sensors/plugin_abi.h")
+        return (
+            *FOR_PARTS,
+            f"sensors/{path.parts[1]}/",
+            "sensors/electronics/",
+            "sensors/plugin_abi.h",
+        )
     if top in ("detectors", "controllers"):
         return (*FOR_PARTS, f"{top}/")
     if top == "rtl":
@@ -141,11 +189,13 @@ def fault_of(path, quoted, header):
     folder = path.parent.as_posix()
     allowed = allowed_folders(path)
     if allowed is None:
-        return f'{folder} is no layer of sim ({", ".join(SIM_LAYERS)}) and no folder of tools ({", ".join((*BASE, *TASKS))})'
+        return f"{folder} is no layer of sim ({', '.join(SIM_LAYERS)}) and no folder of tools ({', '.join((*BASE, *TASKS))})"
     if quoted:
         if not header.endswith(".h"):
             return f'"{header}" is no header'
-        if ".." in header.split("/") or not header.startswith(tuple(f"{top}/" for top in TOP_FOLDERS)):
+        if ".." in header.split("/") or not header.startswith(
+            tuple(f"{top}/" for top in TOP_FOLDERS)
+        ):
             return f'"{header}" is not given from the project root'
         if not header.startswith(allowed):
             return f'{folder} may include {", ".join(allowed)} only, not "{header}"'
@@ -157,7 +207,20 @@ def fault_of(path, quoted, header):
     if header.startswith("mujoco/") and not f"{folder}/".startswith(MUJOCO):
         return f"only sim/mujoco may include <{header}>"
     if path.parts[:2] in (("sim", "core"), ("sim", "api")):
-        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("sleef.h", "emmintrin.h", "dlfcn.h", "fcntl.h", "poll.h", "spawn.h", "sys/wait.h", "unistd.h"))
+        hidden = path.suffix == ".cc" and (
+            header.startswith("Random123/")
+            or header
+            in (
+                "sleef.h",
+                "emmintrin.h",
+                "dlfcn.h",
+                "fcntl.h",
+                "poll.h",
+                "spawn.h",
+                "sys/wait.h",
+                "unistd.h",
+            )
+        )
         in_c = path.name == "plugin_abi.h" and header == "stddef.h"
         if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or hidden or in_c):
             return f"{folder} may include the standard library and Eigen only, not <{header}>"
@@ -170,7 +233,10 @@ def check(root):
     for path in files:
         if path.parts[0] not in TOP_FOLDERS:
             continue
-        if path.suffix in (".hpp", ".hh", ".hxx", ".inc", ".ipp", ".cpp", ".cxx", ".c") and path.name != "faults.c":  # faults.c is preloaded
+        if (
+            path.suffix in (".hpp", ".hh", ".hxx", ".inc", ".ipp", ".cpp", ".cxx", ".c")
+            and path.name != "faults.c"
+        ):  # faults.c is preloaded
             yield f"{path}: a source ends in .h or .cc"
         if path.suffix not in (".h", ".cc"):
             continue
@@ -180,12 +246,20 @@ def check(root):
                 continue
             include = INCLUDE.match(line)
             included.add(include[2] if include else "")
-            fault = fault_of(path, include[1] == '"', include[2]) if include else "an include that cannot be read"
+            fault = (
+                fault_of(path, include[1] == '"', include[2])
+                if include
+                else "an include that cannot be read"
+            )
             if fault:
                 yield f"{path}:{number}: {fault}"
         own = path.with_suffix(".h")
         if path.suffix == ".cc" and path.parts[0] != "tests" and own in headers:
-            fault = None if own.as_posix() in included else f'a source includes the header of its name: "{own.as_posix()}"'
+            fault = (
+                None
+                if own.as_posix() in included
+                else f'a source includes the header of its name: "{own.as_posix()}"'
+            )
         else:
             fault = without_header(path, included) if path.suffix == ".cc" else None
         if fault:

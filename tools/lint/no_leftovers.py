@@ -8,10 +8,22 @@ from tree import lines_of, main, project_files
 
 # Brackets keep the patterns from matching this file.
 MARKER = re.compile(r"\b(T[O]DO|FI[X]ME|X[X]X|HA[C]K)\b")
-PLACEHOLDER = re.compile(r"@[A-Z][A-Z0-9_]*@")  # CMake fills such placeholders in its *.in files only
-SLASH_CODE = re.compile(r"^\s*//(?!/).*[;{]\s*$|^\s*//\s*}|^\s*//\s*#\s*(include|define|if)\b|^\s*#\s*if\s+0\b")
-HASH_CODE = re.compile(r"^\s*#\s*(import \w+|from \w+ import|def \w+\(|return\b.*\)|print\(.*\)|\w+\(.*\)|\w+ = \w+\(.*\))\s*$")
-COMMENTED_CODE = {".h": SLASH_CODE, ".cc": SLASH_CODE, ".js": SLASH_CODE, ".py": HASH_CODE, ".sh": HASH_CODE}
+PLACEHOLDER = re.compile(
+    r"@[A-Z][A-Z0-9_]*@"
+)  # CMake fills such placeholders in its *.in files only
+SLASH_CODE = re.compile(
+    r"^\s*//(?!/).*[;{]\s*$|^\s*//\s*}|^\s*//\s*#\s*(include|define|if)\b|^\s*#\s*if\s+0\b"
+)
+HASH_CODE = re.compile(
+    r"^\s*#\s*(import \w+|from \w+ import|def \w+\(|return\b.*\)|print\(.*\)|\w+\(.*\)|\w+ = \w+\(.*\))\s*$"
+)
+COMMENTED_CODE = {
+    ".h": SLASH_CODE,
+    ".cc": SLASH_CODE,
+    ".js": SLASH_CODE,
+    ".py": HASH_CODE,
+    ".sh": HASH_CODE,
+}
 SOURCES = (*COMMENTED_CODE, ".cmake", ".css", ".sv", ".txt", ".html", ".yaml")
 MAX_BYTES = 1_000_000
 

@@ -8,7 +8,9 @@ from tree import lines_of, main, project_files
 
 NAMESPACE = re.compile(r"namespace ([\w:]+) \{")
 # A definition at the outermost level: the project does not indent inside its namespace.
-DEFINITION = re.compile(r"(?:template .*)?(?:struct|class|enum class|enum|union) (\w+)(?: final)?\s*(?::[^:;]*)?\{")
+DEFINITION = re.compile(
+    r"(?:template .*)?(?:struct|class|enum class|enum|union) (\w+)(?: final)?\s*(?::[^:;]*)?\{"
+)
 
 
 def check(root):

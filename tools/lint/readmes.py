@@ -42,7 +42,10 @@ NAME = re.compile(r"(~?(?:[A-Z][a-z0-9]+){2,}|[a-z0-9]+(?:_[a-z0-9]+)+)")
 PLACEHOLDER = re.compile(r"(?<![A-Za-z])[A-Z]{2,}(?=\.(?!md)|_|/|$)")
 BINARIES = "build/release/bin/"
 PROGRAMS = ("./slipbench ", BINARIES, "build/venv/bin/python ")
-UNCHECKED = re.compile(r"^(?: {4,}\./| *)slipbench (?:run|sweep|check|report|export|import|train|eval|cost|reproduce|bench|doctor|list|describe)\b.*", re.MULTILINE)
+UNCHECKED = re.compile(
+    r"^(?: {4,}\./| *)slipbench (?:run|sweep|check|report|export|import|train|eval|cost|reproduce|bench|doctor|list|describe)\b.*",
+    re.MULTILINE,
+)
 
 
 def explained(folder, files):
@@ -75,7 +78,11 @@ def blocks(text):
 def lines_of_commands(content):
     """The commands of a block, one per line, without comments."""
     joined = re.sub(r"\s*\\\n\s*", " ", content)
-    return [line for line in (re.sub(r"(?:^|\s+)#\s.*", "", line).strip() for line in joined.splitlines()) if line]
+    return [
+        line
+        for line in (re.sub(r"(?:^|\s+)#\s.*", "", line).strip() for line in joined.splitlines())
+        if line
+    ]
 
 
 def commands(text):
@@ -97,7 +104,11 @@ def anchor(heading):
 
 def headings(text):
     """The anchors of a text's headings."""
-    return {anchor(line.lstrip("#")) for line in FENCE.sub("", text).splitlines() if line.startswith("#")}
+    return {
+        anchor(line.lstrip("#"))
+        for line in FENCE.sub("", text).splitlines()
+        if line.startswith("#")
+    }
 
 
 def expand(name):
@@ -105,42 +116,64 @@ def expand(name):
     braces = re.search(r"\{([^{}]*)\}", name)
     if not braces:
         return [name]
-    return [other for part in braces[1].split(",") for other in expand(name[:braces.start()] + part + name[braces.end():])]
+    return [
+        other
+        for part in braces[1].split(",")
+        for other in expand(name[: braces.start()] + part + name[braces.end() :])
+    ]
 
 
 class Tree:
     def __init__(self, root):
         self.root = Path(root)
         files = project_files(root)
-        self.paths = {path.as_posix() for path in files} | {parent.as_posix() for path in files for parent in path.parents}
+        self.paths = {path.as_posix() for path in files} | {
+            parent.as_posix() for path in files for parent in path.parents
+        }
         self.folders = {part for path in files for part in path.parent.parts}
-        self.top = "|".join(sorted({re.escape(path.parts[0]) for path in files if len(path.parts) > 1}))
+        self.top = "|".join(
+            sorted({re.escape(path.parts[0]) for path in files if len(path.parts) > 1})
+        )
         self.words = {path.stem for path in files} | self.folders
         for path in files:
             if path.suffix in (*SOURCES, ".xml", ".in"):
-                for word in re.findall(r"\w+", (self.root / path).read_text(encoding="utf-8", errors="replace")):
+                for word in re.findall(
+                    r"\w+", (self.root / path).read_text(encoding="utf-8", errors="replace")
+                ):
                     self.words.update((word, word.strip("_")))
-        self.words |= {name[:end.start()] for name in self.words for end in re.finditer("_", name)}  # as ctest -R takes them
+        self.words |= {
+            name[: end.start()] for name in self.words for end in re.finditer("_", name)
+        }  # as ctest -R takes them
 
     def holds(self, name, folder):
         """True if `name`, with or without extension, is the end of a path of the tree, or leads
         from `folder` to one."""
         if name.startswith("../"):
             name = os.path.normpath(folder / name)
-        return all(any(fnmatch.fnmatch("/" + path, "*/" + end + tail) for path in self.paths for tail in ("", ".*"))
-                   for end in expand(name.rstrip("/")))
+        return all(
+            any(
+                fnmatch.fnmatch("/" + path, "*/" + end + tail)
+                for path in self.paths
+                for tail in ("", ".*")
+            )
+            for end in expand(name.rstrip("/"))
+        )
 
     def missing(self, word, folder, own):
         """True if a word in backticks names something that does not exist; `own`: files that the
         text itself creates."""
         function = FUNCTION.fullmatch(word) or MEMBER.fullmatch(word) or NAME.fullmatch(word)
         if function:
-            return re.sub(r"_t(est)?$", "", function[1]) not in self.words  # NAME_test is a program, NAME_t a time
+            return (
+                re.sub(r"_t(est)?$", "", function[1]) not in self.words
+            )  # NAME_test is a program, NAME_t a time
         if word.startswith(BINARIES):
             return word.removeprefix(BINARIES).removesuffix("_test") not in self.words
         if not PATH.fullmatch(word) or word in own or PLACEHOLDER.search(word):
             return False
-        return (word.endswith(CODE) or ("/" in word and word.split("/")[0] in self.folders)) and not self.holds(word, folder)
+        return (
+            word.endswith(CODE) or ("/" in word and word.split("/")[0] in self.folders)
+        ) and not self.holds(word, folder)
 
 
 def check_text(root, tree, path, text):
@@ -164,7 +197,9 @@ def check_text(root, tree, path, text):
         for word in span[1].split():
             if tree.missing(word, path.parent, own):
                 yield f"{place(span)}: `{word}` is not in the tree"
-    for name in re.finditer(rf"(?<![\w/.(])(?:{tree.top})/[\w./-]*\w", LINK.sub(lambda link: " " * len(link[0]), plain)):
+    for name in re.finditer(
+        rf"(?<![\w/.(])(?:{tree.top})/[\w./-]*\w", LINK.sub(lambda link: " " * len(link[0]), plain)
+    ):
         if not tree.holds(name[0], path.parent):
             yield f"{place(name)}: {name[0]} is not in the tree"
     for other in OTHER_LINK.finditer(plain):
@@ -186,14 +221,22 @@ def check_size(path, text):
     lines = text.splitlines()
     if len(lines) > ROOT_LINES:
         yield f"{path}: {len(lines)} lines; allowed: {ROOT_LINES}"
-    for number, line in enumerate(FENCE.sub(lambda block: "\n" * block[0].count("\n"), text).splitlines(), 1):
-        if len(line) > ROOT_COLUMNS and not line.startswith("|") and not re.fullmatch(r"\S+|[-*]? *!?\[[^\]]*\]\(\S+\)", line):
+    for number, line in enumerate(
+        FENCE.sub(lambda block: "\n" * block[0].count("\n"), text).splitlines(), 1
+    ):
+        if (
+            len(line) > ROOT_COLUMNS
+            and not line.startswith("|")
+            and not re.fullmatch(r"\S+|[-*]? *!?\[[^\]]*\]\(\S+\)", line)
+        ):
             yield f"{path}:{number}: {len(line)} columns; allowed: {ROOT_COLUMNS}"
 
 
 def check(root):
     files = set(project_files(root))
-    for folder in sorted({path.parent for path in files if path.suffix in SOURCES and path.parent != Path(".")}):
+    for folder in sorted(
+        {path.parent for path in files if path.suffix in SOURCES and path.parent != Path(".")}
+    ):
         if not folder.parts[0].startswith(".") and not explained(folder, files):
             yield f"{folder}: no README.md"
     tree = Tree(root)

@@ -9,13 +9,31 @@ def project_files(root):
     """Paths of the project's files relative to root, sorted: files that git tracks or would track;
     outside git, all except build/ and hidden files."""
     listed = subprocess.run(
-        ["git", "-c", "safe.directory=*", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        capture_output=True, text=True, check=False)
+        [
+            "git",
+            "-c",
+            "safe.directory=*",
+            "-C",
+            root,
+            "ls-files",
+            "-z",
+            "--cached",
+            "--others",
+            "--exclude-standard",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if listed.returncode == 0:
         names = [Path(name) for name in listed.stdout.split("\0") if name]
     else:
         names = [path.relative_to(root) for path in Path(root).rglob("*")]
-        names = [name for name in names if name.parts[0] != "build" and not any(part.startswith(".") for part in name.parts)]
+        names = [
+            name
+            for name in names
+            if name.parts[0] != "build" and not any(part.startswith(".") for part in name.parts)
+        ]
     return sorted({name for name in names if (Path(root) / name).is_file()})
 
 

@@ -37,7 +37,15 @@ OPENINGS = {
     "Whether": "True if, Returns true if",
 }
 SLASHES, HASH = r"// ", r"# "
-COMMENT = {".h": SLASHES, ".cc": SLASHES, ".js": SLASHES, ".py": rf"(?:{HASH}|\"\"\")", ".sh": HASH, ".cmake": HASH, ".txt": HASH}
+COMMENT = {
+    ".h": SLASHES,
+    ".cc": SLASHES,
+    ".js": SLASHES,
+    ".py": rf"(?:{HASH}|\"\"\")",
+    ".sh": HASH,
+    ".cmake": HASH,
+    ".txt": HASH,
+}
 LITERAL = re.compile(r'"(?:[^"\\]|\\.)*"|(?<!\w)\'(?:[^\'\\]|\\.)*\'')
 WITH_MESSAGES = (".h", ".cc", ".js", ".py")
 CHECKED = (*COMMENT, ".md", ".yaml")
@@ -63,7 +71,11 @@ def check(root):
             for pattern, instead in anywhere:
                 if found := pattern.search(line):
                     yield f"{path}:{number}: '{found[0]}'; write instead: {instead}"
-            literals = LITERAL.findall(line) if path.suffix in WITH_MESSAGES and not whole.match(line) else []
+            literals = (
+                LITERAL.findall(line)
+                if path.suffix in WITH_MESSAGES and not whole.match(line)
+                else []
+            )
             for pattern, instead in messages:
                 if found := next(filter(None, map(pattern.search, literals)), None):
                     yield f"{path}:{number}: a message says '{found[0].strip()}'; write instead: {instead}"

@@ -45,6 +45,7 @@ def _reproduce(name: str, options: Options, as_json: bool) -> int:
     check_options(find_study(name), options)
     if options.output:
         from slipbench_studies import page
+
         page.check_charts(options.output)
     result = run(name, options)
     files: list[str] = []
@@ -65,16 +66,34 @@ def main(request: dict[str, Any]) -> int:
     Returns:
         the exit status
     """
-    name, as_json, quiet, install = (request.pop(key) for key in ("name", "json", "quiet", "install"))
-    options = Options(**{**request, "only": tuple(request["only"]), "say": say_nothing if as_json or quiet else _say})
+    name, as_json, quiet, install = (
+        request.pop(key) for key in ("name", "json", "quiet", "install")
+    )
+    options = Options(
+        **{
+            **request,
+            "only": tuple(request["only"]),
+            "say": say_nothing if as_json or quiet else _say,
+        }
+    )
     if name in ("", "list"):
         return run_command(lambda: write_result(lambda: _print_list(as_json)))
-    return run_command(lambda: _reproduce(name, options, as_json), needs=f"reproduce: {name}", install=install, target=options.output)
+    return run_command(
+        lambda: _reproduce(name, options, as_json),
+        needs=f"reproduce: {name}",
+        install=install,
+        target=options.output,
+    )
 
 
 def _print_list(as_json: bool) -> None:
     if as_json:
-        print(json.dumps({"reproductions": [{"name": one.name, "summary": one.summary} for one in STUDIES]}, separators=(",", ":")))
+        print(
+            json.dumps(
+                {"reproductions": [{"name": one.name, "summary": one.summary} for one in STUDIES]},
+                separators=(",", ":"),
+            )
+        )
         return
     for one in STUDIES:
         print(f"{one.name:<34}  {one.summary}")
@@ -85,6 +104,7 @@ def _print_result(name: str, result: Result, files: list[str], as_json: bool) ->
         print(json.dumps(result_object(name, result), separators=(",", ":"), ensure_ascii=False))
         return
     from slipbench_studies import text
+
     text.show(result)
     for file in files:
         print(f"written: {printable(file)}")

@@ -58,7 +58,12 @@ def jobs_of(options: Options) -> int:
     return options.jobs or os.cpu_count() or 1
 
 
-def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Trial], Outcome], record: str = "full") -> list[list[Outcome]]:
+def run_grid(
+    cells: Sequence[Cell],
+    options: Options,
+    reduce: Callable[[Cell, Trial], Outcome],
+    record: str = "full",
+) -> list[list[Outcome]]:
     """Runs all trials of a grid with the options' seed and number of threads.
 
     The draws of a trial depend only on the seed and its number, not on its cell. If there are at
@@ -93,7 +98,9 @@ def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Tr
         cell, kept = cells[k], list[Outcome]()
         if ended.is_set():
             return kept
-        sweep = scenes[k].sweep(draws=cell.draws, seed=seed, jobs=1 if apart else options.jobs, record=record)
+        sweep = scenes[k].sweep(
+            draws=cell.draws, seed=seed, jobs=1 if apart else options.jobs, record=record
+        )
         running.add(sweep)
         try:
             for trial in sweep:
@@ -104,8 +111,10 @@ def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Tr
                     break
         except InputError as error:
             changed = "" if cell.change is None else ", but for what the name says"
-            raise InputError(f"{cell.name}, trial {len(kept)}: {error}; the same{changed}: "
-                             f"{cell.command(seed)} --trials {len(sweep)} --trial {len(kept)}") from error
+            raise InputError(
+                f"{cell.name}, trial {len(kept)}: {error}; the same{changed}: "
+                f"{cell.command(seed)} --trials {len(sweep)} --trial {len(kept)}"
+            ) from error
         finally:
             sweep.close()
             running.discard(sweep)
@@ -145,7 +154,9 @@ def make_dataset(path: str, cell: Cell, options: Options, what: str = "") -> Non
             said = done
             options.say(f"{what} ({done} of {total} done)")
 
-    cell.load().write(path, draws=cell.draws, seed=options.draws_seed, jobs=options.jobs, progress=progress)
+    cell.load().write(
+        path, draws=cell.draws, seed=options.draws_seed, jobs=options.jobs, progress=progress
+    )
 
 
 class _Progress:
@@ -183,7 +194,9 @@ def check_only(only: Iterable[str], names: Sequence[str]) -> None:
         if name not in names:
             near = difflib.get_close_matches(name, names, 1, 0.7)
             meant = f" did you mean '{near[0]}'?" if near else ""
-            raise InputError(f"reproduce: --only: unknown name '{name}';{meant} allowed: {', '.join(names)}")
+            raise InputError(
+                f"reproduce: --only: unknown name '{name}';{meant} allowed: {', '.join(names)}"
+            )
 
 
 def chosen(names: Sequence[str], only: Sequence[str]) -> list[str]:

@@ -49,12 +49,18 @@ class KeptNetworks:
             if self.path.exists():
                 there = identity.read_text() if identity.is_file() else ""
                 if not there.startswith(BEGINNING):
-                    raise InputError(f"{self.path} exists, but does not contain networks of a study; choose another -o")
+                    raise InputError(
+                        f"{self.path} exists, but does not contain networks of a study; choose another -o"
+                    )
                 if options.resume and there != line:
-                    raise InputError(f"{self.path} belongs to other options, data, scenes or another build; repeat the same command with --resume, "
-                                     f"or delete the folder")
+                    raise InputError(
+                        f"{self.path} belongs to other options, data, scenes or another build; repeat the same command with --resume, "
+                        f"or delete the folder"
+                    )
                 if not options.resume and self.size:
-                    raise InputError(f"{self.path} contains {counted(self.size, 'network')} of an unfinished run; continue with --resume, or delete the folder")
+                    raise InputError(
+                        f"{self.path} contains {counted(self.size, 'network')} of an unfinished run; continue with --resume, or delete the folder"
+                    )
             self.path.mkdir(exist_ok=True)
             write_whole(identity, line.encode())
         except OSError as error:
@@ -62,7 +68,9 @@ class KeptNetworks:
         if self.size:
             options.say(f"reused of an earlier run: {counted(self.size, 'network')}")
         elif options.resume:
-            options.say(f"no network of an earlier run is in {self.path}; starting from the beginning")
+            options.say(
+                f"no network of an earlier run is in {self.path}; starting from the beginning"
+            )
 
     @property
     def size(self) -> int:
@@ -127,11 +135,23 @@ def identity_of(options: Options, name: str) -> str:
     Returns:
         64 hexadecimal digits
     """
-    files = {str(path): _digest(path) for path in (Path(options.data), Path(options.real)) if path.is_file()}
+    files = {
+        str(path): _digest(path)
+        for path in (Path(options.data), Path(options.real))
+        if path.is_file()
+    }
     for package in (slipbench, slipbench_studies):
         root = Path(str(package.__file__)).parent
         files |= {str(path.relative_to(root)): _digest(path) for path in sorted(root.rglob("*.py"))}
     scenes = slipbench.scenes()
-    files |= {str(path.relative_to(scenes)): _digest(path) for path in sorted(scenes.rglob("*")) if path.is_file()}
+    files |= {
+        str(path.relative_to(scenes)): _digest(path)
+        for path in sorted(scenes.rglob("*"))
+        if path.is_file()
+    }
     files["program"] = _digest(Path(_core.__file__))
-    return hashlib.sha256(json.dumps([name, options.draws_seed, options.full, options.trials, options.only, files]).encode()).hexdigest()
+    return hashlib.sha256(
+        json.dumps(
+            [name, options.draws_seed, options.full, options.trials, options.only, files]
+        ).encode()
+    ).hexdigest()

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
 from slipbench import RandomStream
 from slipbench._program import counted
 from slipbench.learning import Recipe, Trained, Training, fit, scale_of, train
@@ -58,8 +57,17 @@ def folds(groups: ArrayLike, count: int, seed: int) -> NDArray[np.int64]:
     return fold_of
 
 
-def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, judged: Iterable[Floats], training: Training, *, classes: int, seed: int,
-                     scaling: str = "standard", validating: Sequences = ()) -> list[Floats]:
+def train_and_answer(
+    network: Callable[[], nn.Module],
+    trained_on: Sequences,
+    judged: Iterable[Floats],
+    training: Training,
+    *,
+    classes: int,
+    seed: int,
+    scaling: str = "standard",
+    validating: Sequences = (),
+) -> list[Floats]:
     """Trains one network and evaluates it.
 
     Args:
@@ -85,13 +93,21 @@ def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, ju
 
     with reproducible(seed):
         module = network()
-    fit(module, [(scaled(one), labels) for one, labels in trained_on], [(scaled(one), labels) for one, labels in validating], training, classes=classes,
-        seed=seed)
+    fit(
+        module,
+        [(scaled(one), labels) for one, labels in trained_on],
+        [(scaled(one), labels) for one, labels in validating],
+        training,
+        classes=classes,
+        seed=seed,
+    )
     with reproducible(seed):
         return answers_to_all(module, [scaled(one) for one in judged])
 
 
-def train_detector(name: str, recipe: str | Recipe, dataset: str, output: str, options: Options, labels: str) -> Trained:
+def train_detector(
+    name: str, recipe: str | Recipe, dataset: str, output: str, options: Options, labels: str
+) -> Trained:
     """Trains a recipe on all trials of a dataset, ignoring its own split. Single frames are
     classified, with the threshold of the greatest balanced accuracy in validation.
 
@@ -109,8 +125,16 @@ def train_detector(name: str, recipe: str | Recipe, dataset: str, output: str, o
     Raises:
         InputError: as slipbench.learning.train()
     """
-    return train(dataset, output=output, recipe=recipe, labels=labels, every_trial=True, seed=options.draws_seed, alarms=math.inf,
-                 progress=lambda _, report: options.say(f"{name}: step {report.step} of {report.steps}"))
+    return train(
+        dataset,
+        output=output,
+        recipe=recipe,
+        labels=labels,
+        every_trial=True,
+        seed=options.draws_seed,
+        alarms=math.inf,
+        progress=lambda _, report: options.say(f"{name}: step {report.step} of {report.steps}"),
+    )
 
 
 def _end(*_: object) -> None:
@@ -129,7 +153,9 @@ def _run(work: Callable[[int], Any], index: int, connection: Connection) -> None
         connection.send((None, error, traceback.format_exc()))
 
 
-def train_all(name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]) -> list[Any]:
+def train_all(
+    name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]
+) -> list[Any]:
     """Trains networks, options.jobs at a time, each in its own process. With options.output each
     result is saved next to the page at once.
 
@@ -147,7 +173,9 @@ def train_all(name: str, subjects: Sequence[str], options: Options, work: Callab
         KeyboardInterrupt: after Ctrl-C; its text states what is saved
     """
     kept = KeptNetworks(options, name) if options.output else None
-    results: list[Any] = [None if kept is None else kept.find(index) for index in range(len(subjects))]
+    results: list[Any] = [
+        None if kept is None else kept.find(index) for index in range(len(subjects))
+    ]
     left = [index for index, one in enumerate(results) if one is None]
     set_num_threads(1)  # for the processes, which are forks of this one
     processes = _Processes(work)
@@ -162,7 +190,9 @@ def train_all(name: str, subjects: Sequence[str], options: Options, work: Callab
             _collect(processes, results, kept)
     except KeyboardInterrupt:
         if kept is not None and kept.size:
-            raise KeyboardInterrupt(f"interrupted; {counted(kept.size, 'network')} kept in {kept.path}; continue by the same command with --resume") from None
+            raise KeyboardInterrupt(
+                f"interrupted; {counted(kept.size, 'network')} kept in {kept.path}; continue by the same command with --resume"
+            ) from None
         raise
     finally:
         processes.end()
@@ -208,7 +238,9 @@ class _Processes:
                     result, error, text = connection.recv()
                 except EOFError:
                     process.join()
-                    raise RuntimeError(f"the process of network {index} ended with exit status {process.exitcode}") from None
+                    raise RuntimeError(
+                        f"the process of network {index} ended with exit status {process.exitcode}"
+                    ) from None
             process.join()
             if error is not None:
                 raise error from RuntimeError(text)

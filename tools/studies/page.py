@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from slipbench import InputError
 from slipbench._output import write_whole
 from slipbench.bin import _core
@@ -23,10 +22,25 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 GENERATOR = "slipbench reproduce"
-COLOURS = ("#1f66ad", "#c2450f", "#0a7d66", "#8a4fa3", "#a87400", "#59636e", "#2396b8", "#b0396b")  # of theme.css, light
+COLOURS = (
+    "#1f66ad",
+    "#c2450f",
+    "#0a7d66",
+    "#8a4fa3",
+    "#a87400",
+    "#59636e",
+    "#2396b8",
+    "#b0396b",
+)  # of theme.css, light
 SIZE = (7.6, 3.3)  # inches
-PLACE, FRAME = 0.27, 0.9  # inches: height of a chart's row, and total height above and below the rows
-FORMATS = {"svg": {"Creator": GENERATOR, "Date": None}, "png": {"Software": GENERATOR}}  # metadata that identifies a chart
+PLACE, FRAME = (
+    0.27,
+    0.9,
+)  # inches: height of a chart's row, and total height above and below the rows
+FORMATS = {
+    "svg": {"Creator": GENERATOR, "Date": None},
+    "png": {"Software": GENERATOR},
+}  # metadata that identifies a chart
 
 
 def draw(chart: Chart) -> Figure:
@@ -40,30 +54,43 @@ def draw(chart: Chart) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(SIZE if chart.joined else (SIZE[0], FRAME + PLACE * len(chart.places)), layout="constrained")
+    figure = Figure(
+        SIZE if chart.joined else (SIZE[0], FRAME + PLACE * len(chart.places)), layout="constrained"
+    )
     axes = figure.subplots()
     apart = 0.0 if chart.joined else 0.2  # separates overlapping intervals of several curves
     for k, curve in enumerate(chart.curves):
         value, low, high = np.array(curve.points, dtype=float).T
         place = np.arange(len(value)) + apart * (k - 0.5 * (len(chart.curves) - 1))
         error = np.abs([value - low, high - value])
-        style: dict[str, Any] = {"capsize": 2, "markersize": 4, "linewidth": 1.4, "color": COLOURS[k % len(COLOURS)]}
+        style: dict[str, Any] = {
+            "capsize": 2,
+            "markersize": 4,
+            "linewidth": 1.4,
+            "color": COLOURS[k % len(COLOURS)],
+        }
         if chart.joined:
             axes.errorbar(place, value, yerr=error, fmt="o-", label=curve.name, **style)
         else:
             axes.errorbar(value, place, xerr=error, fmt="o", label=curve.name, **style)
     if chart.bar is not None:
-        (axes.axhline if chart.joined else axes.axvline)(chart.bar, color="#8b949e", linestyle="--", linewidth=1, label=chart.bar_name)
+        (axes.axhline if chart.joined else axes.axvline)(
+            chart.bar, color="#8b949e", linestyle="--", linewidth=1, label=chart.bar_name
+        )
     if chart.joined:
         axes.set(xlabel=chart.across, ylabel=chart.up)
         axes.set_xticks(range(len(chart.places)), chart.places)
         axes.grid(axis="y", color="#e9ecef")
     else:
-        axes.set(xlabel=chart.up, ylabel=chart.across, ylim=(len(chart.places) - 0.5, -0.5))  # first row at the top
+        axes.set(
+            xlabel=chart.up, ylabel=chart.across, ylim=(len(chart.places) - 0.5, -0.5)
+        )  # first row at the top
         axes.set_yticks(range(len(chart.places)), chart.places)
         axes.grid(axis="x", color="#e9ecef")
     axes.spines[["top", "right"]].set_visible(False)
-    figure.legend(loc="outside upper right", ncols=len(chart.curves) + (chart.bar is not None), frameon=False)
+    figure.legend(
+        loc="outside upper right", ncols=len(chart.curves) + (chart.bar is not None), frameon=False
+    )
     return figure
 
 
@@ -95,12 +122,19 @@ def _section(title: str, note: str, content: str) -> str:
 
 
 def _table(table: Table) -> str:
-    return (f'<div class="scroll"><table class="plain">\n<thead>{_row(table.head, "th")}</thead>\n<tbody>\n'
-            + "".join(_row(row, "td") for row in table.rows) + "</tbody></table></div>\n")
+    return (
+        f'<div class="scroll"><table class="plain">\n<thead>{_row(table.head, "th")}</thead>\n<tbody>\n'
+        + "".join(_row(row, "td") for row in table.rows)
+        + "</tbody></table></div>\n"
+    )
 
 
 def _list(items: Iterable[str]) -> str:
-    return '<ul class="plain">\n' + "".join(f"<li>{html.escape(item)}</li>\n" for item in items) + "</ul>\n"
+    return (
+        '<ul class="plain">\n'
+        + "".join(f"<li>{html.escape(item)}</li>\n" for item in items)
+        + "</ul>\n"
+    )
 
 
 def result_page(name: str, result: Result) -> str:
@@ -113,11 +147,17 @@ def result_page(name: str, result: Result) -> str:
     Returns:
         the page
     """
-    body = (f'<header class="plain"><p class="eyebrow">{GENERATOR} {html.escape(name)}</p>\n<h1>{html.escape(result.title)}</h1>\n'
-            f'<p class="note">{html.escape(result.source)}</p>\n</header>\n')
+    body = (
+        f'<header class="plain"><p class="eyebrow">{GENERATOR} {html.escape(name)}</p>\n<h1>{html.escape(result.title)}</h1>\n'
+        f'<p class="note">{html.escape(result.source)}</p>\n</header>\n'
+    )
     for chart in result.charts:
         picture = base64.b64encode(drawn(chart, "svg")).decode()
-        body += _section(chart.title, "", f'<div class="scroll"><img alt="{html.escape(chart.title)}" src="data:image/svg+xml;base64,{picture}"></div>\n')
+        body += _section(
+            chart.title,
+            "",
+            f'<div class="scroll"><img alt="{html.escape(chart.title)}" src="data:image/svg+xml;base64,{picture}"></div>\n',
+        )
     body += "".join(_section(table.title, table.note, _table(table)) for table in result.tables)
     if result.remarks:
         body += _section("What differs, and why", "", _list(result.remarks))
@@ -165,10 +205,14 @@ def write(output: str, name: str, result: Result) -> list[str]:
     """
     paths = chart_paths(output, len(result.charts))
     check_charts(output)
-    files: list[str] = _core.write_result(output, result_page(name, result), json.dumps(result_object(name, result)))
+    files: list[str] = _core.write_result(
+        output, result_page(name, result), json.dumps(result_object(name, result))
+    )
     for path in paths:
         try:
-            write_whole(path, drawn(result.charts[int(path.stem.rsplit("-", 1)[1]) - 1], path.suffix[1:]))
+            write_whole(
+                path, drawn(result.charts[int(path.stem.rsplit("-", 1)[1]) - 1], path.suffix[1:])
+            )
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from error
         files.append(str(path))

@@ -193,5 +193,11 @@ def result_object(name: str, result: Result) -> dict[str, Any]:
     Returns:
         reproduction, title, source, setup, figures, remarks
     """
-    return {"reproduction": name, "title": result.title, "source": result.source, "setup": result.setup, "figures": plain(result.figures),
-            "remarks": result.remarks}
+    return {
+        "reproduction": name,
+        "title": result.title,
+        "source": result.source,
+        "setup": result.setup,
+        "figures": plain(result.figures),
+        "remarks": result.remarks,
+    }

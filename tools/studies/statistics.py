@@ -51,7 +51,9 @@ def median(values: ArrayLike) -> float:
 def mean_sd(values: ArrayLike) -> tuple[float, float]:
     """Mean and standard deviation of the sample (n - 1); NaN for too few values."""
     array = np.asarray(values, dtype=float)
-    return (float(array.mean()) if array.size else math.nan), (float(array.std(ddof=1)) if array.size > 1 else math.nan)
+    return (float(array.mean()) if array.size else math.nan), (
+        float(array.std(ddof=1)) if array.size > 1 else math.nan
+    )
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,10 @@ class Auc:
 def _shares_below(values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
     """For each value the share of `others` below it, ties counting half."""
     ordered = np.sort(others)
-    first, last = np.searchsorted(ordered, values, "left"), np.searchsorted(ordered, values, "right")
+    first, last = (
+        np.searchsorted(ordered, values, "left"),
+        np.searchsorted(ordered, values, "right"),
+    )
     return np.asarray((first + 0.5 * (last - first)) / len(ordered))
 
 
@@ -84,7 +89,12 @@ def _unbiased(groups: int) -> float:
     return 0.0 if groups < 2 else groups / (groups - 1)
 
 
-def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | None = None, negative_group: ArrayLike | None = None) -> Auc:
+def auc(
+    positives: ArrayLike,
+    negatives: ArrayLike,
+    positive_group: ArrayLike | None = None,
+    negative_group: ArrayLike | None = None,
+) -> Auc:
     """The area, exact by ranks, with DeLong's interval [delong1988], or Obuchowski's [obuchowski1997]
     for values in groups.
 
@@ -104,7 +114,10 @@ def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | 
         ValueError: for a class without values, a NaN, or groups whose number differs from their
             values
     """
-    above_values, below_values = np.asarray(positives, dtype=float), np.asarray(negatives, dtype=float)
+    above_values, below_values = (
+        np.asarray(positives, dtype=float),
+        np.asarray(negatives, dtype=float),
+    )
     m, n = len(above_values), len(below_values)
     if m == 0 or n == 0 or np.isnan(above_values).any() or np.isnan(below_values).any():
         raise ValueError("auc: a class without values, or with a NaN")
@@ -112,7 +125,10 @@ def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | 
     group_n = m + np.arange(n) if negative_group is None else np.asarray(negative_group)
     if len(group_p) != m or len(group_n) != n:
         raise ValueError("auc: as many groups as values are needed")
-    above, below = _shares_below(above_values, below_values), _shares_below(below_values, above_values)
+    above, below = (
+        _shares_below(above_values, below_values),
+        _shares_below(below_values, above_values),
+    )
     value = float(above.mean())
     groups = np.unique(np.concatenate([group_p, group_n]))
     of_p = np.bincount(np.searchsorted(groups, group_p), above - value, len(groups))
@@ -121,8 +137,11 @@ def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | 
     if value in (0.0, 1.0):
         pairs = min(with_p, with_n)
         return Auc(value, clopper_pearson(pairs if value == 1.0 else 0, pairs), m, n)
-    variance = (_unbiased(with_p) * float(of_p @ of_p) / m**2 + _unbiased(with_n) * float(of_n @ of_n) / n**2
-                + 2.0 * _unbiased(len(groups)) * float(of_p @ of_n) / (m * n))
+    variance = (
+        _unbiased(with_p) * float(of_p @ of_p) / m**2
+        + _unbiased(with_n) * float(of_n @ of_n) / n**2
+        + 2.0 * _unbiased(len(groups)) * float(of_p @ of_n) / (m * n)
+    )
     reach = NORMAL_975 * math.sqrt(max(0.0, variance))
     return Auc(value, (max(0.0, value - reach), min(1.0, value + reach)), m, n)
 
@@ -137,8 +156,9 @@ def median_interval(values: ArrayLike) -> tuple[float, float]:
     return (math.nan, math.nan) if r == 0 else (float(ordered[r - 1]), float(ordered[-r]))
 
 
-def bootstrap_intervals(groups: int, draws: int, seed: int,
-                        figures: Callable[[NDArray[np.int64]], Sequence[float]]) -> list[tuple[float, float]]:
+def bootstrap_intervals(
+    groups: int, draws: int, seed: int, figures: Callable[[NDArray[np.int64]], Sequence[float]]
+) -> list[tuple[float, float]]:
     """Intervals of 95 % by the percentile bootstrap over groups [efron1979].
 
     Draw number d takes its groups from RandomStream(seed, d, "intervals").
@@ -164,7 +184,9 @@ def bootstrap_intervals(groups: int, draws: int, seed: int,
     rows = []
     for draw in range(draws):
         stream = RandomStream(seed, draw, "intervals")
-        rows.append(figures(np.array([stream.integer(groups) for _ in range(groups)], dtype=np.int64)))
+        rows.append(
+            figures(np.array([stream.integer(groups) for _ in range(groups)], dtype=np.int64))
+        )
     values = np.asarray(rows, dtype=float)
     if groups < 2:
         return [(math.nan, math.nan)] * values.shape[1]

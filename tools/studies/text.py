@@ -14,7 +14,17 @@ BOLD, DIM, HEADING = "1", "2", "1;36"
 
 def wrapped(text: str, width: int) -> str:
     """The text wrapped at spaces, indented by two."""
-    return textwrap.fill(text, width, initial_indent="  ", subsequent_indent="  ", break_long_words=False, break_on_hyphens=False) + "\n"
+    return (
+        textwrap.fill(
+            text,
+            width,
+            initial_indent="  ",
+            subsequent_indent="  ",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        + "\n"
+    )
 
 
 def table_text(table: Table, dim: str = "{}") -> str:
@@ -29,8 +39,14 @@ def table_text(table: Table, dim: str = "{}") -> str:
     """
     rows = [table.head, *table.rows]
     widths = [max(len(row[column]) for row in rows) for column in range(len(table.head))]
-    lines = ["  " + "  ".join(cell.rjust(width) if column else cell.ljust(width) for column, (cell, width) in enumerate(zip(row, widths, strict=True)))
-             for row in rows]
+    lines = [
+        "  "
+        + "  ".join(
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    ]
     return "\n".join([dim.format(lines[0].rstrip()), *(line.rstrip() for line in lines[1:])]) + "\n"
 
 
@@ -45,6 +61,7 @@ def result_text(result: Result, colour: bool, width: int) -> str:
     Returns:
         the text, which ends with a line end
     """
+
     def marked(text: str, code: str) -> str:
         return f"\033[{code}m{text}\033[0m" if colour else text
 
@@ -52,12 +69,19 @@ def result_text(result: Result, colour: bool, width: int) -> str:
     for table in result.tables:
         text += f"\n{marked(table.title, HEADING)}\n" + table_text(table, marked("{}", DIM))
         text += wrapped(table.note, width) if table.note else ""
-    for title, lines in (("What differs, and why", result.remarks), ("How it was measured", result.setup)):
+    for title, lines in (
+        ("What differs, and why", result.remarks),
+        ("How it was measured", result.setup),
+    ):
         if lines:
-            text += f"\n{marked(title, HEADING)}\n" + "".join(wrapped(line, width) for line in lines)
+            text += f"\n{marked(title, HEADING)}\n" + "".join(
+                wrapped(line, width) for line in lines
+            )
     return text
 
 
 def show(result: Result) -> None:
     """Prints a result on stdout, in colour on a terminal (no-color.org)."""
-    sys.stdout.write(result_text(result, watched(sys.stdout) and not os.environ.get("NO_COLOR"), text_width()))
+    sys.stdout.write(
+        result_text(result, watched(sys.stdout) and not os.environ.get("NO_COLOR"), text_width())
+    )

@@ -35,28 +35,65 @@ def after_slip(micro, filled):
 def braked():
     """Simulates a pad that is pressed, moves sideways at 4 mm/s from 0.6 s, is braked 0.7 s later
     under constant load, and is lifted off."""
-    return slipbench.Scene.from_dict({
-        "slipbench": 1, "duration": "2.2 s", "friction": {"static": 0.9, "kinetic": 0.8},
-        "motion": {"kind": "stage", "compression": "1 mm", "start": "0.6 s", "speed": "4 mm/s", "stop": "700 ms", "retract": "1.9 s"},
-        "sensors": {"pad": {"type": "papillarray", "rate": "1 kHz", "bristles": 6, "profile": "hexapod"}}}).run()
+    return slipbench.Scene.from_dict(
+        {
+            "slipbench": 1,
+            "duration": "2.2 s",
+            "friction": {"static": 0.9, "kinetic": 0.8},
+            "motion": {
+                "kind": "stage",
+                "compression": "1 mm",
+                "start": "0.6 s",
+                "speed": "4 mm/s",
+                "stop": "700 ms",
+                "retract": "1.9 s",
+            },
+            "sensors": {
+                "pad": {"type": "papillarray", "rate": "1 kHz", "bristles": 6, "profile": "hexapod"}
+            },
+        }
+    ).run()
 
 
 def picture(trial):
     """Draws the tangential force of each pillar, and below a strip for each rule."""
     sensor, labels = trial.sensors["pad"], trial.labels["pad"]
     micro = classes(labels.state_micro)
-    rules = {"strict": classes(labels.state), "micro": micro, "paper": classes(labels.state_paper), "latched": after_slip(micro, SLIP),
-             "masked": after_slip(micro, LEFT_OUT)}
-    figure, axes = plt.subplots(1 + len(rules), figsize=(7, 4), dpi=100, layout="constrained", sharex=True, height_ratios=(4, *len(rules) * [1]))
+    rules = {
+        "strict": classes(labels.state),
+        "micro": micro,
+        "paper": classes(labels.state_paper),
+        "latched": after_slip(micro, SLIP),
+        "masked": after_slip(micro, LEFT_OUT),
+    }
+    figure, axes = plt.subplots(
+        1 + len(rules),
+        figsize=(7, 4),
+        dpi=100,
+        layout="constrained",
+        sharex=True,
+        height_ratios=(4, *len(rules) * [1]),
+    )
     axes[0].plot(sensor.t, np.hypot(labels.force[:, :, 0], labels.force[:, :, 1]), linewidth=1)
     axes[0].set_ylabel("tangential force\nof a pillar (N)")
     colours = matplotlib.colors.ListedColormap(COLOURS)
     for axis, (name, states) in zip(axes[1:], rules.items(), strict=True):
-        axis.imshow(states[None], aspect="auto", cmap=colours, vmin=0, vmax=3, interpolation="nearest", extent=(sensor.t[0], sensor.t[-1], 0, 1))
+        axis.imshow(
+            states[None],
+            aspect="auto",
+            cmap=colours,
+            vmin=0,
+            vmax=3,
+            interpolation="nearest",
+            extent=(sensor.t[0], sensor.t[-1], 0, 1),
+        )
         axis.set(yticks=[])
         axis.set_ylabel(name, rotation=0, ha="right", va="center")
     axes[-1].set_xlabel("time (s)")
-    patches = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, edgecolor="#5b6470", linewidth=0.5) for colour in COLOURS]
+    patches = [
+        plt.Rectangle((0, 0), 1, 1, facecolor=colour, edgecolor="#5b6470", linewidth=0.5)
+        for colour in COLOURS
+    ]
     figure.legend(patches, STATES, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     return figure, rules
 
@@ -65,5 +102,8 @@ if __name__ == "__main__":
     matplotlib.use("svg")
     matplotlib.rcParams["svg.hashsalt"] = "slipbench"  # reproducible ids
     drawn, shares = picture(braked())
-    drawn.savefig(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent) / "labels.svg", metadata={"Date": None})
+    drawn.savefig(
+        Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent) / "labels.svg",
+        metadata={"Date": None},
+    )
     print({name: f"{(states == SLIP).mean():.1%}" for name, states in shares.items()})

@@ -53,7 +53,9 @@ def detect(
     parquet = target.endswith(".parquet")
     if parquet:
         import pyarrow  # noqa: F401  # fails before the work if it is missing
-    text, written = _core.detect(detector, overrides_of(parameters), files, sensor, "" if parquet else target, resample)
+    text, written = _core.detect(
+        detector, overrides_of(parameters), files, sensor, "" if parquet else target, resample
+    )
     result: dict[str, Any] = json.loads(text)
     result["files"] = write_parquet(target, result) if parquet else written
     return result
@@ -83,12 +85,33 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
 
     text, number, key = pa.string(), pa.float64(), {b"slipbench_detect": b"1"}
     place = [("recording", text), ("trial", pa.int64()), ("object", text)]
-    alarms = pa.schema([*place, ("alarm", pa.int64()), ("begin_s", number), ("end_s", number), ("probability", number)], metadata=key)
-    samples = pa.schema([*place, ("time_s", number), ("state", text), ("slip", pa.bool_()), ("probability", number), ("label", text)], metadata=key)
+    alarms = pa.schema(
+        [
+            *place,
+            ("alarm", pa.int64()),
+            ("begin_s", number),
+            ("end_s", number),
+            ("probability", number),
+        ],
+        metadata=key,
+    )
+    samples = pa.schema(
+        [
+            *place,
+            ("time_s", number),
+            ("state", text),
+            ("slip", pa.bool_()),
+            ("probability", number),
+            ("label", text),
+        ],
+        metadata=key,
+    )
     targets = {path: alarms, samples_path(path): samples}
     for name in targets:
         if Path(name).is_symlink():
-            raise _core.InputError(f"cannot write {name}: it is a symbolic link, which would be replaced, not followed; give a file or a new name")
+            raise _core.InputError(
+                f"cannot write {name}: it is a symbolic link, which would be replaced, not followed; give a file or a new name"
+            )
         if Path(name).exists():
             try:
                 with open(name, "rb") as file:
@@ -96,7 +119,9 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
             except (OSError, pa.ArrowInvalid):
                 earlier = False
             if not earlier:
-                raise _core.InputError(f"cannot write {name}: it exists and is not a table of slipbench detect; choose another -o")
+                raise _core.InputError(
+                    f"cannot write {name}: it exists and is not a table of slipbench detect; choose another -o"
+                )
     try:
         # File objects: pyarrow takes some names, such as a:b.parquet, for addresses.
         with (
@@ -106,7 +131,9 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
         ):
             for trial in result["trials"]:
                 where = {name: trial[name] for name in ("recording", "trial", "object")}
-                rows = [{**where, "alarm": k + 1, **alarm} for k, alarm in enumerate(trial["alarms"])]
+                rows = [
+                    {**where, "alarm": k + 1, **alarm} for k, alarm in enumerate(trial["alarms"])
+                ]
                 alarm_file.write_table(pa.Table.from_pylist(rows, alarms))
                 columns = trial["samples"]
                 count = len(columns["time_s"])

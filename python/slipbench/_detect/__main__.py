@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import sys
-
 from typing import Any
 
 from slipbench._detect import write_parquet
@@ -18,7 +17,14 @@ def run(request: dict[str, Any]) -> int:
     interrupt = Interrupt("stopping; nothing is kept")
     import pyarrow  # noqa: F401  # fails before the work if it is missing
 
-    result, _ = _core.detect(request["detector"], list(request["parameters"].items()), request["recordings"], request["sensor"], "", request["resample"])
+    result, _ = _core.detect(
+        request["detector"],
+        list(request["parameters"].items()),
+        request["recordings"],
+        request["sensor"],
+        "",
+        request["resample"],
+    )
     interrupt.check()
     files = write_parquet(request["output"], json.loads(result))
     return write_result(lambda: _core.print_detection(result, files, request["json"]))
@@ -28,7 +34,12 @@ def main(text: str) -> int:
     """Runs the request, in JSON: the arguments of detect(), `json` and `install`; returns the exit
     status."""
     request = json.loads(text)
-    return run_command(lambda: run(request), needs="detect -o FILE.parquet", install=request["install"], target=request["output"])
+    return run_command(
+        lambda: run(request),
+        needs="detect -o FILE.parquet",
+        install=request["install"],
+        target=request["output"],
+    )
 
 
 if __name__ == "__main__":

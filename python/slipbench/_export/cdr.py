@@ -26,7 +26,9 @@ class Messages:
 
     def __init__(self, count: int) -> None:
         self.count = count
-        self._parts: list[tuple[int, NDArray[np.uint8]]] = []  # offset after the encapsulation, bytes [count or 1, n]
+        self._parts: list[
+            tuple[int, NDArray[np.uint8]]
+        ] = []  # offset after the encapsulation, bytes [count or 1, n]
         self._end = 0
 
     @property
@@ -38,7 +40,9 @@ class Messages:
         """Adds numbers of the numpy type `kind` ("<f4"): [count, ...], or a single number for all
         messages."""
         array = np.asarray(values, kind)
-        rows = np.ascontiguousarray(array.reshape(1 if array.ndim == 0 else self.count, int(np.prod(array.shape[1:]))))
+        rows = np.ascontiguousarray(
+            array.reshape(1 if array.ndim == 0 else self.count, int(np.prod(array.shape[1:])))
+        )
         self._end += -self._end % array.itemsize
         self._parts.append((self._end, rows.view(np.uint8)))
         self._end += rows.shape[1] * array.itemsize
@@ -78,9 +82,9 @@ class Messages:
 
     def write_to(self, rows: NDArray[np.uint8]) -> None:
         """Writes the messages to `rows` [count, size], which must hold zeros."""
-        rows[:, :len(ENCAPSULATION)] = np.frombuffer(ENCAPSULATION, np.uint8)
-        body = rows[:, len(ENCAPSULATION):]
+        rows[:, : len(ENCAPSULATION)] = np.frombuffer(ENCAPSULATION, np.uint8)
+        body = rows[:, len(ENCAPSULATION) :]
         for offset, part in self._parts:
             width = part.shape[1]
             if width:  # numpy copies a row of bytes faster as one value
-                body[:, offset:offset + width].view(f"V{width}")[:] = part.view(f"V{width}")
+                body[:, offset : offset + width].view(f"V{width}")[:] = part.view(f"V{width}")

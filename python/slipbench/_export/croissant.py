@@ -16,18 +16,56 @@ if TYPE_CHECKING:
 
 # As in the specification; readers expect all of these terms.
 CONTEXT: dict[str, Any] = {
-    "@language": "en", "@vocab": "https://schema.org/", "citeAs": "cr:citeAs", "column": "cr:column", "conformsTo": "dct:conformsTo",
-    "cr": "http://mlcommons.org/croissant/", "rai": "http://mlcommons.org/croissant/RAI/", "data": {"@id": "cr:data", "@type": "@json"},
-    "dataType": {"@id": "cr:dataType", "@type": "@vocab"}, "dct": "http://purl.org/dc/terms/", "equivalentProperty": "cr:equivalentProperty",
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "citeAs": "cr:citeAs",
+    "column": "cr:column",
+    "conformsTo": "dct:conformsTo",
+    "cr": "http://mlcommons.org/croissant/",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    "dct": "http://purl.org/dc/terms/",
+    "equivalentProperty": "cr:equivalentProperty",
     "examples": {"@id": "cr:examples", "@type": "@json"},
-    "extract": "cr:extract", "field": "cr:field", "fileProperty": "cr:fileProperty", "fileObject": "cr:fileObject", "fileSet": "cr:fileSet",
-    "format": "cr:format", "includes": "cr:includes", "isLiveDataset": "cr:isLiveDataset", "jsonPath": "cr:jsonPath", "key": "cr:key", "md5": "cr:md5",
-    "parentField": "cr:parentField", "path": "cr:path", "recordSet": "cr:recordSet", "references": "cr:references", "regex": "cr:regex",
-    "repeated": "cr:repeated", "replace": "cr:replace", "samplingRate": "cr:samplingRate", "sc": "https://schema.org/", "separator": "cr:separator", "source": "cr:source",
-    "subField": "cr:subField", "transform": "cr:transform"}
+    "extract": "cr:extract",
+    "field": "cr:field",
+    "fileProperty": "cr:fileProperty",
+    "fileObject": "cr:fileObject",
+    "fileSet": "cr:fileSet",
+    "format": "cr:format",
+    "includes": "cr:includes",
+    "isLiveDataset": "cr:isLiveDataset",
+    "jsonPath": "cr:jsonPath",
+    "key": "cr:key",
+    "md5": "cr:md5",
+    "parentField": "cr:parentField",
+    "path": "cr:path",
+    "recordSet": "cr:recordSet",
+    "references": "cr:references",
+    "regex": "cr:regex",
+    "repeated": "cr:repeated",
+    "replace": "cr:replace",
+    "samplingRate": "cr:samplingRate",
+    "sc": "https://schema.org/",
+    "separator": "cr:separator",
+    "source": "cr:source",
+    "subField": "cr:subField",
+    "transform": "cr:transform",
+}
 BEGINNING = '{\n "@context": {\n  "@language": "en",'
-FORMATS = {".parquet": "application/x-parquet", ".mcap": "application/octet-stream", ".json": "application/json", ".yaml": "application/yaml",
-           ".csv": "text/csv", ".gz": "application/gzip", ".hdf5": "application/x-hdf5", ".npz": "application/zip", ".xml": "application/xml", ".md": "text/markdown"}
+FORMATS = {
+    ".parquet": "application/x-parquet",
+    ".mcap": "application/octet-stream",
+    ".json": "application/json",
+    ".yaml": "application/yaml",
+    ".csv": "text/csv",
+    ".gz": "application/gzip",
+    ".hdf5": "application/x-hdf5",
+    ".npz": "application/zip",
+    ".xml": "application/xml",
+    ".md": "text/markdown",
+}
 File = tuple[str, str]  # name in the export, and path of the content
 
 
@@ -69,8 +107,15 @@ def _digest(path: str) -> str:
 
 
 def _file_object(name: str, path: str) -> dict[str, Any]:
-    suffix = name[name.rfind("."):] if "." in name else ""
-    return {"@type": "cr:FileObject", "@id": name, "name": name, "contentUrl": name, "encodingFormat": FORMATS.get(suffix, "text/plain"), "sha256": _digest(path)}
+    suffix = name[name.rfind(".") :] if "." in name else ""
+    return {
+        "@type": "cr:FileObject",
+        "@id": name,
+        "name": name,
+        "contentUrl": name,
+        "encodingFormat": FORMATS.get(suffix, "text/plain"),
+        "sha256": _digest(path),
+    }
 
 
 def _data_type(kind: pa.DataType) -> str:
@@ -89,7 +134,9 @@ def _described(field: pa.Field) -> str:
     """A column's unit or codes."""
     about = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
     unit = about.get("unit", "")
-    codes = ", ".join(f"{code} {word}" for word, code in json.loads(about.get("codes", "{}")).items())
+    codes = ", ".join(
+        f"{code} {word}" for word, code in json.loads(about.get("codes", "{}")).items()
+    )
     return codes or ("" if unit in ("", "1") else f"unit {unit}")
 
 
@@ -99,7 +146,10 @@ def parquet_columns(path: str) -> list[Column]:
 
     with open(path, "rb") as file:  # pyarrow takes some names, such as a:b.parquet, for addresses
         schema = pq.read_schema(file)
-    return [Column(field.name, _data_type(field.type), _described(field), field.type.num_fields > 0) for field in schema]
+    return [
+        Column(field.name, _data_type(field.type), _described(field), field.type.num_fields > 0)
+        for field in schema
+    ]
 
 
 def _field_of(table: Table, number: int, column: Column, source: dict[str, Any]) -> dict[str, Any]:
@@ -107,7 +157,13 @@ def _field_of(table: Table, number: int, column: Column, source: dict[str, Any])
     characters
     than identifiers allow."""
     name = column.name if re.fullmatch(r"[\w.-]+", column.name) else f"column-{number}"
-    about: dict[str, Any] = {"@type": "cr:Field", "@id": f"{table.name}/{name}", "name": column.name, "dataType": column.type, "source": source}
+    about: dict[str, Any] = {
+        "@type": "cr:Field",
+        "@id": f"{table.name}/{name}",
+        "name": column.name,
+        "dataType": column.type,
+        "source": source,
+    }
     if column.description:
         about["description"] = column.description
     if column.repeated:
@@ -116,19 +172,48 @@ def _field_of(table: Table, number: int, column: Column, source: dict[str, Any])
 
 
 def _record_set(table: Table) -> dict[str, Any]:
-    of = {"fileSet": {"@id": f"{table.name}-files"}} if table.encoding else {"fileObject": {"@id": table.files[0]}}
-    fields = [_field_of(table, 0, Column(name, kind, description), of | {"extract": {"fileProperty": "fullpath"}, "transform": {"regex": regex}})
-              for name, (kind, description, regex) in table.named.items()]
-    fields += [_field_of(table, number, column, of | {"extract": {"column": column.name}}) for number, column in enumerate(table.columns, 1)]
+    of = (
+        {"fileSet": {"@id": f"{table.name}-files"}}
+        if table.encoding
+        else {"fileObject": {"@id": table.files[0]}}
+    )
+    fields = [
+        _field_of(
+            table,
+            0,
+            Column(name, kind, description),
+            of | {"extract": {"fileProperty": "fullpath"}, "transform": {"regex": regex}},
+        )
+        for name, (kind, description, regex) in table.named.items()
+    ]
+    fields += [
+        _field_of(table, number, column, of | {"extract": {"column": column.name}})
+        for number, column in enumerate(table.columns, 1)
+    ]
     return {"@type": "cr:RecordSet", "@id": table.name, "name": table.name, "field": fields}
 
 
 def _file_set(table: Table) -> dict[str, Any]:
-    return {"@type": "cr:FileSet", "@id": f"{table.name}-files", "name": f"{table.name}-files", "encodingFormat": table.encoding,
-            "includes": [escape(name) for name in table.files]}
+    return {
+        "@type": "cr:FileSet",
+        "@id": f"{table.name}-files",
+        "name": f"{table.name}-files",
+        "encodingFormat": table.encoding,
+        "includes": [escape(name) for name in table.files],
+    }
 
 
-def croissant_text(*, name: str, description: str, version: str, licence: str, citation: str, keywords: list[str], files: Iterable[File], tables: Iterable[Table]) -> str:
+def croissant_text(
+    *,
+    name: str,
+    description: str,
+    version: str,
+    licence: str,
+    citation: str,
+    keywords: list[str],
+    files: Iterable[File],
+    tables: Iterable[Table],
+) -> str:
     """croissant.json of an export.
 
     Args:
@@ -145,12 +230,23 @@ def croissant_text(*, name: str, description: str, version: str, licence: str, c
         JSON that begins with BEGINNING.
     """
     files = sorted(files)
-    about: dict[str, Any] = {"@context": CONTEXT, "@type": "sc:Dataset", "conformsTo": "http://mlcommons.org/croissant/1.0", "name": name, "description": description,
-                             "version": version, "citeAs": citation, "keywords": keywords}
+    about: dict[str, Any] = {
+        "@context": CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": "http://mlcommons.org/croissant/1.0",
+        "name": name,
+        "description": description,
+        "version": version,
+        "citeAs": citation,
+        "keywords": keywords,
+    }
     if licence:
         about["license"] = licence
     tables = list(tables)
-    about["distribution"] = [*(_file_object(*file) for file in files), *(_file_set(table) for table in tables if table.encoding)]
+    about["distribution"] = [
+        *(_file_object(*file) for file in files),
+        *(_file_set(table) for table in tables if table.encoding),
+    ]
     if tables:
         about["recordSet"] = [_record_set(table) for table in tables]
     return json.dumps(about, indent=1, ensure_ascii=False) + "\n"

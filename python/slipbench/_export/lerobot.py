@@ -23,7 +23,15 @@ from slipbench._data import check_evenly_spaced, check_units
 from slipbench._export.card import card_text, croissant_text
 from slipbench._export.parquet import encodings
 from slipbench._export.request import Progress, Request, locked_folder, make_folder, split_of
-from slipbench._export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
+from slipbench._export.series import (
+    TIME_ROUNDING,
+    Series,
+    body_series,
+    control_series,
+    grid,
+    label_series,
+    sensor_series,
+)
 from slipbench._output import create_locked, sync_folder
 from slipbench._program import counted
 
@@ -36,7 +44,9 @@ DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 CARDS = ("README.md", "croissant.json")
 STEP_TOLERANCE = 1e-4  # s, tolerance_s of LeRobot: each step of `timestamp` must be 1/fps within it
-RATE_TOLERANCE = 0.01  # tolerated relative error of a recorder's clock, as everywhere in the program
+RATE_TOLERANCE = (
+    0.01  # tolerated relative error of a recorder's clock, as everywhere in the program
+)
 
 
 @dataclass(frozen=True)
@@ -60,13 +70,23 @@ class Feature:
     @property
     def described(self) -> dict[str, Any]:
         """Entry of meta/info.json."""
-        return {"dtype": self.values.dtype.name, "shape": list(self.shape or self.values.shape[1:]), "names": self.columns}
+        return {
+            "dtype": self.values.dtype.name,
+            "shape": list(self.shape or self.values.shape[1:]),
+            "names": self.columns,
+        }
 
     @property
     def field(self) -> pa.Field:
         """Field of the data files."""
         kind, width = pa.from_numpy_dtype(self.values.dtype), self.values.shape[1]
-        of_frame = pa.list_(pa.list_(kind)) if self.shape else kind if width == 1 else pa.list_(kind, width)  # tables as lerobot stores them
+        of_frame = (
+            pa.list_(pa.list_(kind))
+            if self.shape
+            else kind
+            if width == 1
+            else pa.list_(kind, width)
+        )  # tables as lerobot stores them
         return pa.field(self.name, of_frame, metadata=self.about)
 
     @property
@@ -75,9 +95,17 @@ class Feature:
         flat = pa.array(self.values.reshape(-1))
         if self.shape:
             rows, columns = self.shape
-            of_rows = pa.ListArray.from_arrays(np.arange(len(self.values) * rows + 1, dtype=np.int32) * columns, flat)
-            return pa.ListArray.from_arrays(np.arange(len(self.values) + 1, dtype=np.int32) * rows, of_rows)
-        return flat if self.values.shape[1] == 1 else pa.FixedSizeListArray.from_arrays(flat, self.values.shape[1])
+            of_rows = pa.ListArray.from_arrays(
+                np.arange(len(self.values) * rows + 1, dtype=np.int32) * columns, flat
+            )
+            return pa.ListArray.from_arrays(
+                np.arange(len(self.values) + 1, dtype=np.int32) * rows, of_rows
+            )
+        return (
+            flat
+            if self.values.shape[1] == 1
+            else pa.FixedSizeListArray.from_arrays(flat, self.values.shape[1])
+        )
 
 
 @dataclass(frozen=True)
@@ -103,13 +131,22 @@ class Stats:
         of = {"min": ordered[0], "max": ordered[last, columns]}
         wide = np.nan_to_num(values.astype(np.float64), nan=0.0)
         of["mean"] = wide.sum(axis=0) / np.maximum(numbers, 1)
-        of["std"] = np.sqrt((np.square(wide - of["mean"]) * ~np.isnan(values)).sum(axis=0) / np.maximum(numbers, 1))
+        of["std"] = np.sqrt(
+            (np.square(wide - of["mean"]) * ~np.isnan(values)).sum(axis=0) / np.maximum(numbers, 1)
+        )
         for name, share in QUANTILES.items():
             place = share * last
             low = np.floor(place).astype(int)
-            below, above = ordered[low, columns].astype(np.float64), ordered[np.minimum(low + 1, last), columns].astype(np.float64)
+            below, above = (
+                ordered[low, columns].astype(np.float64),
+                ordered[np.minimum(low + 1, last), columns].astype(np.float64),
+            )
             of[name] = below + (place - low) * (above - below)
-        return Stats(len(values), numbers.astype(np.float64), {name: np.where(numbers > 0, one, 0).astype(np.float64) for name, one in of.items()})
+        return Stats(
+            len(values),
+            numbers.astype(np.float64),
+            {name: np.where(numbers > 0, one, 0).astype(np.float64) for name, one in of.items()},
+        )
 
     @staticmethod
     def together(some: list[Stats]) -> Stats:
@@ -120,15 +157,29 @@ class Stats:
         shares = weights / np.maximum(total, 1)
         of = {name: np.stack([one.of[name] for one in some]) for name in some[0].of}
         mean = (shares * of["mean"]).sum(axis=0)
-        joined = {"min": np.where(weights > 0, of["min"], np.inf).min(axis=0), "max": np.where(weights > 0, of["max"], -np.inf).max(axis=0), "mean": mean,
-                  "std": np.sqrt((shares * (np.square(of["std"]) + np.square(of["mean"] - mean))).sum(axis=0))}
+        joined = {
+            "min": np.where(weights > 0, of["min"], np.inf).min(axis=0),
+            "max": np.where(weights > 0, of["max"], -np.inf).max(axis=0),
+            "mean": mean,
+            "std": np.sqrt(
+                (shares * (np.square(of["std"]) + np.square(of["mean"] - mean))).sum(axis=0)
+            ),
+        }
         joined |= {name: (shares * of[name]).sum(axis=0) for name in QUANTILES}
-        return Stats(sum(one.frames for one in some), total, {name: np.where(total > 0, one, 0) for name, one in joined.items()})
+        return Stats(
+            sum(one.frames for one in some),
+            total,
+            {name: np.where(total > 0, one, 0) for name, one in joined.items()},
+        )
 
     def lists(self, shape: list[int]) -> dict[str, Any]:
         """Dict with lerobot's names, in the shape of the feature."""
         of = {name: one.reshape(shape).tolist() for name, one in self.of.items()}
-        return {**{name: of[name] for name in ("min", "max", "mean", "std")}, "count": [self.frames], **{name: of[name] for name in QUANTILES}}
+        return {
+            **{name: of[name] for name in ("min", "max", "mean", "std")},
+            "count": [self.frames],
+            **{name: of[name] for name in QUANTILES},
+        }
 
 
 def _task(scene: str) -> str:
@@ -138,28 +189,53 @@ def _task(scene: str) -> str:
 
 
 def _joined(name: str, some: list[Series], prefix: bool) -> Feature:
-    columns = [f"{one.owner}_{column}" if prefix else column for one in some for column in one.columns]
-    return Feature(name, columns, np.concatenate([one.values for one in some], axis=1).astype(np.float32))
+    columns = [
+        f"{one.owner}_{column}" if prefix else column for one in some for column in one.columns
+    ]
+    return Feature(
+        name, columns, np.concatenate([one.values for one in some], axis=1).astype(np.float32)
+    )
 
 
 def _has_points(trial: StoredTrial, sensor: str) -> bool:
     """True if the sensor measures the force of each unit and the positions of its units are
     known."""
     group, labels = trial.sensors[sensor], trial.labels.get(sensor)
-    return labels is not None and "unit_positions" in labels.attrs and "force" in group and group["force"].shape[1:] == (len(labels.attrs["unit_positions"]), 3)
+    return (
+        labels is not None
+        and "unit_positions" in labels.attrs
+        and "force" in group
+        and group["force"].shape[1:] == (len(labels.attrs["unit_positions"]), 3)
+    )
 
 
 def _points(trial: StoredTrial, sensor: str, series: list[Series]) -> Feature:
     """Position and force of each unit as the sensor measures them, in the pad frame. Units of a
     sensor without displacements stay at rest."""
-    check_units(f"--points: sensor {sensor}", trial.sensors[sensor].units, {"force": "N", "displacement": "m"})
-    labels, measured = trial.labels[sensor].attrs, {one.name: one.values for one in series if (one.kind, one.owner) == ("sensors", sensor)}
+    check_units(
+        f"--points: sensor {sensor}",
+        trial.sensors[sensor].units,
+        {"force": "N", "displacement": "m"},
+    )
+    labels, measured = (
+        trial.labels[sensor].attrs,
+        {one.name: one.values for one in series if (one.kind, one.owner) == ("sensors", sensor)},
+    )
     places = np.column_stack([labels["unit_positions"], labels["unit_heights"]])
     force = measured["force"].reshape(-1, *places.shape)
-    moved = places + measured["displacement"].reshape(force.shape) if "displacement" in measured else np.broadcast_to(places, force.shape)
+    moved = (
+        places + measured["displacement"].reshape(force.shape)
+        if "displacement" in measured
+        else np.broadcast_to(places, force.shape)
+    )
     values = np.concatenate([moved, force], axis=2).astype(np.float32)
-    names = {"unit": [str(unit) for unit in range(len(places))], "value": ["x [m]", "y [m]", "z [m]", "fx [N]", "fy [N]", "fz [N]"]}
-    return Feature(f"observation.tactile.{sensor}", names, values.reshape(len(values), -1), values.shape[1:])
+    names = {
+        "unit": [str(unit) for unit in range(len(places))],
+        "value": ["x [m]", "y [m]", "z [m]", "fx [N]", "fy [N]", "fz [N]"],
+    }
+    return Feature(
+        f"observation.tactile.{sensor}", names, values.reshape(len(values), -1), values.shape[1:]
+    )
 
 
 def _check_points(trial: StoredTrial, request: Request, progress: Progress) -> list[str]:
@@ -168,8 +244,10 @@ def _check_points(trial: StoredTrial, request: Request, progress: Progress) -> l
     found = [sensor for sensor in request.sensors if _has_points(trial, sensor)]
     without = "the forces or the positions of the units are not recorded"
     if not found:
-        raise InputError(f"--points: {', '.join(request.sensors)}: {without}; --points needs a simulated sensor with a channel `force` "
-                         "[units, 3], such as papillarray")
+        raise InputError(
+            f"--points: {', '.join(request.sensors)}: {without}; --points needs a simulated sensor with a channel `force` "
+            "[units, 3], such as papillarray"
+        )
     for sensor in request.sensors:
         if sensor not in found:
             progress.note(f"{sensor} has no points: {without}")
@@ -182,15 +260,29 @@ def _features(trial: StoredTrial, series: list[Series]) -> Iterator[Feature]:
     loop = {one.name: one for one in series if one.kind == "control"}
     if "measured_position" in loop:
         yield _joined("observation.state", [loop["measured_position"]], False)
-    moving = [one for one in series if one.kind == "truth" and one.name == "velocity" and one.owner in carriers]
+    moving = [
+        one
+        for one in series
+        if one.kind == "truth" and one.name == "velocity" and one.owner in carriers
+    ]
     if "command" in loop:
         yield _joined("action", [loop["command"]], False)
     elif moving:
         yield _joined("action", moving, True)
     for one in series:
-        group = {"sensors": "observation", "labels": "labels", "truth": "truth", "control": "control"}[one.kind]
+        group = {
+            "sensors": "observation",
+            "labels": "labels",
+            "truth": "truth",
+            "control": "control",
+        }[one.kind]
         about = {"unit": one.unit} | ({"codes": one.codes} if one.codes else {})
-        yield Feature(".".join(filter(None, (group, one.owner, one.name))), list(one.columns), one.values, about=about)
+        yield Feature(
+            ".".join(filter(None, (group, one.owner, one.name))),
+            list(one.columns),
+            one.values,
+            about=about,
+        )
 
 
 class _Writer:
@@ -217,20 +309,32 @@ class _Writer:
         with self._create(name) as file:
             file.write(text.encode())
 
-    def append(self, number: int, part: str | None, t: NDArray[np.float64], features: list[Feature]) -> None:
+    def append(
+        self, number: int, part: str | None, t: NDArray[np.float64], features: list[Feature]
+    ) -> None:
         """Writes an episode: frames of trial `number`, which is in `part` of the split. Trials are
         grouped by part."""
         self._parts.append(part)
         frames, episode = np.arange(len(t), dtype=np.int64), len(self._episodes)
         counts: dict[str, NDArray[Any]] = {
-            "timestamp": (frames / self._fps).astype(np.float32), "frame_index": frames, "episode_index": np.full_like(frames, episode),
-            "index": frames + self._frames, "task_index": np.zeros_like(frames)}
-        features = [*features, Feature("time", ["s"], t.reshape(-1, 1)), *(Feature(name, None, values.reshape(-1, 1)) for name, values in counts.items())]
+            "timestamp": (frames / self._fps).astype(np.float32),
+            "frame_index": frames,
+            "episode_index": np.full_like(frames, episode),
+            "index": frames + self._frames,
+            "task_index": np.zeros_like(frames),
+        }
+        features = [
+            *features,
+            Feature("time", ["s"], t.reshape(-1, 1)),
+            *(Feature(name, None, values.reshape(-1, 1)) for name, values in counts.items()),
+        ]
         described = [one.described for one in features]
         names = [one.name for one in features]
         schema = pa.schema([one.field for one in features])
         if self._names and (names, described) != (self._names, self._features):
-            raise InputError(f"trial {number}: has other features than the previous trials; choose common sensors with --sensors, or one trial with --trial")
+            raise InputError(
+                f"trial {number}: has other features than the previous trials; choose common sensors with --sensors, or one trial with --trial"
+            )
         self._names, self._features = names, described
         if self._data is not None and self.bytes_of_file() >= FILE_BYTES:
             self.close()
@@ -238,20 +342,37 @@ class _Writer:
         if self._data is None:
             # A file object: pyarrow takes some names, such as a:b, for addresses.
             self._data_file = self._create(self._data_name())
-            self._data = pq.ParquetWriter(self._data_file, schema, write_statistics=False, **encodings(schema))
+            self._data = pq.ParquetWriter(
+                self._data_file, schema, write_statistics=False, **encodings(schema)
+            )
         self._data.write_table(pa.Table.from_arrays([one.array for one in features], schema=schema))
         stats = [Stats.measured(one.values) for one in features]
         self._stats.append(stats)
-        self._episodes.append({
-            "episode_index": episode, "trial": number, "tasks": [self._task], "length": len(t), "data/chunk_index": self._file // FILES_A_CHUNK,
-            "data/file_index": self._file % FILES_A_CHUNK, "dataset_from_index": self._frames, "dataset_to_index": self._frames + len(t),
-            **{f"stats/{name}/{key}": values for name, one, feature in zip(names, stats, described, strict=True)
-               for key, values in one.lists(feature["shape"]).items()},
-            "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
+        self._episodes.append(
+            {
+                "episode_index": episode,
+                "trial": number,
+                "tasks": [self._task],
+                "length": len(t),
+                "data/chunk_index": self._file // FILES_A_CHUNK,
+                "data/file_index": self._file % FILES_A_CHUNK,
+                "dataset_from_index": self._frames,
+                "dataset_to_index": self._frames + len(t),
+                **{
+                    f"stats/{name}/{key}": values
+                    for name, one, feature in zip(names, stats, described, strict=True)
+                    for key, values in one.lists(feature["shape"]).items()
+                },
+                "meta/episodes/chunk_index": 0,
+                "meta/episodes/file_index": 0,
+            }
+        )
         self._frames += len(t)
 
     def _data_name(self) -> str:
-        return DATA.format(chunk_index=self._file // FILES_A_CHUNK, file_index=self._file % FILES_A_CHUNK)
+        return DATA.format(
+            chunk_index=self._file // FILES_A_CHUNK, file_index=self._file % FILES_A_CHUNK
+        )
 
     def bytes_of_file(self) -> int:
         return os.path.getsize(self.folder / self._data_name())
@@ -274,28 +395,72 @@ class _Writer:
         """The episodes of each part, as FIRST:END."""
         counts = {part: self._parts.count(part) for part in ("train", "valid", "test")}
         ends = np.cumsum([0, *counts.values()]).tolist()
-        return {part: f"{ends[i]}:{ends[i + 1]}" for i, (part, count) in enumerate(counts.items()) if count} or {"train": f"0:{len(self._parts)}"}
+        return {
+            part: f"{ends[i]}:{ends[i + 1]}"
+            for i, (part, count) in enumerate(counts.items())
+            if count
+        } or {"train": f"0:{len(self._parts)}"}
 
     def finish(self, data: Dataset, request: Request) -> None:
         """Writes the metadata. `request`: with the sensors of this dataset only."""
         self.close()
         with self._create(EPISODES) as file:
             pq.write_table(pa.Table.from_pylist(self._episodes), file, compression="zstd")
-        columns = [{"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": None}
-                   for name, kind, numpy in (("task_index", "int64", "int64"), ("task", "unicode", "object"))]
-        index = json.dumps({"index_columns": ["task"], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"})
-        tasks = pa.table({"task_index": pa.array([0], pa.int64()), "task": [self._task]}).replace_schema_metadata({"pandas": index})
+        columns = [
+            {
+                "name": name,
+                "field_name": name,
+                "pandas_type": kind,
+                "numpy_type": numpy,
+                "metadata": None,
+            }
+            for name, kind, numpy in (
+                ("task_index", "int64", "int64"),
+                ("task", "unicode", "object"),
+            )
+        ]
+        index = json.dumps(
+            {
+                "index_columns": ["task"],
+                "column_indexes": [],
+                "columns": columns,
+                "pandas_version": "2.0.0",
+            }
+        )
+        tasks = pa.table(
+            {"task_index": pa.array([0], pa.int64()), "task": [self._task]}
+        ).replace_schema_metadata({"pandas": index})
         with self._create("meta/tasks.parquet") as file:
             pq.write_table(tasks, file)
-        stats = {name: Stats.together([episode[i] for episode in self._stats]).lists(self._features[i]["shape"]) for i, name in enumerate(self._names)}
+        stats = {
+            name: Stats.together([episode[i] for episode in self._stats]).lists(
+                self._features[i]["shape"]
+            )
+            for i, name in enumerate(self._names)
+        }
         info = {
-            "codebase_version": VERSION, "robot_type": ROBOT, "total_episodes": len(self._episodes), "total_frames": self._frames, "total_tasks": 1,
-            "chunks_size": FILES_A_CHUNK, "data_files_size_in_mb": FILE_BYTES // 1_000_000, "video_files_size_in_mb": 200, "fps": self._fps, "splits": self._splits(),
-            "data_path": DATA, "video_path": None, "features": dict(zip(self._names, self._features, strict=True))}
+            "codebase_version": VERSION,
+            "robot_type": ROBOT,
+            "total_episodes": len(self._episodes),
+            "total_frames": self._frames,
+            "total_tasks": 1,
+            "chunks_size": FILES_A_CHUNK,
+            "data_files_size_in_mb": FILE_BYTES // 1_000_000,
+            "video_files_size_in_mb": 200,
+            "fps": self._fps,
+            "splits": self._splits(),
+            "data_path": DATA,
+            "video_path": None,
+            "features": dict(zip(self._names, self._features, strict=True)),
+        }
         for name, content in (("stats", stats), ("info", info)):
             self._write(f"meta/{name}.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
         self._write(CARDS[0], card_text(data, request))
-        files = [(path.relative_to(self.folder).as_posix(), str(path)) for path in self.folder.rglob("*") if path.is_file()]
+        files = [
+            (path.relative_to(self.folder).as_posix(), str(path))
+            for path in self.folder.rglob("*")
+            if path.is_file()
+        ]
         self._write(CARDS[1], croissant_text(data, request, files))
 
 
@@ -304,7 +469,11 @@ def _is_own(folder: Path) -> bool:
         about = json.loads((folder / "meta/info.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return not any(folder.iterdir())
-    return isinstance(about, dict) and about.get("robot_type") == ROBOT and about.get("codebase_version") == VERSION
+    return (
+        isinstance(about, dict)
+        and about.get("robot_type") == ROBOT
+        and about.get("codebase_version") == VERSION
+    )
 
 
 def _beside(folder: Path) -> tuple[Path, Path]:
@@ -314,10 +483,19 @@ def _beside(folder: Path) -> tuple[Path, Path]:
 
 def _check_target(folder: Path) -> None:
     if folder.is_symlink() or (folder.exists() and not (folder.is_dir() and _is_own(folder))):
-        raise InputError(f"{folder}: would be replaced, but is not a LeRobot dataset of slipbench; choose another --output")
+        raise InputError(
+            f"{folder}: would be replaced, but is not a LeRobot dataset of slipbench; choose another --output"
+        )
     for other in _beside(folder):
-        if other.is_symlink() or (other.exists() and not (other.is_dir() and {one.name for one in other.iterdir()} <= {"data", "meta", *CARDS})):
-            raise InputError(f"{other}: would be removed, but is not left by a killed export; choose another --output")
+        if other.is_symlink() or (
+            other.exists()
+            and not (
+                other.is_dir() and {one.name for one in other.iterdir()} <= {"data", "meta", *CARDS}
+            )
+        ):
+            raise InputError(
+                f"{other}: would be removed, but is not left by a killed export; choose another --output"
+            )
 
 
 def _publish(partial: Path, folder: Path) -> None:
@@ -351,27 +529,44 @@ def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
     its rate."""
     rates: dict[float, list[str]] = {}
     for name in request.sensors:
-        rate = request.rate if request.rate is not None else float(trial.sensors[name].attrs["rate_hz"])
+        rate = (
+            request.rate
+            if request.rate is not None
+            else float(trial.sensors[name].attrs["rate_hz"])
+        )
         whole = float(max(1, round(rate)))
         if request.rate is None and _fits(trial.sensors[name], whole):
             rate = whole
         rates.setdefault(rate, []).append(name)
     for rate, sensors in rates.items():
         if abs(rate - round(rate)) > TIME_ROUNDING * rate:
-            raise InputError(f"lerobot: {', '.join(sensors)} at {rate:g} Hz; choose a whole number with --rate")
+            raise InputError(
+                f"lerobot: {', '.join(sensors)} at {rate:g} Hz; choose a whole number with --rate"
+            )
     return rates
 
 
-def _check_rates(number: int, trial: StoredTrial, rates: dict[float, list[str]], request: Request) -> None:
+def _check_rates(
+    number: int, trial: StoredTrial, rates: dict[float, list[str]], request: Request
+) -> None:
     """Raises InputError if a sensor of this trial has another rate than in the first trial."""
     for rate, sensors in rates.items():
         for name in sensors:
             if request.rate is None and not _fits(trial.sensors[name], rate):
-                raise InputError(f"trial {number}: {name} at {float(trial.sensors[name].attrs['rate_hz']):g} Hz, but in the previous trials at "
-                                 f"{rate:g} Hz; choose one rate with --rate, or one trial with --trial")
+                raise InputError(
+                    f"trial {number}: {name} at {float(trial.sensors[name].attrs['rate_hz']):g} Hz, but in the previous trials at "
+                    f"{rate:g} Hz; choose one rate with --rate, or one trial with --trial"
+                )
 
 
-def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float, request: Request) -> NDArray[np.float64]:
+def _instants(
+    number: int,
+    trial: StoredTrial,
+    sensors: list[str],
+    series: list[Series],
+    rate: float,
+    request: Request,
+) -> NDArray[np.float64]:
     """Instants from the first at which every series has a value: the sensors' own, or at the
     requested rate if it differs."""
     recorded = [trial.sensors[name] for name in sensors if _recorded(trial.sensors[name])]
@@ -379,24 +574,37 @@ def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[
     if request.rate is not None and not same:
         return grid(number, trial, sensors, series, request.rate)
     for name in sensors:
-        check_evenly_spaced(f"trial {number}: {name}", trial.sensors[name],
-                            "one rate throughout, as `slipbench import --rate RATE` makes it")
+        check_evenly_spaced(
+            f"trial {number}: {name}",
+            trial.sensors[name],
+            "one rate throughout, as `slipbench import --rate RATE` makes it",
+        )
     own: NDArray[np.float64] = trial.sensors[sensors[0]]["t"][:]
     return own[own >= max(float(one.t[0]) for one in series) - TIME_ROUNDING]
 
 
 def _other_rate(trial: StoredTrial, sensors: list[str], rate: float) -> list[str]:
     """Notes about recorded sensors whose clock is inexact."""
-    own = {name: float(trial.sensors[name].attrs["rate_hz"]) for name in sensors if _fits(trial.sensors[name], rate)}
-    return [f"{name} was recorded at {one:.6g} Hz and is written as {rate:g} fps: timestamp counts frames, time is the recorded time"
-            for name, one in own.items() if one != rate]
+    own = {
+        name: float(trial.sensors[name].attrs["rate_hz"])
+        for name in sensors
+        if _fits(trial.sensors[name], rate)
+    }
+    return [
+        f"{name} was recorded at {one:.6g} Hz and is written as {rate:g} fps: timestamp counts frames, time is the recorded time"
+        for name, one in own.items()
+        if one != rate
+    ]
 
 
 def _longest_episode(frames: int, fps: int) -> int:
     """Maximum number of frames of an episode: `timestamp` is float32, whose spacing grows with time
     until a step violates STEP_TOLERANCE."""
     steps = np.diff((np.arange(frames) / fps).astype(np.float32))
-    off = np.maximum(np.abs(steps - np.float32(1 / fps)).astype(np.float64), np.abs(steps.astype(np.float64) - 1 / fps))
+    off = np.maximum(
+        np.abs(steps - np.float32(1 / fps)).astype(np.float64),
+        np.abs(steps.astype(np.float64) - 1 / fps),
+    )
     missed = np.flatnonzero(off >= STEP_TOLERANCE)
     return int(missed[0]) + 1 if len(missed) else frames
 
@@ -423,7 +631,12 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
 def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress) -> list[str]:
     """As write(), in the folder `out`, which no other export writes into."""
     parts = split_of(data)
-    order = [number for part in ("train", "valid", "test", None) for number in request.trials if parts.get(number) == part]
+    order = [
+        number
+        for part in ("train", "valid", "test", None)
+        for number in request.trials
+        if parts.get(number) == part
+    ]
     rates = _rates(data[order[0]], request)
     targets = {rate: out / f"{round(rate)}hz" for rate in rates}
     partials = {rate: _beside(target)[0] for rate, target in targets.items()}
@@ -441,19 +654,32 @@ def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress
             _check_rates(number, trial, rates, request)
             shared = [*body_series(trial), *control_series(trial)]
             for rate, sensors in rates.items():
-                series = [one for sensor in sensors for one in (*sensor_series(trial, sensor), *label_series(trial, sensor, request.labels))] + shared
+                series = [
+                    one
+                    for sensor in sensors
+                    for one in (
+                        *sensor_series(trial, sensor),
+                        *label_series(trial, sensor, request.labels),
+                    )
+                ] + shared
                 t = _instants(number, trial, sensors, series, rate, request)
                 pieces = _pieces(len(t), round(rate))
                 for piece in pieces:
                     at = [one.at(t[piece]) for one in series]
                     points = [_points(trial, sensor, at) for sensor in sensors if sensor in pointed]
-                    writers[rate].append(number, parts.get(number), t[piece], [*_features(trial, at), *points])
+                    writers[rate].append(
+                        number, parts.get(number), t[piece], [*_features(trial, at), *points]
+                    )
                 for note in _other_rate(trial, sensors, rate):
                     progress.note(f"trial {number}: {note}")
                 if len(pieces) > 1:
-                    progress.note(f"trial {number}: its {counted(len(t), 'frame')} at {rate:g} fps become {len(pieces)} episodes, since float32 timestamps of one "
-                                  f"would miss LeRobot's tolerance of {STEP_TOLERANCE:g} s")
-            progress.update(done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values()))
+                    progress.note(
+                        f"trial {number}: its {counted(len(t), 'frame')} at {rate:g} fps become {len(pieces)} episodes, since float32 timestamps of one "
+                        f"would miss LeRobot's tolerance of {STEP_TOLERANCE:g} s"
+                    )
+            progress.update(
+                done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values())
+            )
         for rate, writer in writers.items():
             writer.finish(data, replace(request, sensors=rates[rate]))
         progress.check()
@@ -464,4 +690,9 @@ def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress
             writer.abandon()
         for partial in partials.values():
             shutil.rmtree(partial, ignore_errors=True)
-    return [str(path) for target in targets.values() for path in sorted(target.rglob("*")) if path.is_file()]
+    return [
+        str(path)
+        for target in targets.values()
+        for path in sorted(target.rglob("*"))
+        if path.is_file()
+    ]

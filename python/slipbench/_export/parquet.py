@@ -26,7 +26,11 @@ def encodings(schema: pa.Schema) -> dict[str, Any]:
     halves; dictionaries for the others."""
     fractions = [_leaf(field) for field in schema if _holds_fractions(field.type)]
     others = [_leaf(field) for field in schema if not _holds_fractions(field.type)]
-    return {"compression": "zstd", "column_encoding": dict.fromkeys(fractions, "BYTE_STREAM_SPLIT"), "use_dictionary": others}
+    return {
+        "compression": "zstd",
+        "column_encoding": dict.fromkeys(fractions, "BYTE_STREAM_SPLIT"),
+        "use_dictionary": others,
+    }
 
 
 def _is_list(kind: pa.DataType) -> bool:
@@ -55,15 +59,26 @@ class _Files:
     def append(self, name: str, trial: int, columns: Columns, about: About) -> None:
         rows = len(next(iter(columns.values())))
         arrays = {"trial": np.full(rows, trial, np.int32), **columns}
-        schema = pa.schema([pa.field(key, pa.from_numpy_dtype(values.dtype), metadata=about.get(key))
-                            for key, values in arrays.items()], metadata=self._origin)
+        schema = pa.schema(
+            [
+                pa.field(key, pa.from_numpy_dtype(values.dtype), metadata=about.get(key))
+                for key, values in arrays.items()
+            ],
+            metadata=self._origin,
+        )
         if name not in self._writers:
             # A file object: pyarrow takes some names, such as a:b.parquet, for addresses.
             self._files.append(self._output.create(f"{name}.parquet"))
-            self._writers[name] = pq.ParquetWriter(self._files[-1], schema, write_statistics=["trial", "t"], **encodings(schema))
+            self._writers[name] = pq.ParquetWriter(
+                self._files[-1], schema, write_statistics=["trial", "t"], **encodings(schema)
+            )
         elif not self._writers[name].schema.equals(schema):
-            raise InputError(f"trial {trial}: {name} has other columns than in the previous trials; export one trial at a time with --trial")
-        self._writers[name].write_table(pa.Table.from_arrays([pa.array(values) for values in arrays.values()], schema=schema))
+            raise InputError(
+                f"trial {trial}: {name} has other columns than in the previous trials; export one trial at a time with --trial"
+            )
+        self._writers[name].write_table(
+            pa.Table.from_arrays([pa.array(values) for values in arrays.values()], schema=schema)
+        )
 
     def close(self) -> None:
         for writer, file in zip(self._writers.values(), self._files, strict=True):
@@ -85,7 +100,9 @@ def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, Abo
     return columns, about
 
 
-def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Request) -> Iterator[tuple[str, Columns, About]]:
+def _sensor_tables(
+    number: int, trial: StoredTrial, sensor: str, request: Request
+) -> Iterator[tuple[str, Columns, About]]:
     """A sensor's table with its labels, then one for each channel with its own rate."""
     channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
     t = trial.sensors[sensor]["t"][:] if request.rate is None else channels[0].t
@@ -96,13 +113,18 @@ def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Reques
             yield f"{sensor}-{one.name}", *_columns([one], one.t)
 
 
-def _tables(number: int, trial: StoredTrial, request: Request) -> Iterator[tuple[str, Columns, About]]:
+def _tables(
+    number: int, trial: StoredTrial, request: Request
+) -> Iterator[tuple[str, Columns, About]]:
     for sensor in request.sensors:
         yield from _sensor_tables(number, trial, sensor, request)
         if sensor in trial.labels and "events" in trial.labels[sensor]:
             events = trial.labels[sensor]
-            yield f"{sensor}-events", {name: events[f"events/{name}"][:] for name in ("t", "unit", "kind")}, {
-                "t": {"unit": "s"}, "kind": {"codes": str(events["events/kind"].attrs["codes"])}}
+            yield (
+                f"{sensor}-events",
+                {name: events[f"events/{name}"][:] for name in ("t", "unit", "kind")},
+                {"t": {"unit": "s"}, "kind": {"codes": str(events["events/kind"].attrs["codes"])}},
+            )
     for body in trial.bodies:
         series = [one for one in body_series(trial) if one.owner == body]
         yield f"body-{body}", *_columns(series, series[0].t)
@@ -115,8 +137,13 @@ def _origin(data: Dataset, request: Request) -> dict[str, str]:
     """Metadata of every file. `trials_sha256`: SHA-256 of the trials' digests in the order of
     trials.parquet, one per line."""
     digests = "".join(f"{data[number].sha256}\n" for number in request.trials)
-    return {"slipbench": data.version, "seed": str(data.seed), "command": without_folders(data.command), "scene": data.scene,
-            "trials_sha256": hashlib.sha256(digests.encode()).hexdigest()}
+    return {
+        "slipbench": data.version,
+        "seed": str(data.seed),
+        "command": without_folders(data.command),
+        "scene": data.scene,
+        "trials_sha256": hashlib.sha256(digests.encode()).hexdigest(),
+    }
 
 
 def _flat(value: Any) -> Any:
@@ -129,18 +156,35 @@ def _trials_table(data: Dataset, request: Request, origin: dict[str, str]) -> pa
     rows: list[dict[str, Any]] = []
     for number in request.trials:
         trial = data[number]
-        rows.append({"trial": number, "split": parts.get(number), "seed": trial.seed, "sha256": trial.sha256,
-                     **{key: _flat(value) for key, value in trial.params.items()}, **{key: _flat(value) for key, value in trial.outcome.items()}})
+        rows.append(
+            {
+                "trial": number,
+                "split": parts.get(number),
+                "seed": trial.seed,
+                "sha256": trial.sha256,
+                **{key: _flat(value) for key, value in trial.params.items()},
+                **{key: _flat(value) for key, value in trial.outcome.items()},
+            }
+        )
     names = dict.fromkeys(key for row in rows for key in row)
     arrays = []
     for name in names:
         values = [row.get(name) for row in rows]
-        if len({type(value) for value in values if value is not None} - {int, float}) > 0 and len({type(value) for value in values if value is not None}) > 1:
-            values = [None if value is None else str(value) for value in values]  # a number in one trial, a word in another
+        if (
+            len({type(value) for value in values if value is not None} - {int, float}) > 0
+            and len({type(value) for value in values if value is not None}) > 1
+        ):
+            values = [
+                None if value is None else str(value) for value in values
+            ]  # a number in one trial, a word in another
         array = pa.array(values, pa.int64() if name in ("trial", "seed") else None)
         # Readers cannot compare a column of type null; a value that no trial has is a missing
         # number, or a missing part of the split.
-        arrays.append(array.cast(pa.string() if name == "split" else pa.float64()) if pa.types.is_null(array.type) else array)
+        arrays.append(
+            array.cast(pa.string() if name == "split" else pa.float64())
+            if pa.types.is_null(array.type)
+            else array
+        )
     return pa.Table.from_arrays(arrays, names=list(names), metadata=origin)
 
 

@@ -70,7 +70,7 @@ def split_of(data: Dataset) -> dict[int, str]:
 
 
 def size_text(count: float) -> str:
-    """"318 MB"."""
+    """ "318 MB"."""
     for unit in ("B", "kB", "MB"):
         if count < 999.5:
             return f"{count:.3g} {unit}"
@@ -88,7 +88,9 @@ def make_folder(folder: Path) -> bool:
             raise InputError(f"cannot create the folder {folder}: File exists; {ALLOWED}") from None
         return False
     except OSError as error:
-        raise InputError(f"cannot create the folder {folder}: {error.strerror}; {ALLOWED}") from error
+        raise InputError(
+            f"cannot create the folder {folder}: {error.strerror}; {ALLOWED}"
+        ) from error
 
 
 def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
@@ -110,7 +112,11 @@ class Progress:
 
     def __init__(self, request: Request, interrupt: Interrupt) -> None:
         self._interrupt = interrupt
-        self._total, self._out, self._quiet = len(request.trials), request.out, request.json or request.quiet
+        self._total, self._out, self._quiet = (
+            len(request.trials),
+            request.out,
+            request.json or request.quiet,
+        )
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._start = self._drawn = time.monotonic()
         self._notes = 0
@@ -126,19 +132,30 @@ class Progress:
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
             if expected - written > free:
-                raise InputError(f"{self._out}: {counted(self._total, 'trial')} would need about {size_text(expected)}, but {size_text(free)} are "
-                                 f"free; export fewer trials (--split, --trial), fewer --sensors or a lower --rate")
+                raise InputError(
+                    f"{self._out}: {counted(self._total, 'trial')} would need about {size_text(expected)}, but {size_text(free)} are "
+                    f"free; export fewer trials (--split, --trial), fewer --sensors or a lower --rate"
+                )
             if self._total > 1:
                 self._say(f"{self._total} trials, about {size_text(expected)}\n")
         now = time.monotonic()
-        if self._total < 2 or (done < self._total and now - self._drawn < (BAR_PERIOD if self._bar else LINE_PERIOD)):
+        if self._total < 2 or (
+            done < self._total and now - self._drawn < (BAR_PERIOD if self._bar else LINE_PERIOD)
+        ):
             return
         self._drawn, elapsed = now, now - self._start
-        left = f"{elapsed:.0f} s" if done == self._total else f"ETA {elapsed * (self._total - done) / done:.0f} s"
+        left = (
+            f"{elapsed:.0f} s"
+            if done == self._total
+            else f"ETA {elapsed * (self._total - done) / done:.0f} s"
+        )
         text = f"{done}/{self._total}  {done / max(elapsed, 1e-9):.0f} trials/s  {left}"
         if self._bar:
             filled = 30 * done // self._total
-            self._say(f"\r\033[K[{'#' * filled}{'-' * (30 - filled)}] {100 * done / self._total:3.0f} % {text}" + ("\n" if done == self._total else ""))
+            self._say(
+                f"\r\033[K[{'#' * filled}{'-' * (30 - filled)}] {100 * done / self._total:3.0f} % {text}"
+                + ("\n" if done == self._total else "")
+            )
         elif done < self._total:
             self._say(text + "\n")
 
@@ -172,7 +189,9 @@ def locked_folder(folder: Path) -> Iterator[None]:
     so that it is not such a lock."""
     path = folder / "export.partial"
     if path.is_file() and not path.is_symlink() and path.stat().st_size:
-        raise InputError(f"{path}: would be replaced by the lock of this export, but has content; rename it, or choose another folder")
+        raise InputError(
+            f"{path}: would be replaced by the lock of this export, but has content; rename it, or choose another folder"
+        )
     try:
         file = create_locked(path)
     except InputError as error:
@@ -214,7 +233,9 @@ class Output:
     def create(self, name: str) -> BinaryIO:
         """Creates FOLDER/`name` for writing. Close the file once it is complete."""
         if not name.isprintable() or ".." in Path(name).parts or Path(name).is_absolute():
-            raise InputError(f"cannot write a file called {name!r}; names in the dataset must not have control characters or lead out of {self._folder}")
+            raise InputError(
+                f"cannot write a file called {name!r}; names in the dataset must not have control characters or lead out of {self._folder}"
+            )
         path = self._folder / name
         for folder in reversed(path.relative_to(self._folder).parents[:-1]):
             self._make(self._folder / folder)
@@ -231,7 +252,10 @@ class Output:
 
     def files(self) -> list[tuple[str, str]]:
         """The files so far: name relative to the folder, and path of the content."""
-        return [(path.relative_to(self._folder).as_posix(), str(partial_path(path))) for path in self._paths]
+        return [
+            (path.relative_to(self._folder).as_posix(), str(partial_path(path)))
+            for path in self._paths
+        ]
 
     def size(self) -> int:
         """Bytes of the files so far."""
@@ -260,7 +284,6 @@ class Output:
             self._made.append(folder)
 
 
-
 def tell(request: Request, files: list[str]) -> None:
     """Prints the closing line, or with --json the names of the files."""
     if request.json:
@@ -272,4 +295,8 @@ def tell(request: Request, files: list[str]) -> None:
         for file in files:
             print(f"written: {printable(file)}")
     size = size_text(sum(os.path.getsize(file) for file in files))
-    print(f"written: {printable(files[0])}, {size}" if len(files) == 1 else f"written: {len(files)} files, {size}, in {printable(request.out)}")
+    print(
+        f"written: {printable(files[0])}, {size}"
+        if len(files) == 1
+        else f"written: {len(files)} files, {size}, in {printable(request.out)}"
+    )

@@ -13,9 +13,17 @@ from slipbench._data import RULES, is_recording
 from slipbench._program import counted
 
 TIME_ROUNDING = 1e-9  # s: closer times are equal, since k/rate and the like are rounded
-AXES = {"pose": ("x", "y", "z", "qw", "qx", "qy", "qz"), "velocity": ("vx", "vy", "vz", "wx", "wy", "wz"), "command": ("position", "speed", "force"),
-        "arm_speed": ("sideways", "up")}
-LAST_AXES = {"force": "xyz", "slip_velocity": "xy", "slip_centre": "xy"}  # of labels: names along the last axis
+AXES = {
+    "pose": ("x", "y", "z", "qw", "qx", "qy", "qz"),
+    "velocity": ("vx", "vy", "vz", "wx", "wy", "wz"),
+    "command": ("position", "speed", "force"),
+    "arm_speed": ("sideways", "up"),
+}
+LAST_AXES = {
+    "force": "xyz",
+    "slip_velocity": "xy",
+    "slip_centre": "xy",
+}  # of labels: names along the last axis
 
 
 @dataclass(frozen=True)
@@ -56,23 +64,57 @@ class Series:
 
 
 def _label_columns(name: str, shape: tuple[int, ...]) -> tuple[str, ...]:
-    """"unit_state_0", "force_8_z", "state"."""
+    """ "unit_state_0", "force_8_z", "state"."""
     if not shape:
         return (name,)
     last = LAST_AXES.get(name, "")
-    return tuple("_".join([name, *(last[i] if last and axis == len(shape) - 1 else str(i) for axis, i in enumerate(index))]) for index in np.ndindex(*shape))
+    return tuple(
+        "_".join(
+            [
+                name,
+                *(
+                    last[i] if last and axis == len(shape) - 1 else str(i)
+                    for axis, i in enumerate(index)
+                ),
+            ]
+        )
+        for index in np.ndindex(*shape)
+    )
 
 
-def _series(kind: str, owner: str, group: Arrays, name: str, t: NDArray[np.float64], columns: tuple[str, ...] = ()) -> Series:
+def _series(
+    kind: str,
+    owner: str,
+    group: Arrays,
+    name: str,
+    t: NDArray[np.float64],
+    columns: tuple[str, ...] = (),
+) -> Series:
     array = group[name]
     about = array.attrs  # read from the file on each access
     shape = tuple(int(extent) for extent in array.shape[1:])
     if not columns:
-        columns = tuple(f"{name}_{axis}" for axis in AXES[name]) if name in AXES else _label_columns(name, shape)
+        columns = (
+            tuple(f"{name}_{axis}" for axis in AXES[name])
+            if name in AXES
+            else _label_columns(name, shape)
+        )
     values = array[:].reshape(len(array), -1)
     if len(t) != len(values) or len(columns) != values.shape[1]:
-        raise InputError(f"{kind}/{owner or 'loop'}/{name}: {counted(values.shape[0], 'row')} of {values.shape[1]} values; expected {len(t)} of {len(columns)}")
-    return Series(kind, owner, name, str(about["unit"]), str(about.get("codes", "")), columns, shape, t, values)
+        raise InputError(
+            f"{kind}/{owner or 'loop'}/{name}: {counted(values.shape[0], 'row')} of {values.shape[1]} values; expected {len(t)} of {len(columns)}"
+        )
+    return Series(
+        kind,
+        owner,
+        name,
+        str(about["unit"]),
+        str(about.get("codes", "")),
+        columns,
+        shape,
+        t,
+        values,
+    )
 
 
 def sensor_series(trial: StoredTrial, sensor: str) -> Iterator[Series]:
@@ -83,7 +125,14 @@ def sensor_series(trial: StoredTrial, sensor: str) -> Iterator[Series]:
     for channel in map(str, group.attrs["channels"]):
         count = int(np.prod(group[channel].shape[1:], dtype=int))
         own = f"{channel}_t"
-        yield _series("sensors", sensor, group, channel, group[own][:] if own in group else t, tuple(names[:count]))
+        yield _series(
+            "sensors",
+            sensor,
+            group,
+            channel,
+            group[own][:] if own in group else t,
+            tuple(names[:count]),
+        )
         names = names[count:]
 
 
@@ -98,7 +147,11 @@ def label_series(trial: StoredTrial, sensor: str, rule: str | None) -> Iterator[
     for name in group:
         if name not in ("t", "events") and name not in left_out:
             one = _series("labels", sensor, group, name, t)
-            yield replace(one, name="state_recorded", columns=("state_recorded",)) if is_recording(group) else one
+            yield (
+                replace(one, name="state_recorded", columns=("state_recorded",))
+                if is_recording(group)
+                else one
+            )
 
 
 def body_series(trial: StoredTrial) -> Iterator[Series]:
@@ -119,22 +172,32 @@ def control_series(trial: StoredTrial) -> Iterator[Series]:
                 yield _series("control", "", group, name, t)
 
 
-def grid(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float) -> NDArray[np.float64]:
+def grid(
+    number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float
+) -> NDArray[np.float64]:
     """Instants 1/`rate` apart [s], from the first at which all `series` have a value until the
     first of the sensors, bodies or loop ends."""
     fastest = max(sensors, key=lambda sensor: float(trial.sensors[sensor].attrs["rate_hz"]))
     most = float(trial.sensors[fastest].attrs["rate_hz"])
     if rate > most * (1 + TIME_ROUNDING):
-        raise InputError(f"trial {number}: a rate of {rate:g} Hz would repeat samples of '{fastest}'; allowed: up to {most:g} Hz, the rate of the sensor")
-    ends = [float(one.t[-1]) for one in series if one.kind in ("truth", "control")] + [float(trial.sensors[sensor]["t"][-1]) for sensor in sensors]
+        raise InputError(
+            f"trial {number}: a rate of {rate:g} Hz would repeat samples of '{fastest}'; allowed: up to {most:g} Hz, the rate of the sensor"
+        )
+    ends = [float(one.t[-1]) for one in series if one.kind in ("truth", "control")] + [
+        float(trial.sensors[sensor]["t"][-1]) for sensor in sensors
+    ]
     start = max(float(one.t[0]) for one in series)
     count = int(np.floor((min(ends) - start + TIME_ROUNDING) * rate)) + 1
     if count < 2:
-        raise InputError(f"trial {number}: has fewer than two rows at {rate:g} Hz; use a higher --rate")
+        raise InputError(
+            f"trial {number}: has fewer than two rows at {rate:g} Hz; use a higher --rate"
+        )
     return start + np.arange(count) / rate
 
 
-def sensor_at(number: int, trial: StoredTrial, sensor: str, rule: str | None, rate: float | None) -> tuple[list[Series], list[Series]]:
+def sensor_at(
+    number: int, trial: StoredTrial, sensor: str, rule: str | None, rate: float | None
+) -> tuple[list[Series], list[Series]]:
     """A sensor's channels and labels: at its own times, or with a `rate` the latest values at the
     instants of its grid()."""
     channels, labels = list(sensor_series(trial, sensor)), list(label_series(trial, sensor, rule))

@@ -61,9 +61,16 @@ def run(request: Request) -> int:
     map = Map(read_map(map_path(request.map)))
     files = map.files(request.sources)
     if not files:
-        raise InputError(f"{', '.join(request.sources)}: contains only tables of labels; expected recordings")
+        raise InputError(
+            f"{', '.join(request.sources)}: contains only tables of labels; expected recordings"
+        )
     writer = _core.MappedImport(
-        request.sources, request.map, request.output, request.seed, request.rate, "object" if map.object else "trial"
+        request.sources,
+        request.map,
+        request.output,
+        request.seed,
+        request.rate,
+        "object" if map.object else "trial",
     )
     if "note" in map.block:
         writer.warn(map.block.node.path, map.block.need("note"))
@@ -80,7 +87,9 @@ def run(request: Request) -> int:
 def main(text: str) -> int:
     """Runs the request; returns the exit status."""
     request = Request(**json.loads(text))
-    return run_command(lambda: run(request), needs="import --map", install=request.install, target=request.output)
+    return run_command(
+        lambda: run(request), needs="import --map", install=request.install, target=request.output
+    )
 
 
 if __name__ == "__main__":

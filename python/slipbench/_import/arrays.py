@@ -18,7 +18,9 @@ LARGEST = 2_000_000_000  # bytes of all arrays, which are held in memory
 class Columns(Source):
     """Columns in memory, each [T, ...] of numbers or [T] of texts. `left_out`: as in Source."""
 
-    def __init__(self, path: str, columns: dict[str, Any], left_out: dict[str, str] | None = None) -> None:
+    def __init__(
+        self, path: str, columns: dict[str, Any], left_out: dict[str, str] | None = None
+    ) -> None:
         super().__init__(path)
         self._columns = columns
         self.titles = list(columns)
@@ -32,26 +34,38 @@ class Columns(Source):
         if column.dtype.kind not in "biuf":
             raise InputError(f"{self.path}: {title} contains {column.dtype}; expected numbers")
         if column.size * 8 > LARGEST:
-            raise InputError(f"{self.path}: {title} has {column.size} values; expected at most {LARGEST // 8}; split the file")
+            raise InputError(
+                f"{self.path}: {title} has {column.size} values; expected at most {LARGEST // 8}; split the file"
+            )
         values: np.ndarray = column.astype(float)
         if np.isinf(values).any():
-            raise InputError(f"{self.place(int(np.argwhere(np.isinf(values))[0][0]))}: {title} contains an infinite value")
+            raise InputError(
+                f"{self.place(int(np.argwhere(np.isinf(values))[0][0]))}: {title} contains an infinite value"
+            )
         return values
 
     def texts(self, title: str) -> list[str]:
         column = self._columns[title]
         if column.ndim != 1:
-            raise InputError(f"{self.path}: {title} has {column.ndim} dimensions; expected one value per row")
+            raise InputError(
+                f"{self.path}: {title} has {column.ndim} dimensions; expected one value per row"
+            )
         if column.dtype.kind == "M":
-            return ["" if text == "NaT" else text for text in np.datetime_as_string(column).tolist()]
+            return [
+                "" if text == "NaT" else text for text in np.datetime_as_string(column).tolist()
+            ]
         if column.dtype.kind == "f":
             return ["" if np.isnan(value) else f"{value!r}" for value in column.tolist()]
         if column.dtype.kind == "b":
-            return ["true" if value else "false" for value in column.tolist()]  # as YAML writes them
+            return [
+                "true" if value else "false" for value in column.tolist()
+            ]  # as YAML writes them
         try:
             return [str(value) for value in column.tolist()]
         except (SystemError, ValueError) as error:  # code points beyond Unicode
-            raise InputError(f"{self.path}: {title} contains a text that cannot be read: {error}") from error
+            raise InputError(
+                f"{self.path}: {title} contains a text that cannot be read: {error}"
+            ) from error
 
     def spacing(self, title: str) -> float:
         column = self._columns[title]
@@ -71,7 +85,9 @@ def read_npy(path: str) -> Columns:
         raise InputError(f"{path}: expected an array with one row per sample")
     if array.dtype.names:
         return Columns(path, {name: array[name] for name in array.dtype.names})
-    return Columns(path, {str(k + 1): column for k, column in enumerate(array.reshape(len(array), -1).T)})
+    return Columns(
+        path, {str(k + 1): column for k, column in enumerate(array.reshape(len(array), -1).T)}
+    )
 
 
 def read_npz(path: str) -> Columns:
@@ -87,10 +103,14 @@ def read_npz(path: str) -> Columns:
         raise InputError(
             f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; split the file"
         )
-    arrays = {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}  # skips other members
+    arrays = {
+        name: array for name, array in arrays.items() if isinstance(array, np.ndarray)
+    }  # skips other members
     rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
     if not rows:
-        raise InputError(f"{path}: has no array with one row per sample; found: {', '.join(list(arrays)[:10])}")
+        raise InputError(
+            f"{path}: has no array with one row per sample; found: {', '.join(list(arrays)[:10])}"
+        )
     most = max(rows, key=lambda count: (rows[count], count))
     kept = {name: array for name, array in arrays.items() if array.ndim and len(array) == most}
     left_out = {
@@ -124,7 +144,10 @@ class ParquetTable(Columns):
         texts = getattr(self, "_texts", None)
         try:
             # By a file object: pyarrow takes some names, such as a:b.parquet, for addresses.
-            with open(self.path, "rb") as stream, pyarrow.parquet.ParquetFile(stream, read_dictionary=texts) as file:
+            with (
+                open(self.path, "rb") as stream,
+                pyarrow.parquet.ParquetFile(stream, read_dictionary=texts) as file,
+            ):
                 work(file)
         except (InputError, MemoryError):
             raise
@@ -136,7 +159,9 @@ class ParquetTable(Columns):
         self._texts = [field.name for field in file.schema_arrow if _has_texts(field.type)]
         for title, count in Counter(self.titles).items():
             if count > 1:
-                raise InputError(f"{self.path}: has {count} columns {title!r}; titles must differ; rename one of them")
+                raise InputError(
+                    f"{self.path}: has {count} columns {title!r}; titles must differ; rename one of them"
+                )
         if self._rows == 0:
             raise InputError(f"{self.path}: the table has no rows")
 
@@ -145,25 +170,44 @@ class ParquetTable(Columns):
         for title in titles:
             kind = file.schema_arrow.field(title).type
             if _has_texts(_items(kind)) and not _has_texts(kind):
-                raise InputError(f"{self.path}: column {title!r} contains lists of texts; expected numbers, lists of numbers, or texts")
-        table = file.read(columns=titles)  # and other columns whose titles begin with one of these and a point
+                raise InputError(
+                    f"{self.path}: column {title!r} contains lists of texts; expected numbers, lists of numbers, or texts"
+                )
+        table = file.read(
+            columns=titles
+        )  # and other columns whose titles begin with one of these and a point
         if table.num_rows != self._rows:
-            raise InputError(f"{self.path}: is damaged: has {counted(table.num_rows, 'row')}; expected {self._rows}, as its footer states")
-        self._columns = {title: _parquet_column(f"{self.path}: column {title!r}", table.column(title)) for title in titles}
+            raise InputError(
+                f"{self.path}: is damaged: has {counted(table.num_rows, 'row')}; expected {self._rows}, as its footer states"
+            )
+        self._columns = {
+            title: _parquet_column(f"{self.path}: column {title!r}", table.column(title))
+            for title in titles
+        }
 
     def _check_size(self, file: Any, titles: list[str]) -> None:
         """Raises InputError if the columns are too large according to the footer: a small file may
         have many rows of one value, or a long list in each row."""
         head = file.metadata
-        leaves = [k for k in range(head.num_columns)
-                  if any(file.schema.column(k).path == title or file.schema.column(k).path.startswith(f"{title}.") for title in titles)]
+        leaves = [
+            k
+            for k in range(head.num_columns)
+            if any(
+                file.schema.column(k).path == title
+                or file.schema.column(k).path.startswith(f"{title}.")
+                for title in titles
+            )
+        ]
         values, size = 0, 0
         for k in leaves:
             parts = [head.row_group(group).column(k) for group in range(head.num_row_groups)]
             count = max(sum(part.num_values for part in parts), self._rows)
             values += count
             # Values of fixed length are decoded one by one; a text is decoded once for each row group.
-            size += max(count * file.schema.column(k).length, sum(part.total_uncompressed_size for part in parts))
+            size += max(
+                count * file.schema.column(k).length,
+                sum(part.total_uncompressed_size for part in parts),
+            )
         if values * 8 > LARGEST:
             raise InputError(
                 f"{self.path}: columns {', '.join(titles[:10])} have {values} values in {counted(self._rows, 'row')}; "
@@ -187,14 +231,23 @@ def _has_texts(kind: Any) -> bool:
 
     if pa.types.is_dictionary(kind):
         return _has_texts(kind.value_type)
-    tests = (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view, pa.types.is_binary, pa.types.is_large_binary, pa.types.is_binary_view)
+    tests = (
+        pa.types.is_string,
+        pa.types.is_large_string,
+        pa.types.is_string_view,
+        pa.types.is_binary,
+        pa.types.is_large_binary,
+        pa.types.is_binary_view,
+    )
     return any(test(kind) for test in tests)
 
 
 def _is_list(kind: Any) -> bool:
     import pyarrow as pa
 
-    return bool(pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind))
+    return bool(
+        pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind)
+    )
 
 
 def _items(kind: Any) -> Any:
@@ -209,7 +262,9 @@ def _parquet_column(where: str, column: Any) -> Any:
     import pyarrow as pa
 
     if pa.types.is_timestamp(column.type):
-        return np.array(["" if value is None else value.isoformat() for value in column.to_pylist()])
+        return np.array(
+            ["" if value is None else value.isoformat() for value in column.to_pylist()]
+        )
     if pa.types.is_dictionary(column.type) and _has_texts(column.type):
         return np.concatenate([_shared_texts(chunk) for chunk in column.chunks])
     if _is_list(column.type):
@@ -225,6 +280,8 @@ def _shared_texts(chunk: Any) -> np.ndarray:
     import pyarrow as pa
 
     words = [*chunk.dictionary.to_pylist(), None]
-    indices = chunk.indices.cast(pa.int64()).fill_null(len(words) - 1).to_numpy(zero_copy_only=False)
+    indices = (
+        chunk.indices.cast(pa.int64()).fill_null(len(words) - 1).to_numpy(zero_copy_only=False)
+    )
     found: np.ndarray = np.array(words, dtype=object)[indices]
     return found

@@ -69,13 +69,21 @@ class Topic(Columns):
         while True:
             start = f"{each}[{len(topics)}]."
             found = {
-                title.removeprefix(start): column for title, column in self._columns.items() if title.startswith(start)
+                title.removeprefix(start): column
+                for title, column in self._columns.items()
+                if title.startswith(start)
             }
             if not found:
                 break
             # A field of the item takes precedence over a field of the message with the same name.
-            found = {one: column for one, column in self._columns.items() if not one.startswith(f"{each}[")} | found
-            topics.append(Topic(self.path, f"{self.name}, {each}[{len(topics)}]", self._times.tolist(), found))
+            found = {
+                one: column
+                for one, column in self._columns.items()
+                if not one.startswith(f"{each}[")
+            } | found
+            topics.append(
+                Topic(self.path, f"{self.name}, {each}[{len(topics)}]", self._times.tolist(), found)
+            )
         if not topics:
             raise InputError(
                 f"{self.title_place()}: the messages have no list {each!r} of messages{nearest(each, self.titles)}"
@@ -118,9 +126,13 @@ def read_definitions(map: Block, folders: list[Path]) -> dict[str, Any]:
         for file in files:
             package = file.parents[1] if file.parent.name == "msg" else file.parent
             try:
-                types |= get_types_from_msg(file.read_text(encoding="utf-8"), f"{package.name}/msg/{file.stem}")
+                types |= get_types_from_msg(
+                    file.read_text(encoding="utf-8"), f"{package.name}/msg/{file.stem}"
+                )
             except Exception as error:  # noqa: BLE001  the parser raises many kinds, whose texts quote the file
-                raise InputError(f"{file}: cannot be read as the definition of a message in the syntax of ROS") from error
+                raise InputError(
+                    f"{file}: cannot be read as the definition of a message in the syntax of ROS"
+                ) from error
     return types
 
 
@@ -203,13 +215,17 @@ class Bag:
                 self._reader.open()
             store = self._reader.typestore
             if any(missing_types(one.msgtype, store.fielddefs) for one in self._reader.connections):
-                store.register({name: one for name, one in others.items() if name not in store.fielddefs})
+                store.register(
+                    {name: one for name, one in others.items() if name not in store.fielddefs}
+                )
         except InputError:
             raise
         except Exception as error:  # noqa: BLE001  rosbags and its decompressors raise many kinds on damaged files
             check_encoding(path)
             raise InputError(f"{path}: cannot be read as a bag: {error}") from error
-        self.topics = {connection.topic: connection.msgtype for connection in self._reader.connections}
+        self.topics = {
+            connection.topic: connection.msgtype for connection in self._reader.connections
+        }
 
     def close(self) -> None:
         """Closes the files."""
@@ -229,14 +245,20 @@ class Bag:
         listed = ", ".join(f"{name} ({kind})" for name, kind in list(self.topics.items())[:10])
         if topic:
             if topic not in self.topics:
-                raise InputError(f"{self.path}: has no topic {topic!r}{nearest(topic, list(self.topics))}")
+                raise InputError(
+                    f"{self.path}: has no topic {topic!r}{nearest(topic, list(self.topics))}"
+                )
             return [topic]
         if message:
             found = [
-                name for name, kind in self.topics.items() if kind == message or kind.rsplit("/", 1)[-1] == message
+                name
+                for name, kind in self.topics.items()
+                if kind == message or kind.rsplit("/", 1)[-1] == message
             ]
             if not found:
-                raise InputError(f"{self.path}: has no topic of the type {message!r}; found: {listed}")
+                raise InputError(
+                    f"{self.path}: has no topic of the type {message!r}; found: {listed}"
+                )
             return sorted(found)
         if len(self.topics) != 1:
             raise InputError(
@@ -256,7 +278,9 @@ class Bag:
         except MemoryError:
             raise
         except Exception as error:  # noqa: BLE001
-            raise InputError(f"{self.path}: topic {name}, message {count + 1}: cannot be read: {error}") from error
+            raise InputError(
+                f"{self.path}: topic {name}, message {count + 1}: cannot be read: {error}"
+            ) from error
 
     def read(self, name: str) -> Topic:
         """All messages of a topic. Raises InputError if one is unreadable, their lengths differ, or
@@ -301,5 +325,8 @@ class Bag:
         if rows:
             blocks.append(_columns(rows, titles))
         return Topic(
-            self.path, name, times, {title: np.concatenate([one[title] for one in blocks]) for title in titles}
+            self.path,
+            name,
+            times,
+            {title: np.concatenate([one[title] for one in blocks]) for title in titles},
         )

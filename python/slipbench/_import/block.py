@@ -38,7 +38,9 @@ class Node:
     @property
     def described(self) -> str:
         """Describes the value as written: a text in quotes, "a map", "a list", "nothing"."""
-        return {"scalar": repr(self.text), "sequence": "a list", "map": "a map"}.get(self.kind, "nothing")
+        return {"scalar": repr(self.text), "sequence": "a list", "map": "a map"}.get(
+            self.kind, "nothing"
+        )
 
 
 def quoted(text: str) -> str:
@@ -55,7 +57,11 @@ def folded(text: str) -> str:
     """The text with characters replaced that look like others: spaces of any kind, minus signs and
     dashes, full-width forms; and without invisible characters."""
     plain = "".join(
-        " " if unicodedata.category(one) == "Zs" else "-" if unicodedata.category(one) == "Pd" or one == "\N{MINUS SIGN}" else one
+        " "
+        if unicodedata.category(one) == "Zs"
+        else "-"
+        if unicodedata.category(one) == "Pd" or one == "\N{MINUS SIGN}"
+        else one
         for one in unicodedata.normalize("NFKC", text)
         if unicodedata.category(one) != "Cf"
     )
@@ -64,20 +70,30 @@ def folded(text: str) -> str:
 
 def unlike_ascii(text: str) -> list[str]:
     """The characters of a text that look like others, such as a no-break space, or like nothing."""
-    return [one for one in dict.fromkeys(text) if ord(one) > 127 and folded(f"a{one}a") != f"a{one}a"]
+    return [
+        one for one in dict.fromkeys(text) if ord(one) > 127 and folded(f"a{one}a") != f"a{one}a"
+    ]
 
 
 def nearest(name: str, known: list[str]) -> str:
     """ "; did you mean 'b'? found: a, b, c", for an error about an unknown name. Lists at most ten
     names, and names the character that distinguishes `name` from a known name that looks alike."""
-    short = [one for one in known if len(one) <= 3 * LONGEST] if len(name) <= 3 * LONGEST else []  # comparing is quadratic
-    close = [one for one in short if folded(one) == folded(name)] or difflib.get_close_matches(name, short, 1)
+    short = (
+        [one for one in known if len(one) <= 3 * LONGEST] if len(name) <= 3 * LONGEST else []
+    )  # comparing is quadratic
+    close = [one for one in short if folded(one) == folded(name)] or difflib.get_close_matches(
+        name, short, 1
+    )
     close = close or [one for one in short if one.lower() == name.lower()]
     names = [one if len(one) <= LONGEST else one[:LONGEST] + "…" for one in known[:10]]
     shown = ", ".join(names) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
     if not close:
         return f"; found: {shown}"
-    odd = [f"{one!r} has {character_text(other)}" for one in (close[0], name) for other in unlike_ascii(one)]
+    odd = [
+        f"{one!r} has {character_text(other)}"
+        for one in (close[0], name)
+        for other in unlike_ascii(one)
+    ]
     return f"; did you mean {close[0]!r}?{f' {odd[0]};' if odd else ''} found: {shown}"
 
 
@@ -99,13 +115,19 @@ def _number(node: Node, where: str) -> float:
 
 def _factor(node: Node, where: str) -> tuple[float, str]:
     """A factor and its unit: "0.01 N" is 0.01 and "N"; the unit of a plain number is empty."""
-    number, _, unit = _scalar(node, where, "a number, or a number with a unit such as '0.01 N'").strip().partition(" ")
+    number, _, unit = (
+        _scalar(node, where, "a number, or a number with a unit such as '0.01 N'")
+        .strip()
+        .partition(" ")
+    )
     try:
         value = float(number)
     except ValueError:
         value = 0.0
     if not 1e-30 < abs(value) < 1e30 or not _core.is_plain_name(unit.strip() or number):
-        node.fail(f"{where}: expected a number other than 0, or with a unit as '0.01 N', found {node.described}")
+        node.fail(
+            f"{where}: expected a number other than 0, or with a unit as '0.01 N', found {node.described}"
+        )
     return value, unit.strip()
 
 
@@ -131,7 +153,11 @@ def _duration(node: Node, where: str) -> float:
     return seconds
 
 
-_EXPECTED = {"boolean": "true or false", "duration": "a time such as '1 day'", "rate": "a rate such as '100 Hz'"}  # kinds that are not any text
+_EXPECTED = {
+    "boolean": "true or false",
+    "duration": "a time such as '1 day'",
+    "rate": "a rate such as '100 Hz'",
+}  # kinds that are not any text
 
 
 def _value(node: Node, key: Key, where: str) -> Any:
@@ -139,7 +165,9 @@ def _value(node: Node, key: Key, where: str) -> Any:
     if key.kind == "blocks":
         if node.kind != "map" or not node.children:
             node.fail(f"{where}: expected blocks by their names, found {node.described}")
-        return {child.key: Block(child, key.block, f"{where}.{child.key}") for child in node.children}
+        return {
+            child.key: Block(child, key.block, f"{where}.{child.key}") for child in node.children
+        }
     if key.kind == "block":
         return Block(node, key.block, where)
     if key.kind == "texts":
@@ -149,7 +177,9 @@ def _value(node: Node, key: Key, where: str) -> Any:
     if key.kind == "words":
         if node.kind != "map" or not node.children:
             node.fail(f"{where}: expected pairs TEXT: TEXT, found {node.described}")
-        return {child.key: _scalar(child, f"{where}.{child.key}", "a text") for child in node.children}
+        return {
+            child.key: _scalar(child, f"{where}.{child.key}", "a text") for child in node.children
+        }
     if key.kind == "lines":
         if node.kind == "sequence":
             return [_integer(child, where) for child in node.children]
@@ -157,7 +187,11 @@ def _value(node: Node, key: Key, where: str) -> Any:
     if key.kind == "number":
         return _number(node, where)
     if key.kind == "factors":
-        return [_factor(child, where) for child in node.children] if node.kind == "sequence" and node.children else [_factor(node, where)]
+        return (
+            [_factor(child, where) for child in node.children]
+            if node.kind == "sequence" and node.children
+            else [_factor(node, where)]
+        )
     if key.kind == "integer":
         return _integer(node, where)
     text = _scalar(node, where, _EXPECTED.get(key.kind, f"a text ({key.description})"))
@@ -197,7 +231,9 @@ class Block:
         self.node, self.where = node, where
         keys = {key.name: key for key in BLOCKS[kind]}
         if node.kind != "map":
-            node.fail(f"{where or 'the map'}: expected the keys {', '.join(keys)}, found {node.described}")
+            node.fail(
+                f"{where or 'the map'}: expected the keys {', '.join(keys)}, found {node.described}"
+            )
         self._values: dict[str, Any] = {}
         self._nodes = {child.key: child for child in node.children}
         for child in node.children:

@@ -71,7 +71,15 @@ WANTED: dict[str, tuple[Wanted, ...]] = {
         Wanted("force", True, "f$|^f|force", "unit: N", "the unit: N or mN"),
         Wanted("signal", False, "", "unit: counts", "the unit"),
     ),
-    "myrmex": (Wanted("taxels", False, "", "unit: counts", "add components: N, the number of columns of the array"),),
+    "myrmex": (
+        Wanted(
+            "taxels",
+            False,
+            "",
+            "unit: counts",
+            "add components: N, the number of columns of the array",
+        ),
+    ),
     "piezo_skin": (Wanted("signal", False, "", "unit: counts", "the unit: counts or V"),),
 }
 
@@ -96,7 +104,9 @@ class Group:
 def _pattern_of(titles: list[str]) -> str:
     """The pattern of titles that differ only in numbers: * replaces the numbers that differ."""
     parts = [re.split(r"([0-9]+)", title) for title in titles]
-    return "".join(column[0] if len(set(column)) == 1 else "*" for column in zip(*parts, strict=True))
+    return "".join(
+        column[0] if len(set(column)) == 1 else "*" for column in zip(*parts, strict=True)
+    )
 
 
 def groups_of(titles: list[str]) -> list[Group]:
@@ -106,15 +116,26 @@ def groups_of(titles: list[str]) -> list[Group]:
         alike.setdefault(re.sub(r"[0-9]+", "0", title), []).append(title)
     groups, used = [], set()
     for shape, first in alike.items():
-        for place in [place for place, character in enumerate(shape) if character.lower() == AXES[0]]:
-            axes = [shape[:place] + chr(ord(shape[place]) + step) + shape[place + 1 :] for step in range(3)]
+        for place in [
+            place for place, character in enumerate(shape) if character.lower() == AXES[0]
+        ]:
+            axes = [
+                shape[:place] + chr(ord(shape[place]) + step) + shape[place + 1 :]
+                for step in range(3)
+            ]
             if all(axis in alike and len(alike[axis]) == len(first) for axis in axes):
                 letters = re.sub("[^a-z]", "", (shape[:place] + shape[place + 1 :]).lower())
-                groups.append(Group(tuple(_pattern_of(alike[axis]) for axis in axes), letters, len(first), True))
+                groups.append(
+                    Group(
+                        tuple(_pattern_of(alike[axis]) for axis in axes), letters, len(first), True
+                    )
+                )
                 used |= set(axes)
     for shape, found in alike.items():
         if shape not in used:
-            groups.append(Group((_pattern_of(found),), re.sub("[^a-z]", "", shape.lower()), len(found), False))
+            groups.append(
+                Group((_pattern_of(found),), re.sub("[^a-z]", "", shape.lower()), len(found), False)
+            )
     return sorted(groups, key=lambda group: -group.units * len(group.patterns))
 
 
@@ -148,8 +169,23 @@ def time_key(table: TextTable) -> tuple[str, str, str]:
     step = float(np.median(steps)) if steps.size else 0.0
     rates = {unit: 1.0 / (step * seconds) for unit, seconds in TIME_UNITS.items() if step > 0.0}
     said = re.search(r"(?:[_\s(\[]|^)(ns|us|ms|s)[)\]]?$", title)
-    unit = said[1] if said else next((unit for unit in ("s", "ms", "us", "ns") if SLOWEST <= rates.get(unit, 0.0) <= FASTEST), "s")
-    return title, f"{{column: {quoted(title)}, unit: {unit}}}", f"{rates[unit]:.4g} Hz" if unit in rates else "Check: the times do not ascend"
+    unit = (
+        said[1]
+        if said
+        else next(
+            (
+                unit
+                for unit in ("s", "ms", "us", "ns")
+                if SLOWEST <= rates.get(unit, 0.0) <= FASTEST
+            ),
+            "s",
+        )
+    )
+    return (
+        title,
+        f"{{column: {quoted(title)}, unit: {unit}}}",
+        f"{rates[unit]:.4g} Hz" if unit in rates else "Check: the times do not ascend",
+    )
 
 
 def has_fractions(table: TextTable, group: Group) -> bool:
@@ -161,7 +197,12 @@ def has_fractions(table: TextTable, group: Group) -> bool:
 
 def quoted(text: str) -> str:
     """A text in YAML, in quotes if necessary."""
-    return text if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", text) and text.lower() not in ("y", "n", "yes", "no", "on", "off", "true", "false", "null") else json.dumps(text, ensure_ascii=False)
+    return (
+        text
+        if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", text)
+        and text.lower() not in ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
+        else json.dumps(text, ensure_ascii=False)
+    )
 
 
 def drafted(table: TextTable, type: str) -> str:
@@ -171,12 +212,16 @@ def drafted(table: TextTable, type: str) -> str:
         InputError: no columns fit a channel of this type.
     """
     if type == "papillarray" and "S0_P0_DX" in table.titles:
-        raise InputError(f"{table.title_place()}: is a log of the vendor's software, which needs no map; import it with --format papillarray-csv")
+        raise InputError(
+            f"{table.title_place()}: is a log of the vendor's software, which needs no map; import it with --format papillarray-csv"
+        )
     title, time, comment = time_key(table)
     groups = groups_of([one for one in table.titles if one != title])
     channels = assigned(type, groups)
     if not channels:
-        needed = " or ".join(f"{'x, y and z of ' if wanted.axes else ''}{wanted.name}" for wanted in WANTED[type])
+        needed = " or ".join(
+            f"{'x, y and z of ' if wanted.axes else ''}{wanted.name}" for wanted in WANTED[type]
+        )
         raise InputError(
             f"{table.title_place()}: no columns were found for {needed} of a {type}, such as "
             f"{'x0, y0, z0, x1, ...' if WANTED[type][0].axes else 'e1, e2, ...'}; found: {', '.join(table.titles[:10])}; write the map by hand"
@@ -192,12 +237,21 @@ def drafted(table: TextTable, type: str) -> str:
     for wanted, group in channels:
         if wanted.check:
             lines.append(f"  # Check: {wanted.check}")
-        components = f"components: {len(group.patterns)}, " if group.axes and not any("*" in pattern for pattern in group.patterns) else ""
+        components = (
+            f"components: {len(group.patterns)}, "
+            if group.axes and not any("*" in pattern for pattern in group.patterns)
+            else ""
+        )
         columns = ", ".join(quoted(pattern) for pattern in group.patterns)
         units = counted(group.units, "unit" if group.axes else "value")
         keys = wanted.measured if wanted.measured and has_fractions(table, group) else wanted.keys
         lines.append(f"  {wanted.name}: {{{keys}, {components}columns: [{columns}]}}  # {units}")
-    rest = [pattern for group in groups if group not in [one for _, one in channels] for pattern in group.patterns]
+    rest = [
+        pattern
+        for group in groups
+        if group not in [one for _, one in channels]
+        for pattern in group.patterns
+    ]
     if rest:
         lines.append(f"# Not read: {', '.join(rest[:20])}{' and more' if len(rest) > 20 else ''}")
     return "\n".join(lines) + "\n"
@@ -207,19 +261,27 @@ def run(sources: list[str], type: str, output: str) -> int:
     """Drafts the map of the first table and writes it to `output`; empty: prints it. Returns the
     exit status."""
     if type not in WANTED:
-        raise InputError(f"import: --draft {type}: drafts maps for sensors of known types{nearest(type, sorted(WANTED))}")
+        raise InputError(
+            f"import: --draft {type}: drafts maps for sensors of known types{nearest(type, sorted(WANTED))}"
+        )
     path = list_files(sources)[0].path
     if Path(path).is_dir() or Path(path).suffix not in TABLES:
-        raise InputError(f"{path}: --draft reads tables of text, {', '.join(TABLES)}; write the map by hand, or use an included map for bags")
+        raise InputError(
+            f"{path}: --draft reads tables of text, {', '.join(TABLES)}; write the map by hand, or use an included map for bags"
+        )
     if output and Path(output).exists():
-        raise InputError(f"{output}: exists already, and may have been edited; give another file, or remove it")
+        raise InputError(
+            f"{output}: exists already, and may have been edited; give another file, or remove it"
+        )
     text = drafted(TextTable(path), type)
     if not output:
         return write_result(lambda: print(text, end=""))
     write_whole(Path(output), text.encode())
     program = os.environ.get("SLIPBENCH_CALLED_AS", "slipbench")
     command = f"{program} import {shlex.join(sources)} --map {shlex.quote(output)} -o {shlex.quote(str(Path(output).with_suffix('.h5')))}"
-    return write_result(lambda: print(f"{text}written: {output}\nnext: check the map, then {command}"))
+    return write_result(
+        lambda: print(f"{text}written: {output}\nnext: check the map, then {command}")
+    )
 
 
 def main(text: str) -> int:

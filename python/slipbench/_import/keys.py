@@ -36,9 +36,20 @@ class Key:
 
 
 _SENSOR = (
-    Key("type", "text", "", "type of the sensor, as in a scene: papillarray, taxels, or a custom type"),
+    Key(
+        "type",
+        "text",
+        "",
+        "type of the sensor, as in a scene: papillarray, taxels, or a custom type",
+    ),
     Key("frame", "text", "as recorded", "a sentence that defines the axes"),
-    Key("time", "block", "of a bag: when a message was received", "the times of the samples", block="time"),
+    Key(
+        "time",
+        "block",
+        "of a bag: when a message was received",
+        "the times of the samples",
+        block="time",
+    ),
     Key("channels", "blocks", "", "the channels by their names", block="channel"),
     Key(
         "state",
@@ -48,7 +59,12 @@ _SENSOR = (
         block="state",
     ),
     Key("topic", "text", "the only one", "topic of a bag or of an MCAP file"),
-    Key("message", "text", "", "type of message in a bag; each topic of this type is a separate sensor"),
+    Key(
+        "message",
+        "text",
+        "",
+        "type of message in a bag; each topic of this type is a separate sensor",
+    ),
     Key(
         "each",
         "text",
@@ -59,8 +75,15 @@ _SENSOR = (
 _PLACES = (
     Key("column", "text", "", "title of the column"),
     Key("value", "text", "", "one value for all recordings"),
-    Key("folder", "integer", "", "name of a folder above the file: 1 is the folder of the file, 2 the folder above it"),
-    Key("file", "text", "", "regular expression for the file's name, whose first group is the value"),
+    Key(
+        "folder",
+        "integer",
+        "",
+        "name of a folder above the file: 1 is the folder of the file, 2 the folder above it",
+    ),
+    Key(
+        "file", "text", "", "regular expression for the file's name, whose first group is the value"
+    ),
     Key("table", "block", "", "a table with one row per file", block="table"),
 )
 BLOCKS: dict[str, tuple[Key, ...]] = {
@@ -73,7 +96,12 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "all of a kind",
             "pattern for the names of the files that are read in folders, such as '*_bio.csv'; files given by name are always read",
         ),
-        Key("note", "text", "none", "sentence that import prints as a warning, such as an assumption of the map"),
+        Key(
+            "note",
+            "text",
+            "none",
+            "sentence that import prints as a warning, such as an assumption of the map",
+        ),
         *_SENSOR,
         Key(
             "object",
@@ -91,10 +119,18 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
         Key("decimal", "text", "found", "the decimal mark", choices=(".", ",")),
         Key("thousands", "text", "none", "the mark between thousands", choices=(",", ".", "'")),
         Key(
-            "header", "boolean", "true", "true: the first line contains titles; false: the columns are called 1, 2, 3"
+            "header",
+            "boolean",
+            "true",
+            "true: the first line contains titles; false: the columns are called 1, 2, 3",
         ),
         Key("skip", "lines", "none", "lines to skip: the first N, or a list of line numbers"),
-        Key("comment", "text", "#", "text at the beginning of lines to skip; none: all lines are read"),
+        Key(
+            "comment",
+            "text",
+            "#",
+            "text at the beginning of lines to skip; none: all lines are read",
+        ),
         Key(
             "definitions",
             "texts",
@@ -112,9 +148,19 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
     ),
     "sensor": _SENSOR,
     "time": (
-        Key("column", "text", "", "title of the column: numbers, ISO 8601, or a time of day as 12:30:00.5"),
+        Key(
+            "column",
+            "text",
+            "",
+            "title of the column: numbers, ISO 8601, or a time of day as 12:30:00.5",
+        ),
         Key("unit", "text", "s", "unit of a column of numbers", choices=tuple(TIME_UNITS)),
-        Key("scale", "number", "1", "length of the column's unit in seconds, where `unit` has no name for it"),
+        Key(
+            "scale",
+            "number",
+            "1",
+            "length of the column's unit in seconds, where `unit` has no name for it",
+        ),
         Key(
             "format",
             "text",
@@ -155,7 +201,12 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "none",
             "time at the beginning of each recording without contact, such as 0.2 s; the mean of each value in that time is subtracted",
         ),
-        Key("components", "integer", "1, or the number of titles with *", "components of a unit, such as 3 of a force"),
+        Key(
+            "components",
+            "integer",
+            "1, or the number of titles with *",
+            "components of a unit, such as 3 of a force",
+        ),
         Key(
             "columns",
             "texts",

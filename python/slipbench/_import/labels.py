@@ -52,16 +52,25 @@ class Lookup:
     def __init__(self, block: Block) -> None:
         self.block = block
         self.place = block.only_one(PLACES)
-        self.folders: list[Path] = []  # in which the table may be, besides those of the map and of the command
+        self.folders: list[
+            Path
+        ] = []  # in which the table may be, besides those of the map and of the command
         self._tables: dict[Path, dict[str, str]] = {}
-        self._used: dict[tuple[Path, str], str] = {}  # files by the rows of tables that name them without folders
+        self._used: dict[
+            tuple[Path, str], str
+        ] = {}  # files by the rows of tables that name them without folders
         if self.place == "file":
             try:
                 self._pattern = re.compile(block.need("file"))
             except (re.error, RecursionError, OverflowError) as error:
-                reason = error if isinstance(error, re.error) else "its parts are nested too deeply, or repeat too often"
+                reason = (
+                    error
+                    if isinstance(error, re.error)
+                    else "its parts are nested too deeply, or repeat too often"
+                )
                 block.fail(
-                    f"{block.path('file')}: expected a regular expression, found {block.need('file')[:80]!r}: {reason}", "file"
+                    f"{block.path('file')}: expected a regular expression, found {block.need('file')[:80]!r}: {reason}",
+                    "file",
                 )
             if self._pattern.groups != 1:
                 block.fail(
@@ -143,7 +152,9 @@ class Lookup:
         titles = [table.find(named.get("file", "file")), table.find(named.need("column"))]
         table.load(titles, titles)
         rows: dict[str, str] = {}
-        for row, (name, value) in enumerate(zip(table.texts(titles[0]), table.texts(titles[1]), strict=True)):
+        for row, (name, value) in enumerate(
+            zip(table.texts(titles[0]), table.texts(titles[1]), strict=True)
+        ):
             if name in rows:
                 raise InputError(f"{table.place(row)}: names the file {name!r} twice")
             rows[name] = value
@@ -175,10 +186,17 @@ class States(Lookup):
         if self._values is not None:
             if text not in self._values and re.fullmatch(r"[+-]?\d+\.0*", text):
                 text = text.partition(".")[0]  # arrays of floating point hold 1 as 1.0
-            if text not in self._values and text.lower() in ("true", "false"):  # as Python, R or YAML writes it
+            if text not in self._values and text.lower() in (
+                "true",
+                "false",
+            ):  # as Python, R or YAML writes it
                 text = next((one for one in self._values if one.lower() == text.lower()), text)
             if text not in self._values:
-                remedy = "; write false: and true: for labels that are booleans" if text.lower() in ("true", "false") else ""
+                remedy = (
+                    "; write false: and true: for labels that are booleans"
+                    if text.lower() in ("true", "false")
+                    else ""
+                )
                 raise InputError(
                     f"{place}: the label {quoted(text)} is not in {self.block.path('values')}{nearest(text, list(self._values))}".replace(
                         " found: ", " found there: "
@@ -202,7 +220,9 @@ class States(Lookup):
         known: dict[str, int] = {}
         for row in kept.tolist():
             if texts[row] not in known:
-                known[texts[row]] = self._state(texts[row], f"{source.place(row)}: column {self.column}")
+                known[texts[row]] = self._state(
+                    texts[row], f"{source.place(row)}: column {self.column}"
+                )
         return np.array([known[texts[row]] for row in kept.tolist()], np.uint8)
 
 

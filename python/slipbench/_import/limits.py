@@ -12,16 +12,23 @@ from pathlib import Path
 
 from slipbench import InputError
 
-MOST_MEMORY = 32_000_000_000  # bytes for one source: the largest text table needs some ten times its size
+MOST_MEMORY = (
+    32_000_000_000  # bytes for one source: the largest text table needs some ten times its size
+)
 SHARE_OF_MEMORY = 0.5  # of the machine's memory, for one source
 MEMORY_OF_BAG = 4_000_000_000  # bytes beyond those in use, while a bag is read
-UNPACKED, UNPACKED_TIMES = 1_000_000_000, 100  # bytes of a file of a bag, or its size as a multiple of the packed size
+UNPACKED, UNPACKED_TIMES = (
+    1_000_000_000,
+    100,
+)  # bytes of a file of a bag, or its size as a multiple of the packed size
 
 
 def check_inside(path: Path, folders: Iterable[Path]) -> None:
     """Raises InputError for a file that is named in a file from others and is outside of all
     `folders` and of the current folder, also by a link."""
-    if not any(path.resolve().is_relative_to(folder.resolve()) for folder in (*folders, Path.cwd())):
+    if not any(
+        path.resolve().is_relative_to(folder.resolve()) for folder in (*folders, Path.cwd())
+    ):
         raise InputError(
             f"{path}: is outside of the folders of the map, of the recordings and of the command; to read it, name its folder as a SOURCE, or start "
             "the command in a folder that contains it"
@@ -65,19 +72,29 @@ def memory_limit(path: str, most: int) -> Iterator[None]:
         with _lowered(resource.RLIMIT_DATA, data_bytes() + most):
             yield
     except MemoryError:
-        raise InputError(f"{path}: needs more than {most / 1e9:.3g} GB of memory when it is unpacked; split the file, or write it with smaller chunks") from None
+        raise InputError(
+            f"{path}: needs more than {most / 1e9:.3g} GB of memory when it is unpacked; split the file, or write it with smaller chunks"
+        ) from None
 
 
 @contextlib.contextmanager
 def unpacked_limit(path: str) -> Iterator[None]:
     """Limits the size of a file that the block writes, which is unpacked from the bag `path`.
     Raises InputError if the limit is exceeded."""
-    files = [one for one in Path(path).rglob("*") if one.is_file()] if Path(path).is_dir() else [Path(path)]
+    files = (
+        [one for one in Path(path).rglob("*") if one.is_file()]
+        if Path(path).is_dir()
+        else [Path(path)]
+    )
     most = max(UNPACKED, UNPACKED_TIMES * max((one.stat().st_size for one in files), default=0))
     try:
-        with _lowered(resource.RLIMIT_FSIZE, most):  # Python ignores its signal, so that writing fails
+        with _lowered(
+            resource.RLIMIT_FSIZE, most
+        ):  # Python ignores its signal, so that writing fails
             yield
     except OSError as error:
         if error.errno != errno.EFBIG:
             raise
-        raise InputError(f"{path}: a file of the bag unpacks to more than {most / 1e9:.3g} GB; unpack the bag yourself if you trust it") from None
+        raise InputError(
+            f"{path}: a file of the bag unpacks to more than {most / 1e9:.3g} GB; unpack the bag yourself if you trust it"
+        ) from None

@@ -17,7 +17,15 @@ from slipbench._import.block import Block
 from slipbench._import.keys import STATES, TIME_UNITS
 from slipbench._import.labels import File, Lookup, States, object_of
 from slipbench._import.source import MISSING, Source, stamps_of
-from slipbench._import.times import AmbiguousStepError, duration_text, format_error, is_moment, jump_text, stamp_text, unwrapped
+from slipbench._import.times import (
+    AmbiguousStepError,
+    duration_text,
+    format_error,
+    is_moment,
+    jump_text,
+    stamp_text,
+    unwrapped,
+)
 from slipbench._program import counted
 from slipbench.bin import _core
 
@@ -37,7 +45,9 @@ BAGS = (".mcap", ".bag")
 MOST_RUNS = 5  # runs of missing samples listed in a warning
 FRAME = "as the recordings have it"
 LARGEST = 1_000_000_000  # bytes of a recording
-CONTACT_NAMES = {number: name.replace("_", "-") for name, number in STATES.items() if number > 0}  # labels of samples with contact
+CONTACT_NAMES = {
+    number: name.replace("_", "-") for name, number in STATES.items() if number > 0
+}  # labels of samples with contact
 CONTACT = list(CONTACT_NAMES)
 SHORTEST = 1e-10  # s between two samples
 
@@ -58,7 +68,11 @@ def list_files(sources: list[str], pattern: str = "") -> list[File]:
     endings: set[str] = set()
     folders = [source for source in sources if _is_folder(source)]
     for source in folders:
-        paths = [path for path in Path(source).rglob("*") if _matches(path, pattern) or _matches(path.parent, pattern)]
+        paths = [
+            path
+            for path in Path(source).rglob("*")
+            if _matches(path, pattern) or _matches(path.parent, pattern)
+        ]
         # The database of a ROS 2 bag is found by the bag's folder.
         found = {".mcap" if path.suffix == ".db3" else path.suffix for path in paths}
         endings |= set(next((kind for kind in KINDS if found & set(kind)), ()))
@@ -108,9 +122,15 @@ class Sensor:
                     f"{' next to rate' if 'rate' in self.time else ''}"
                 )
             if reason := format_error(self.time.get("format", "")):
-                self.time.fail(f"time.format: expected a format of strptime, found {self.time.get('format')[:80]!r}: {reason}", "format")
+                self.time.fail(
+                    f"time.format: expected a format of strptime, found {self.time.get('format')[:80]!r}: {reason}",
+                    "format",
+                )
             if self.time.get("scale", 1.0) < 0:
-                self.time.fail(f"time.scale: expected a positive number, found {self.time.get('scale')}", "scale")
+                self.time.fail(
+                    f"time.scale: expected a positive number, found {self.time.get('scale')}",
+                    "scale",
+                )
         labels = block.get("state", root.get("state"))
         self.states = None if labels is None else States(labels)
 
@@ -145,17 +165,24 @@ class Map:
         self._named: set[str] = set()  # sources that are not folders
         self._folders: list[Path] = []  # of the sources
         if (comment := block.get("comment")) is not None and comment != comment.strip():
-            block.fail(f"comment: expected a text without spaces around it, found {comment!r}", "comment")
+            block.fail(
+                f"comment: expected a text without spaces around it, found {comment!r}", "comment"
+            )
 
     def files(self, sources: list[str]) -> list[File]:
         """The recordings, without tables of labels and objects."""
         self._named = {source for source in sources if not _is_folder(source)}
-        self._folders = [Path(source) if Path(source).is_dir() else Path(source).absolute().parent for source in sources]
+        self._folders = [
+            Path(source) if Path(source).is_dir() else Path(source).absolute().parent
+            for source in sources
+        ]
         lookups = [sensor.states for sensor in self.sensors] + [self.object]
         for lookup in filter(None, lookups):
             lookup.folders = self._folders
         tables = {lookup.table for lookup in lookups if lookup is not None and lookup.table}
-        ends = [tuple(part for part in Path(table).parts if part not in (".", "..")) for table in tables]
+        ends = [
+            tuple(part for part in Path(table).parts if part not in (".", "..")) for table in tables
+        ]
         return [
             file
             for file in list_files(sources, self.block.get("files", ""))
@@ -225,15 +252,23 @@ class Map:
                 names = bag.find(sensor.block.get("topic", ""), sensor.block.get("message", ""))
                 topics = [bag.read(name) for name in names]
                 each = sensor.block.get("each")
-                found = [item for topic in topics for item in (topic.items(each) if each else [topic])]
+                found = [
+                    item for topic in topics for item in (topic.items(each) if each else [topic])
+                ]
                 for topic in found:
                     label = re.sub(r"[^A-Za-z0-9_]+", "_", topic.name).strip("_")
-                    yield sensor.name if len(found) == 1 else f"{sensor.name}_{label}", sensor, topic
+                    yield (
+                        sensor.name if len(found) == 1 else f"{sensor.name}_{label}",
+                        sensor,
+                        topic,
+                    )
         finally:
             bag.close()
 
 
-def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int], list[str], np.ndarray]:
+def _channel_values(
+    source: Source, key: str, channel: Block
+) -> tuple[list[int], list[str], np.ndarray]:
     """Shape of a row, names of its values, and values [T, N] in the SI unit of the channel's unit."""
     titles, starred = source.find_all(channel.need("columns"), f"channels.{key}.columns")
     parts = [source.values(title) for title in titles]
@@ -247,7 +282,9 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
             f"{source.path}: channel {key} takes more than {LARGEST // 1_000_000} MB; split the file"
         )
     components = channel.get("components", starred)
-    has_table = len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel  # whose last axis has the components
+    has_table = (
+        len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel
+    )  # whose last axis has the components
     factors = _factors(key, channel, parts[0].shape[-1] if has_table else components, len(names))
     joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * factors
     large = np.argwhere(np.abs(joined) > np.finfo(np.float32).max)
@@ -277,8 +314,13 @@ def _unit_of(key: str, channel: Block) -> tuple[str, list[float]]:
     first, where = converted[0], f"{channel.where}.scale"
     for symbol, _, scale, written in converted:
         if symbol != first[0]:
-            found = [f"'{one:g}{other and ' '}{other}'" for one, other in (scales[0], (scale, written))]
-            channel.fail(f"{where}: expected the same unit for each component, found {' and '.join(found)}", "scale")
+            found = [
+                f"'{one:g}{other and ' '}{other}'" for one, other in (scales[0], (scale, written))
+            ]
+            channel.fail(
+                f"{where}: expected the same unit for each component, found {' and '.join(found)}",
+                "scale",
+            )
     if first[0] == unit:
         channel.fail(
             f"{where}: expected a number, because unit is {channel.need('unit')!r}, found '{first[2]:g} {first[3]}'; "
@@ -293,15 +335,26 @@ def _factors(key: str, channel: Block, components: int, width: int) -> np.ndarra
     scale = _unit_of(key, channel)[1]
     if len(scale) not in (1, components):
         fits = "components" not in channel and width % len(scale) == 0
-        remedy = f"; for values of {len(scale)} components each, set components: {len(scale)}" if fits else ""
+        remedy = (
+            f"; for values of {len(scale)} components each, set components: {len(scale)}"
+            if fits
+            else ""
+        )
         channel.fail(
-            f"channels.{key}.scale: expected one factor, or one for each of the {counted(components, 'component')}, found {len(scale)}{remedy}", "scale"
+            f"channels.{key}.scale: expected one factor, or one for each of the {counted(components, 'component')}, found {len(scale)}{remedy}",
+            "scale",
         )
     return np.resize(np.array(scale), width)
 
 
 def _without_baseline(
-    source: Source, sensor: Sensor, key: str, values: np.ndarray, times: np.ndarray, kept: np.ndarray, states: np.ndarray | None
+    source: Source,
+    sensor: Sensor,
+    key: str,
+    values: np.ndarray,
+    times: np.ndarray,
+    kept: np.ndarray,
+    states: np.ndarray | None,
 ) -> np.ndarray:
     """Subtracts the level at rest, if the channel has the key `baseline`: the mean of each value
     over the first seconds of the recording.
@@ -325,10 +378,16 @@ def _without_baseline(
     channel = sensor.channels[key]
     if "baseline" not in channel:
         return values
-    length, where = channel.need("baseline"), f"{channel.path('baseline')}: the baseline is {duration_text(channel.need('baseline'))}"
+    length, where = (
+        channel.need("baseline"),
+        f"{channel.path('baseline')}: the baseline is {duration_text(channel.need('baseline'))}",
+    )
     rounding = 2.0 * float(np.spacing(np.abs(times).max()))  # of the difference of two stamps
     if times[-1] - times[0] <= length + rounding:
-        channel.fail(f"{where}, but {source.path} lasts only {duration_text(float(times[-1] - times[0]))}; shorten it", "baseline")
+        channel.fail(
+            f"{where}, but {source.path} lasts only {duration_text(float(times[-1] - times[0]))}; shorten it",
+            "baseline",
+        )
     count = int(np.count_nonzero(times - times[0] < length - rounding))
     labels = np.zeros(count, np.uint8) if states is None else states[:count]
     contact = np.flatnonzero(np.isin(labels, CONTACT))
@@ -342,7 +401,10 @@ def _without_baseline(
     known = ~np.isnan(values)
     unknown = np.flatnonzero(known.any(axis=0) & ~known[:count].any(axis=0))
     if unknown.size:
-        channel.fail(f"{where}, but value {int(unknown[0]) + 1} of {source.path} is missing throughout it", "baseline")
+        channel.fail(
+            f"{where}, but value {int(unknown[0]) + 1} of {source.path} is missing throughout it",
+            "baseline",
+        )
     sums = np.where(known[:count], values[:count], 0.0).sum(axis=0)
     moved: np.ndarray = values - sums / np.maximum(known[:count].sum(axis=0), 1)
     return moved
@@ -361,7 +423,9 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
         return np.arange(len(source)) / rate, 0.0, rate
     title = source.find(sensor.time.need("column"))
     if "nanoseconds" in sensor.time:
-        times = source.values(title) + 1e-9 * source.values(source.find(sensor.time.need("nanoseconds")))
+        times = source.values(title) + 1e-9 * source.values(
+            source.find(sensor.time.need("nanoseconds"))
+        )
         resolution = 1e-9
     else:
         times, resolution = stamps_of(source, title, sensor.scale, sensor.time.get("format", ""))
@@ -377,20 +441,32 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
                 f"time.wrap, {duration_text(period / 2)}: sort samples that are in another order, and split the file at a long pause"
             ) from None
         except ValueError as error:
-            sensor.time.fail(f"time.wrap: {source.title_place()}: {error}; expected times within {duration_text(period)}", "wrap")
+            sensor.time.fail(
+                f"time.wrap: {source.title_place()}: {error}; expected times within {duration_text(period)}",
+                "wrap",
+            )
     return times, resolution, None
 
 
 def _time_unit(source: Source, sensor: Sensor) -> float:
     """Unit of a numeric time column [s]; 0 for dates, clocks of bags and rates, whose unit is
     known."""
-    if sensor.time is None or "column" not in sensor.time or "nanoseconds" in sensor.time or "format" in sensor.time:
+    if (
+        sensor.time is None
+        or "column" not in sensor.time
+        or "nanoseconds" in sensor.time
+        or "format" in sensor.time
+    ):
         return 0.0
-    texts = (text for text in source.texts(sensor.time.need("column")) if text.lower() not in MISSING)
+    texts = (
+        text for text in source.texts(sensor.time.need("column")) if text.lower() not in MISSING
+    )
     return 0.0 if is_moment(next(texts, "")) else sensor.scale or 1.0
 
 
-def _order_error(source: Source, sensor: Sensor, times: np.ndarray, kept: np.ndarray, row: int) -> str:
+def _order_error(
+    source: Source, sensor: Sensor, times: np.ndarray, kept: np.ndarray, row: int
+) -> str:
     """Describes the first time that does not come after the one above it.
 
     Args:
@@ -403,7 +479,11 @@ def _order_error(source: Source, sensor: Sensor, times: np.ndarray, kept: np.nda
     title = "" if sensor.time is None else sensor.time.need("column")
     column = f"column {source.titles.index(title) + 1}, " if title else ""
     if title and not np.any(times != times[0]):
-        remedy = "leave out 'time' in the map, to use the times of receipt" if source.clock() is not None else "use time: {rate: 100 Hz}, with your rate"
+        remedy = (
+            "leave out 'time' in the map, to use the times of receipt"
+            if source.clock() is not None
+            else "use time: {rate: 100 Hz}, with your rate"
+        )
         return f"{source.title_place()}: {column}time: {title} is {stamp_text(times[0])} in all {counted(len(times), 'sample')}; {remedy}"
     where = f"{source.place(int(kept[row]))}: {column}time: {stamp_text(times[row])}"
     before = source.row_text(int(kept[row - 1]))
@@ -447,16 +527,22 @@ class Importer:
         names: list[str] = []
         for name, sensor, source in self._map.read(file):
             if name in names:
-                raise InputError(f"{file.path}: gives two sensors called {name!r}; name them in the map")
+                raise InputError(
+                    f"{file.path}: gives two sensors called {name!r}; name them in the map"
+                )
             names.append(name)
             if not named and self._map.object is not None:
                 named = object_of(self._map.object, file, source)
             self._add_sensor(file, name, sensor, source)
-        self._writer.add(file.path, json.dumps({"file": file.name} | ({"object": named} if named else {})), named)
+        self._writer.add(
+            file.path, json.dumps({"file": file.name} | ({"object": named} if named else {})), named
+        )
 
     def _add_sensor(self, file: File, name: str, sensor: Sensor, source: Source) -> None:
         times, resolution, rate = _times(source, sensor)
-        channels = {key: _channel_values(source, key, channel) for key, channel in sensor.channels.items()}
+        channels = {
+            key: _channel_values(source, key, channel) for key, channel in sensor.channels.items()
+        }
         empty = np.isnan(times)
         for _, _, values in channels.values():
             empty |= np.isnan(values).any(axis=1)
@@ -465,7 +551,9 @@ class Importer:
             rate = None  # the remaining rows have gaps
         times = times[kept]
         if len(times) < (1 if rate else 2):
-            raise InputError(f"{file.path}: has {counted(len(times), 'sample')}; at least two are needed to determine the rate")
+            raise InputError(
+                f"{file.path}: has {counted(len(times), 'sample')}; at least two are needed to determine the rate"
+            )
         late = np.flatnonzero(~(np.diff(times) > 0))
         if late.size:
             raise InputError(_order_error(source, sensor, times, kept, int(late[0]) + 1))
@@ -496,7 +584,10 @@ class Importer:
                     _unit_of(key, sensor.channels[key])[0],
                     shape,
                     titles,
-                    np.ascontiguousarray(_without_baseline(source, sensor, key, values[kept], times, kept, states), np.float32).ravel(),
+                    np.ascontiguousarray(
+                        _without_baseline(source, sensor, key, values[kept], times, kept, states),
+                        np.float32,
+                    ).ravel(),
                 )
                 for key, (shape, titles, values) in channels.items()
             ],
@@ -516,7 +607,9 @@ class Importer:
         if not empty.size:
             return every
         if self._policy == "refuse" or (self._policy == "nan" and np.isnan(times).any()):
-            row = int(np.flatnonzero(np.isnan(times))[0]) if self._policy == "nan" else int(empty[0])
+            row = (
+                int(np.flatnonzero(np.isnan(times))[0]) if self._policy == "nan" else int(empty[0])
+            )
             titles = [
                 title
                 for _, names, values in channels.values()

@@ -15,10 +15,18 @@ _TEXT: dict[str, Any] = {"type": ["string", "number", "boolean"], "not": {"const
 _WHOLE: dict[str, Any] = {"type": "integer", "minimum": 1, "maximum": LARGEST}
 # A number that YAML 1.1 reads as text, such as 1e-3.
 _DECIMAL = r"(?=[0.]*[1-9])(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
-_NUMBER: dict[str, Any] = {"anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": f"^[+-]?{_DECIMAL}$"}]}
+_NUMBER: dict[str, Any] = {
+    "anyOf": [
+        {"type": "number", "not": {"const": 0}},
+        {"type": "string", "pattern": f"^[+-]?{_DECIMAL}$"},
+    ]
+}
 # A number, or a number and a unit that are separated by a blank.
 _FACTOR: dict[str, Any] = {
-    "anyOf": [{"type": "number", "not": {"const": 0}}, {"type": "string", "pattern": rf"^[+-]?{_DECIMAL}([ ]+[^\s].*)?$"}]
+    "anyOf": [
+        {"type": "number", "not": {"const": 0}},
+        {"type": "string", "pattern": rf"^[+-]?{_DECIMAL}([ ]+[^\s].*)?$"},
+    ]
 }
 _KINDS: dict[str, dict[str, Any]] = {
     "text": _TEXT,
@@ -44,7 +52,9 @@ _KINDS: dict[str, dict[str, Any]] = {
     "words": {"type": "object", "minProperties": 1, "additionalProperties": _TEXT},
 }
 _OF_SENSOR = ("type", "channels", "topic", "message", "each", "frame")
-_PLACES: list[dict[str, Any]] = [{"required": [key]} for key in ("column", "value", "folder", "file", "table")]
+_PLACES: list[dict[str, Any]] = [
+    {"required": [key]} for key in ("column", "value", "folder", "file", "table")
+]
 # Alternatives of a block: exactly one is required.
 _NEEDED: dict[str, list[dict[str, Any]]] = {
     "map": [

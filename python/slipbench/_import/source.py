@@ -12,7 +12,17 @@ from slipbench._import.block import nearest, quoted
 from slipbench._import.times import formatted_moment, is_moment, moment_of
 from slipbench._program import counted
 
-MISSING = ("", "nan", "-nan", "+nan", "na", "n/a", "null", "none", "-")  # cells without a value, in lower case
+MISSING = (
+    "",
+    "nan",
+    "-nan",
+    "+nan",
+    "na",
+    "n/a",
+    "null",
+    "none",
+    "-",
+)  # cells without a value, in lower case
 RANGE = " .. "
 
 
@@ -139,7 +149,9 @@ class Source:
             if RANGE in title and title not in self.titles:
                 first, last = (self.titles.index(self.find(end)) for end in title.split(RANGE, 1))
                 if last < first:
-                    raise InputError(f"{self.title_place()}: {title!r} is reversed; name the first column first")
+                    raise InputError(
+                        f"{self.title_place()}: {title!r} is reversed; name the first column first"
+                    )
                 found += [self.find(one) for one in self.titles[first : last + 1]]
             else:
                 found.append(self.find(title))
@@ -148,7 +160,9 @@ class Source:
     def _matches(self, title: str) -> list[tuple[tuple[int, ...], str]]:
         """The numbers matched by each *, and the title, in ascending order of numbers."""
         if re.search(r"\*[*0-9]", title):  # several divisions of the digits would match
-            raise InputError(f"{self.title_place()}: {title!r}: a * stands for a whole number; expected another character than * or a digit after it")
+            raise InputError(
+                f"{self.title_place()}: {title!r}: a * stands for a whole number; expected another character than * or a digit after it"
+            )
         pattern = re.compile(r"([0-9]{1,18}+)".join(re.escape(part) for part in title.split("*")))
         found = [
             (tuple(int(number) for number in match.groups()), one)
@@ -169,14 +183,18 @@ class Source:
 def resolution_of(cells: Iterable[str]) -> float:
     """Resolution of numbers as written: 0.001 for "1.250", 1 for "7"."""
     least = np.inf
-    for cell in set(re.sub(r"\d", "0", cell) if "e" not in cell.lower() else cell for cell in cells):
+    for cell in set(
+        re.sub(r"\d", "0", cell) if "e" not in cell.lower() else cell for cell in cells
+    ):
         mantissa, _, exponent = cell.lower().replace(",", ".").partition("e")
         decimals = len(mantissa.partition(".")[2])
         least = min(least, float(f"1e{int(exponent or 0) - decimals}"))
     return float(least)
 
 
-def stamps_of(source: Source, title: str, scale: float | None, pattern: str = "") -> tuple[np.ndarray, float]:
+def stamps_of(
+    source: Source, title: str, scale: float | None, pattern: str = ""
+) -> tuple[np.ndarray, float]:
     """The times of a column.
 
     Args:
@@ -200,10 +218,14 @@ def stamps_of(source: Source, title: str, scale: float | None, pattern: str = ""
     times = source.values(title) * (scale or 1.0)
     filled = [text.replace(source.thousands, "") for text in filled] if source.thousands else filled
     numbers = [text for text in filled if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d{1,3})?", text)]
-    return times, max(resolution_of(numbers) if numbers else 0.0, source.spacing(title)) * (scale or 1.0)
+    return times, max(resolution_of(numbers) if numbers else 0.0, source.spacing(title)) * (
+        scale or 1.0
+    )
 
 
-def _moments(source: Source, title: str, texts: list[str], pattern: str) -> tuple[np.ndarray, float]:
+def _moments(
+    source: Source, title: str, texts: list[str], pattern: str
+) -> tuple[np.ndarray, float]:
     """Times of a column of dates or times of day, NaN if missing, and their resolution [s]."""
     times, resolution = np.full(len(texts), np.nan), np.inf
     for row, text in enumerate(texts):
@@ -226,10 +248,15 @@ def _moments(source: Source, title: str, texts: list[str], pattern: str) -> tupl
                 hint = f": {str(error)[:200]}{hint}"
             raise InputError(
                 f"{source.place(row)}: column {title}: expected {expected}, found {quoted(text)}"
-                + (hint or "; define the format of times by time.format, such as '%d.%m.%Y %H:%M:%S.%f'")
+                + (
+                    hint
+                    or "; define the format of times by time.format, such as '%d.%m.%Y %H:%M:%S.%f'"
+                )
             ) from None
     if pattern:
         # The fraction may be anywhere in such a text: its digits are those of the microseconds.
         micro = np.round(times[~np.isnan(times)] % 1.0 * 1e6).astype(int)
-        resolution = 10.0 ** -next(digits for digits in range(7) if not (micro % 10 ** (6 - digits)).any())
+        resolution = 10.0 ** -next(
+            digits for digits in range(7) if not (micro % 10 ** (6 - digits)).any()
+        )
     return times, resolution if np.isfinite(resolution) else 0.0

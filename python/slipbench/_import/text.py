@@ -27,8 +27,12 @@ EITHER = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # a decimal comma, or a thousan
 # Possessive, so that a long cell of digits is not divided in every way.
 NUMBER = re.compile(r"[+-]?(\d++(\.\d*+)?|\.\d++)([eE][+-]?\d++)?")
 COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d+|,\d+)([eE][+-]?\d+)?")
-THOUSANDS = {mark: re.compile(rf"[+-]?\d{{1,3}}({re.escape(mark)}\d{{3}})+(?!\d)") for mark in ",.'"}
-ARDUINO = re.compile(r"\d{1,2}:\d{2}:\d{2}[.,]\d{1,6} -> ")  # a time of Arduino's serial monitor, before the received text
+THOUSANDS = {
+    mark: re.compile(rf"[+-]?\d{{1,3}}({re.escape(mark)}\d{{3}})+(?!\d)") for mark in ",.'"
+}
+ARDUINO = re.compile(
+    r"\d{1,2}:\d{2}:\d{2}[.,]\d{1,6} -> "
+)  # a time of Arduino's serial monitor, before the received text
 # "a:1" for Arduino's serial plotter. The limits keep the search linear in long lines.
 NAMED_NUMBER = re.compile(r"(?<!\w)[A-Za-z_]\w{0,63} ?: ?[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 MINUS = "\N{MINUS SIGN}"
@@ -38,7 +42,11 @@ OTHER_FILES = (
     (b"MATLAB 5.0 MAT-file", "a MATLAB file", f"read it by scipy.io.loadmat, and {_CONVERT}"),
     (b"\x89HDF\r\n", "an HDF5 file, such as MATLAB 7.3 writes", f"read it by h5py, and {_CONVERT}"),
     (b"\xd0\xcf\x11\xe0", "an Excel file", "save it as .csv"),
-    (b"PK\x03\x04", "a zip archive, such as Excel's .xlsx", "save a table as .csv, or unpack the archive"),
+    (
+        b"PK\x03\x04",
+        "a zip archive, such as Excel's .xlsx",
+        "save a table as .csv, or unpack the archive",
+    ),
     (b"\x1f\x8b", "compressed by gzip", "unpack it by gunzip"),
     (b"\x28\xb5\x2f\xfd", "compressed by zstd", "unpack it by unzstd"),
     (b"BZh", "compressed by bzip2", "unpack it by bunzip2"),
@@ -70,7 +78,9 @@ def decoded(path: str) -> str:
         if data.startswith(beginning):
             raise InputError(f"{path}: is {what}; {TEXT_KINDS}; {remedy}")
     if JSON.match(data):
-        raise InputError(f"{path}: is a JSON file; {TEXT_KINDS}; read it by pandas.read_json, and save it by to_csv")
+        raise InputError(
+            f"{path}: is a JSON file; {TEXT_KINDS}; read it by pandas.read_json, and save it by to_csv"
+        )
     encodings = ["utf-8-sig", "latin-1"]
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         encodings = ["utf-16"]
@@ -92,7 +102,10 @@ def cells_of(line: str, separator: str) -> list[str]:
         line, separator = " ".join(line.split()), " "
     if not separator:
         return [line.strip().strip('"')]
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+    return [
+        cell.strip()
+        for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    ]
 
 
 def filled(cells: list[str]) -> int:
@@ -116,7 +129,9 @@ def find_separator(lines: list[str]) -> str:
         # No separator fits most lines: use that of the header, so that rows are rejected by their
         # number of cells. A single title may have blanks.
         for one in SEPARATORS:
-            if filled(cells_of(lines[0], one)) > 1 and (one != " " or filled(cells_of(lines[1], one)) > 1):
+            if filled(cells_of(lines[0], one)) > 1 and (
+                one != " " or filled(cells_of(lines[1], one)) > 1
+            ):
                 return one
     return best
 
@@ -156,13 +171,19 @@ class TextTable(Source):
         text = decoded(path)
         skipped = set(range(1, skip + 1)) if isinstance(skip, int) else set(skip)
         numbered = [
-            (number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip() and number not in skipped
+            (number, line)
+            for number, line in enumerate(text.split("\n"), 1)
+            if line.strip() and number not in skipped
         ]
-        if numbered and (said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())):  # written by Excel
+        if numbered and (
+            said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())
+        ):  # written by Excel
             separator, numbered = separator or said[1], numbered[1:]
         every = numbered
         if comment != "none":
-            numbered = [(number, line) for number, line in numbered if not line.lstrip().startswith(comment)]
+            numbered = [
+                (number, line) for number, line in numbered if not line.lstrip().startswith(comment)
+            ]
         if not numbered:
             raise InputError(
                 f"{path}:1: the file has no rows; expected {'titles and ' if header else ''}one row per sample"
@@ -173,9 +194,13 @@ class TextTable(Source):
                 f"{path}:{longest[0]}: the line has more than {LONGEST} characters; expected a table of text"
             )
         sample = [line for _, line in numbered[:SAMPLE]]
-        self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(sample)
+        self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(
+            sample
+        )
         if len(self._separator) > 1:
-            raise InputError(f"separator: expected one character, tab or blanks, found {separator!r}")
+            raise InputError(
+                f"separator: expected one character, tab or blanks, found {separator!r}"
+            )
         self.thousands = thousands
         self._decimal = (
             decimal
@@ -185,7 +210,9 @@ class TextTable(Source):
         if self._decimal == "," and not decimal and not thousands and self._separator != ";":
             self._refuse_doubtful(numbered[: len(sample)])
         if self._decimal == thousands:
-            raise InputError(f"decimal and thousands: expected two marks, found {thousands!r} for both")
+            raise InputError(
+                f"decimal and thousands: expected two marks, found {thousands!r} for both"
+            )
         first = cells_of(numbered[0][1], self._separator)
         count = filled(first)
         self._header_line = numbered[0][0]
@@ -213,10 +240,18 @@ class TextTable(Source):
             numbered.sort()
         self._numbers = [number for number, _ in numbered]
         self._lines = [line for _, line in numbered]
-        self._numeric_header = header and bool(first) and all(self._is_number(cell) for cell in self.titles)
+        self._numeric_header = (
+            header and bool(first) and all(self._is_number(cell) for cell in self.titles)
+        )
         # Last line of LabVIEW's header if it was read as a part of the table.
-        ends = [number for number, line in enumerate(text.split("\n"), 1) if line.startswith("***End_of_Header***")]
-        self._labview = ends[:2][-1] if ends and self._header_line < ends[0] else None  # a file has a header, then each segment
+        ends = [
+            number
+            for number, line in enumerate(text.split("\n"), 1)
+            if line.startswith("***End_of_Header***")
+        ]
+        self._labview = (
+            ends[:2][-1] if ends and self._header_line < ends[0] else None
+        )  # a file has a header, then each segment
         self._frame = pd.DataFrame()
 
     def _refuse_doubtful(self, lines: list[tuple[int, str]]) -> None:
@@ -256,7 +291,11 @@ class TextTable(Source):
                 f"without timestamps"
             )
         plotter = [NAMED_NUMBER.search(line) for line in sample]
-        if plotter and plotter[0] and all(not NAMED_NUMBER.sub("", line).strip(" \t,;") for line in sample):
+        if (
+            plotter
+            and plotter[0]
+            and all(not NAMED_NUMBER.sub("", line).strip(" \t,;") for line in sample)
+        ):
             return (
                 f"; cells such as {plotter[0][0]!r} are a name and a number, like output for Arduino's serial plotter: write only the numbers, and "
                 f"the names as titles"
@@ -316,8 +355,15 @@ class TextTable(Source):
                     low_memory=False,
                     engine="c",
                 )
-        except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
-            raise InputError(f"{self.path}: cannot be read as a table: {str(error).strip()}") from error
+        except (
+            pd.errors.ParserError,
+            pd.errors.EmptyDataError,
+            ValueError,
+            OverflowError,
+        ) as error:
+            raise InputError(
+                f"{self.path}: cannot be read as a table: {str(error).strip()}"
+            ) from error
         if len(frame) != len(self._lines):
             raise InputError(
                 f"{self.path}: the table has {counted(len(self._lines), 'line')} and {counted(len(frame), 'row')}; expected one row per line, "
@@ -340,7 +386,9 @@ class TextTable(Source):
     def _refuse_cells(self, row: int) -> None:
         cells = cells_of(self._lines[row], self._separator)
         cause = self.layout_hint() or self._row_hint(cells)
-        raise InputError(f"{self.place(row)}: has {counted(filled(cells), 'cell')}; expected {len(self.titles)}{cause}")
+        raise InputError(
+            f"{self.place(row)}: has {counted(filled(cells), 'cell')}; expected {len(self.titles)}{cause}"
+        )
 
     def _row_hint(self, cells: list[str]) -> str:
         if (
@@ -349,7 +397,10 @@ class TextTable(Source):
             and all(re.fullmatch(r"[+-]?\d+", cell) for cell in cells if cell)
         ):
             return "; commas seem to be both the separator and the decimal mark, which cannot be distinguished"
-        if all(filled(cells_of(line, self._separator)) == len(self.titles) + 1 for line in self._lines[:SAMPLE]):
+        if all(
+            filled(cells_of(line, self._separator)) == len(self.titles) + 1
+            for line in self._lines[:SAMPLE]
+        ):
             return "; where rows begin with a name that has no title, as R writes them, use header: false and skip the titles"
         return ""
 
@@ -365,7 +416,9 @@ class TextTable(Source):
         infinite = np.flatnonzero(np.isinf(values))
         if infinite.size:
             row = int(infinite[0])
-            self._refuse(title, row, cells_of(self._lines[row], self._separator)[self.titles.index(title)])
+            self._refuse(
+                title, row, cells_of(self._lines[row], self._separator)[self.titles.index(title)]
+            )
         return values
 
     def _numbers_of(self, title: str, cells: list[str]) -> np.ndarray:
@@ -375,7 +428,9 @@ class TextTable(Source):
             if self.thousands and THOUSANDS[self.thousands].match(text):
                 text = text.replace(self.thousands, "")
             if self._decimal == ",":
-                text = text.replace(".", "\0").replace(",", ".")  # a point separates thousands in such a table
+                text = text.replace(".", "\0").replace(
+                    ",", "."
+                )  # a point separates thousands in such a table
             if NUMBER.fullmatch(text):
                 values[row] = float(text)
             elif text.lower() in MISSING:
@@ -391,7 +446,9 @@ class TextTable(Source):
         )
 
     def _cell_hint(self, row: int, cell: str) -> str:
-        if row == 0 and all(not self._is_number(one) for one in cells_of(self._lines[0], self._separator)):
+        if row == 0 and all(
+            not self._is_number(one) for one in cells_of(self._lines[0], self._separator)
+        ):
             return f"; skip a row of units by skip: [{self._numbers[0]}]"
         if odd := unlike_ascii(cell):
             return f", which has {', '.join(map(character_text, odd[:5]))}"

@@ -15,7 +15,9 @@ CLOCK = re.compile(r"([0-9]{1,2}):([0-5][0-9]):([0-5][0-9])(?:[.,]([0-9]{1,30}))
 # a time of day, whose last part may have a decimal fraction, with an offset from UTC.
 _DATE = r"(?P<year>[0-9]{4})(?P<dash>-?)(?:(?P<month>[0-9]{2})(?P=dash)(?P<day>[0-9]{2})|W(?P<week>[0-9]{2})(?P=dash)(?P<weekday>[1-7])|(?P<ordinal>[0-9]{3}))"
 _TIME = r"(?P<hour>[0-9]{2})(?:(?P<colon>:?)(?P<minute>[0-5][0-9])(?:(?P=colon)(?P<second>[0-5][0-9]))?)?(?:[.,](?P<fraction>[0-9]{1,30}))?"
-_ZONE = r"(?:[Zz]|(?P<sign>[+\N{MINUS SIGN}-])(?P<east>[01][0-9]|2[0-3])(?::?(?P<past>[0-5][0-9]))?)?"
+_ZONE = (
+    r"(?:[Zz]|(?P<sign>[+\N{MINUS SIGN}-])(?P<east>[01][0-9]|2[0-3])(?::?(?P<past>[0-5][0-9]))?)?"
+)
 ISO = re.compile(rf"{_DATE}(?:[Tt _]{_TIME}{_ZONE})?")
 LONGEST_FORMAT = 100  # characters
 
@@ -27,7 +29,11 @@ def is_moment(text: str) -> bool:
 
 def _fraction(digits: str | None, unit: int) -> tuple[float, float]:
     """Value of decimal digits after a point, and their resolution, in the unit's seconds."""
-    return (int(digits) * unit / 10 ** len(digits), unit / 10 ** len(digits)) if digits else (0.0, float(unit))
+    return (
+        (int(digits) * unit / 10 ** len(digits), unit / 10 ** len(digits))
+        if digits
+        else (0.0, float(unit))
+    )
 
 
 def moment_of(text: str) -> tuple[float, float]:
@@ -58,7 +64,9 @@ def moment_of(text: str) -> tuple[float, float]:
     if not found["hour"]:
         return float(seconds), float(DAY)
     hour, minute, second = (int(found[name] or 0) for name in ("hour", "minute", "second"))
-    part, resolution = _fraction(found["fraction"], 1 if found["second"] else MINUTE if found["minute"] else HOUR)
+    part, resolution = _fraction(
+        found["fraction"], 1 if found["second"] else MINUTE if found["minute"] else HOUR
+    )
     if hour > 24 or (hour == 24 and (minute or second or part)):
         raise ValueError("the day has no such hour")
     seconds += HOUR * hour + MINUTE * minute + second
@@ -156,8 +164,10 @@ def jump_text(times: np.ndarray, row: int) -> str:
             period = 2**bits * TIME_UNITS[unit]
             if period > 100 * step and 0 < period - drop <= 10 * step:
                 return f"; the time jumps back by 2^{bits} {unit}: a counter of {bits} bits has wrapped; use wrap: {stamp_text(period)}"
-    for period, text in ((DAY, "the clock passed midnight; write the times with their date, or use wrap: 1 day"),
-                         (DAY / 2, "a clock of 12 hours passed noon or midnight; use wrap: 12 h")):
+    for period, text in (
+        (DAY, "the clock passed midnight; write the times with their date, or use wrap: 1 day"),
+        (DAY / 2, "a clock of 12 hours passed noon or midnight; use wrap: 12 h"),
+    ):
         if period > 100 * step and 0 < period - drop <= 10 * step:
             return f"; {text}"
     if drop > 1.5 * step > 0 and abs(times[row] - times[0]) <= step:

@@ -9,14 +9,53 @@ It needs PyTorch 1.13 or later, which is not a requirement of the package.
 """
 
 from slipbench.learning import _torch as _torch  # first: reports a missing PyTorch
-
 from slipbench.learning._export import check_engine, write_detector
-from slipbench.learning._fit import MASKED, Checkpoint, Clips, Fitted, Report, Training, answers, balanced_accuracy, fit
-from slipbench.learning._input import Engine, Example, Examples, Frames, Input, describe_file, read_examples
+from slipbench.learning._fit import (
+    MASKED,
+    Checkpoint,
+    Clips,
+    Fitted,
+    Report,
+    Training,
+    answers,
+    balanced_accuracy,
+    fit,
+)
+from slipbench.learning._input import (
+    Engine,
+    Example,
+    Examples,
+    Frames,
+    Input,
+    describe_file,
+    read_examples,
+)
 from slipbench.learning._training import Trained, scale_of, train
 from slipbench.learning.recipes import RECIPES, Recipe, find_recipe
 
 __all__ = [
-    "Checkpoint", "Clips", "Engine", "Example", "Examples", "Fitted", "Frames", "Input", "MASKED", "RECIPES", "Recipe", "Report", "Trained", "Training",
-    "answers", "balanced_accuracy", "check_engine", "describe_file", "find_recipe", "fit", "read_examples", "scale_of", "train", "write_detector",
+    "Checkpoint",
+    "Clips",
+    "Engine",
+    "Example",
+    "Examples",
+    "Fitted",
+    "Frames",
+    "Input",
+    "MASKED",
+    "RECIPES",
+    "Recipe",
+    "Report",
+    "Trained",
+    "Training",
+    "answers",
+    "balanced_accuracy",
+    "check_engine",
+    "describe_file",
+    "find_recipe",
+    "fit",
+    "read_examples",
+    "scale_of",
+    "train",
+    "write_detector",
 ]

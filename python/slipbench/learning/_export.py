@@ -37,8 +37,18 @@ class _Step(nn.Module):
         for member in members:
             answer = member(torch.zeros(1, self.history, inputs))
             state = answer[1] if isinstance(answer, tuple) else ()
-            self.zeros.append(tuple(torch.zeros_like(one) for one in ((state,) if isinstance(state, Tensor) else state)))
-        self.single = [isinstance(member(torch.zeros(1, self.history, inputs))[1], Tensor) if self.zeros[i] else False for i, member in enumerate(members)]
+            self.zeros.append(
+                tuple(
+                    torch.zeros_like(one)
+                    for one in ((state,) if isinstance(state, Tensor) else state)
+                )
+            )
+        self.single = [
+            isinstance(member(torch.zeros(1, self.history, inputs))[1], Tensor)
+            if self.zeros[i]
+            else False
+            for i, member in enumerate(members)
+        ]
 
     def forward(self, frames: Tensor, *state: Tensor) -> tuple[Tensor, ...]:
         """[1, history x inputs] and all states to [1, classes] and all next states."""
@@ -99,21 +109,34 @@ def onnx_bytes(members: Sequence[nn.Module], inputs: int, description: dict[str,
     for member in members:
         member.eval()
     with reproducible(1), torch.no_grad(), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the exporter warns of a fixed batch size, which a step needs
+        warnings.simplefilter(
+            "ignore"
+        )  # the exporter warns of a fixed batch size, which a step needs
         step = _Step(members, inputs).eval()
         zeros = [one for of_member in step.zeros for one in of_member]
         names = [f"state_{i}" for i in range(len(zeros))]
-        newest: dict[str, Any] = {"dynamo": False} if int(torch.__version__.split(".")[0]) >= 2 else {}
+        newest: dict[str, Any] = (
+            {"dynamo": False} if int(torch.__version__.split(".")[0]) >= 2 else {}
+        )
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "network.onnx"
-            torch.onnx.export(step, (torch.zeros(1, step.history * inputs), *zeros), str(file), opset_version=13, input_names=["frames", *names],
-                              output_names=["output", *(f"{name}_next" for name in names)], **newest)
+            torch.onnx.export(
+                step,
+                (torch.zeros(1, step.history * inputs), *zeros),
+                str(file),
+                opset_version=13,
+                input_names=["frames", *names],
+                output_names=["output", *(f"{name}_next" for name in names)],
+                **newest,
+            )
             exported = file.read_bytes()
     whole = dict(description)
     whole["input"] = dict(whole["input"], history=step.history)
     whole["states"] = [{"input": name, "output": f"{name}_next"} for name in names]
     whole["output"] = "logits" if len(members) == 1 else "probabilities"
-    return with_metadata(exported, _core.normalised_description(json.dumps(whole), "the description"))
+    return with_metadata(
+        exported, _core.normalised_description(json.dumps(whole), "the description")
+    )
 
 
 def mean_answers(members: Sequence[nn.Module], features: Floats) -> Floats:
@@ -142,16 +165,28 @@ def check_engine(path: str, members: Sequence[nn.Module], features: Floats) -> f
         InputError: the engine does not accept the file
     """
     history = history_of(members[0])
-    steps = np.lib.stride_tricks.sliding_window_view(features, history, axis=0)  # [T', inputs, history]
-    computed = Engine(path).run(np.ascontiguousarray(steps.transpose(0, 2, 1)).reshape(len(steps), -1))
+    steps = np.lib.stride_tricks.sliding_window_view(
+        features, history, axis=0
+    )  # [T', inputs, history]
+    computed = Engine(path).run(
+        np.ascontiguousarray(steps.transpose(0, 2, 1)).reshape(len(steps), -1)
+    )
     expected = mean_answers(members, features)
     difference = float(np.max(np.abs(computed - expected) / np.maximum(1.0, np.abs(expected))))
     if not difference <= TOLERANCE:
-        raise RuntimeError(f"{path}: differs from PyTorch by {difference:.2g}; allowed: {TOLERANCE}")
+        raise RuntimeError(
+            f"{path}: differs from PyTorch by {difference:.2g}; allowed: {TOLERANCE}"
+        )
     return difference
 
 
-def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], inputs: int, description: dict[str, Any], features: Floats | None = None) -> None:
+def write_detector(
+    path: str | os.PathLike[str],
+    members: Sequence[nn.Module],
+    inputs: int,
+    description: dict[str, Any],
+    features: Floats | None = None,
+) -> None:
     """Writes the file of a detector, which gets its name once the engine has accepted it.
 
     Args:
@@ -182,6 +217,10 @@ def check_output(path: str | os.PathLike[str]) -> None:
     file = Path(path)
     if not file.parent.is_dir():
         raise _core.InputError(f"cannot write {file}: the folder {file.parent} does not exist")
-    if (file.exists() or file.is_symlink()) and not (file.is_file() and not file.is_symlink() and is_detector(file.read_bytes())):
-        raise _core.InputError(f"cannot write {file}: {file} exists and is not a detector of slipbench; choose a new name, or a detector of "
-                               f"slipbench to replace")
+    if (file.exists() or file.is_symlink()) and not (
+        file.is_file() and not file.is_symlink() and is_detector(file.read_bytes())
+    ):
+        raise _core.InputError(
+            f"cannot write {file}: {file} exists and is not a detector of slipbench; choose a new name, or a detector of "
+            f"slipbench to replace"
+        )

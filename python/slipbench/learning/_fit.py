@@ -29,7 +29,9 @@ from slipbench.learning._names import named
 
 MASKED = 255  # label of a frame that is neither trained on nor judged
 _IGNORED = -100  # the same for PyTorch's loss
-_ANSWERS_AT_ONCE = 256  # of a network without state: convolving many windows at once takes much memory
+_ANSWERS_AT_ONCE = (
+    256  # of a network without state: convolving many windows at once takes much memory
+)
 _FRAMES_AT_ONCE = 4096
 _DIVERGED = "the training diverged: use a lower learning rate (`Training.learning_rate`)"
 
@@ -184,7 +186,10 @@ def _answers(network: nn.Module, frames: Tensor) -> Tensor:
     if before == 0:
         return logits_of(network(frames))
     count = frames.shape[1] - before
-    parts = [logits_of(network(frames[:, first : min(first + _ANSWERS_AT_ONCE, count) + before])) for first in range(0, count, _ANSWERS_AT_ONCE)]
+    parts = [
+        logits_of(network(frames[:, first : min(first + _ANSWERS_AT_ONCE, count) + before]))
+        for first in range(0, count, _ANSWERS_AT_ONCE)
+    ]
     return torch.cat(parts, 1)
 
 
@@ -206,7 +211,9 @@ def balanced_accuracy(called: Sequence[Labels], labels: Sequence[Labels]) -> flo
     """
     truth = np.concatenate(list(labels)) if len(labels) else np.zeros(0, np.uint8)
     classified = np.concatenate(list(called)) if len(called) else truth
-    recalls = [float(np.mean(classified[truth == one] == one)) for one in np.unique(truth[truth != MASKED])]
+    recalls = [
+        float(np.mean(classified[truth == one] == one)) for one in np.unique(truth[truth != MASKED])
+    ]
     return float(np.mean(recalls)) if recalls else math.nan
 
 
@@ -228,7 +235,11 @@ def answers_to_all(network: nn.Module, sequences: Sequence[Floats]) -> list[Floa
     while first < len(sequences):
         length = len(sequences[first])
         last = first + 1
-        while last < len(sequences) and len(sequences[last]) == length and (last - first + 1) * (length - before) <= at_once:
+        while (
+            last < len(sequences)
+            and len(sequences[last]) == length
+            and (last - first + 1) * (length - before) <= at_once
+        ):
             last += 1
         with torch.no_grad():
             logits += list(array_of(_answers(network, tensor_of(np.stack(sequences[first:last])))))
@@ -238,7 +249,10 @@ def answers_to_all(network: nn.Module, sequences: Sequence[Floats]) -> list[Floa
 
 def _validate(network: nn.Module, sequences: Sequences) -> float:
     """Balanced accuracy of the network."""
-    called = [logits.argmax(1).astype(np.uint8) for logits in answers_to_all(network, [features for features, _ in sequences])]
+    called = [
+        logits.argmax(1).astype(np.uint8)
+        for logits in answers_to_all(network, [features for features, _ in sequences])
+    ]
     before = history_of(network) - 1
     return balanced_accuracy(called, [labels[before:] for _, labels in sequences])
 
@@ -251,11 +265,15 @@ class Clips:
             training
     """
 
-    def __init__(self, sequences: Sequences, training: Training, history: int, classes: int) -> None:
+    def __init__(
+        self, sequences: Sequences, training: Training, history: int, classes: int
+    ) -> None:
         self._training, self._before = training, history - 1
         lengths = np.array([len(labels) for _, labels in sequences])
         if len(lengths) == 0 or lengths.min() <= self._before:
-            raise _core.InputError(f"a sequence has {counted(int(lengths.min()) if len(lengths) else 0, 'frame')}; an answer needs {history} or more")
+            raise _core.InputError(
+                f"a sequence has {counted(int(lengths.min()) if len(lengths) else 0, 'frame')}; an answer needs {history} or more"
+            )
         self._features = np.concatenate([features for features, _ in sequences])
         trained = [_thinned(labels, training.onset_frames) for _, labels in sequences]
         self._labels = np.concatenate(trained).astype(np.int64)
@@ -264,11 +282,19 @@ class Clips:
         self._answers = min(training.clip, int(lengths.max()) - self._before)
         # The frames with an answer, by class.
         place = np.concatenate([np.arange(length) for length in lengths])
-        of_class = [np.flatnonzero((self._labels == one) & (place >= self._before)) for one in range(classes)]
+        of_class = [
+            np.flatnonzero((self._labels == one) & (place >= self._before))
+            for one in range(classes)
+        ]
         self._count = np.array([len(frames) for frames in of_class])
         if 0 in self._count:
-            raise _core.InputError(f"a class has no frame to train on: {self._count.tolist()}; training needs frames of every class")
-        self._by_class, self._first_of_class = np.concatenate(of_class), np.cumsum(self._count) - self._count
+            raise _core.InputError(
+                f"a class has no frame to train on: {self._count.tolist()}; training needs frames of every class"
+            )
+        self._by_class, self._first_of_class = (
+            np.concatenate(of_class),
+            np.cumsum(self._count) - self._count,
+        )
 
     def weights(self) -> Tensor:
         """Inverse share of each class; all 1 if classes are drawn."""
@@ -286,22 +312,34 @@ class Clips:
         random = np.random.default_rng((seed, step))
         if self._training.balance == "drawing":
             which = random.integers(len(self._count), size=self._training.batch)
-            wanted = self._by_class[self._first_of_class[which] + random.integers(self._count[which])]
+            wanted = self._by_class[
+                self._first_of_class[which] + random.integers(self._count[which])
+            ]
             sequence = np.searchsorted(self._start, wanted, side="right") - 1
             answer, latest = wanted - self._start[sequence] - self._before, self._latest(sequence)
             end = np.minimum(answer, latest)
-            first = random.integers(np.minimum(np.maximum(answer + 1 - self._answers, 0), end), end, endpoint=True)
+            first = random.integers(
+                np.minimum(np.maximum(answer + 1 - self._answers, 0), end), end, endpoint=True
+            )
         else:
             sequence = random.integers(len(self._start) - 1, size=self._training.batch)
             first = random.integers(self._latest(sequence), endpoint=True)
-        frames = self._start[sequence][:, None] + first[:, None] + np.arange(self._answers + self._before)
+        frames = (
+            self._start[sequence][:, None]
+            + first[:, None]
+            + np.arange(self._answers + self._before)
+        )
         last = self._start[sequence + 1][:, None] - 1
-        classes = np.where(frames <= last, self._labels[np.minimum(frames, last)], _IGNORED)[:, self._before :]
+        classes = np.where(frames <= last, self._labels[np.minimum(frames, last)], _IGNORED)[
+            :, self._before :
+        ]
         return tensor_of(self._features[np.minimum(frames, last)]), tensor_of(classes)
 
     def _latest(self, sequence: NDArray[np.intp]) -> NDArray[np.intp]:
         """The last possible first frame of a clip in each sequence."""
-        latest: NDArray[np.intp] = np.maximum(self._start[sequence + 1] - self._start[sequence] - self._before - self._answers, 0)
+        latest: NDArray[np.intp] = np.maximum(
+            self._start[sequence + 1] - self._start[sequence] - self._before - self._answers, 0
+        )
         return latest
 
 
@@ -311,12 +349,28 @@ def _thinned(labels: Labels, onset_frames: int) -> Labels:
     if onset_frames == 0:
         return labels
     begins = np.flatnonzero(np.concatenate(([True], labels[1:] != labels[:-1])))
-    run = np.arange(len(labels)) - np.repeat(begins, np.diff(np.concatenate((begins, [len(labels)])))) + 1
-    return np.where((labels > 0) & (run > onset_frames) & (run % 10 != 0), MASKED, labels).astype(np.uint8)
+    run = (
+        np.arange(len(labels))
+        - np.repeat(begins, np.diff(np.concatenate((begins, [len(labels)]))))
+        + 1
+    )
+    return np.where((labels > 0) & (run > onset_frames) & (run % 10 != 0), MASKED, labels).astype(
+        np.uint8
+    )
 
 
-def fit(network: nn.Module, train: Sequences, validate: Sequences, training: Training, *, classes: int, seed: int = 1,
-        checkpoint: Checkpoint | None = None, before_step: Callable[[], None] | None = None, report: Callable[[Report], None] | None = None) -> Fitted:
+def fit(
+    network: nn.Module,
+    train: Sequences,
+    validate: Sequences,
+    training: Training,
+    *,
+    classes: int,
+    seed: int = 1,
+    checkpoint: Checkpoint | None = None,
+    before_step: Callable[[], None] | None = None,
+    report: Callable[[Report], None] | None = None,
+) -> Fitted:
     """Trains a network in place.
 
     Keeps the validated state with the greatest balanced accuracy, the earliest of equals; the last
@@ -341,14 +395,35 @@ def fit(network: nn.Module, train: Sequences, validate: Sequences, training: Tra
             `resume` is False
     """
     with reproducible(seed):
-        return _fit(network, Clips(train, training, history_of(network), classes), validate, training, seed, checkpoint, before_step, report)
+        return _fit(
+            network,
+            Clips(train, training, history_of(network), classes),
+            validate,
+            training,
+            seed,
+            checkpoint,
+            before_step,
+            report,
+        )
 
 
-def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Training, seed: int, checkpoint: Checkpoint | None,
-         before_step: Callable[[], None] | None, report: Callable[[Report], None] | None) -> Fitted:
+def _fit(
+    network: nn.Module,
+    clips: Clips,
+    validate: Sequences,
+    training: Training,
+    seed: int,
+    checkpoint: Checkpoint | None,
+    before_step: Callable[[], None] | None,
+    report: Callable[[Report], None] | None,
+) -> Fitted:
     done = Fitted()
-    loss_of = nn.CrossEntropyLoss(weight=clips.weights(), ignore_index=_IGNORED, label_smoothing=training.label_smoothing)
-    optimiser = (torch.optim.Adam if training.optimiser == "adam" else torch.optim.RMSprop)(network.parameters(), lr=training.learning_rate)
+    loss_of = nn.CrossEntropyLoss(
+        weight=clips.weights(), ignore_index=_IGNORED, label_smoothing=training.label_smoothing
+    )
+    optimiser = (torch.optim.Adam if training.optimiser == "adam" else torch.optim.RMSprop)(
+        network.parameters(), lr=training.learning_rate
+    )
     best, worse = copy.deepcopy(network.state_dict()), 0
     if checkpoint is not None and os.path.exists(checkpoint.path):
         best, worse = _load(checkpoint, network, optimiser, done)
@@ -358,13 +433,17 @@ def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Traini
             before_step()
         step = len(done.losses)
         for group in optimiser.param_groups:
-            group["lr"] = training.learning_rate * (1 - (1 - training.final_rate) * step / training.steps)
+            group["lr"] = training.learning_rate * (
+                1 - (1 - training.final_rate) * step / training.steps
+            )
         features, labels = clips.draw(seed, step)
         # For layers such as dropout, so that a resumed training repeats them. torch.manual_seed()
         # would also queue a call with a stack trace for CUDA.
         torch.default_generator.manual_seed(_step_seed(seed, step))
         if training.augment is not None:
-            features = training.augment(features, torch.Generator().manual_seed(_step_seed(seed, step)))
+            features = training.augment(
+                features, torch.Generator().manual_seed(_step_seed(seed, step))
+            )
         network.train()
         loss = loss_of(logits_of(network(features)).flatten(0, 1), labels.flatten())
         done.losses.append(loss.item())
@@ -390,8 +469,16 @@ def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Traini
         if report is not None:
             ended = 0 < training.patience <= worse
             now = time.monotonic()
-            report(Report(step, step if ended else training.steps, float(np.mean(done.losses[reported:])), validation, worse == 0,
-                          (now - since) / (step - reported)))
+            report(
+                Report(
+                    step,
+                    step if ended else training.steps,
+                    float(np.mean(done.losses[reported:])),
+                    validation,
+                    worse == 0,
+                    (now - since) / (step - reported),
+                )
+            )
             reported, since = step, now
     network.load_state_dict(best)
     network.eval()
@@ -402,31 +489,58 @@ def _step_seed(seed: int, step: int) -> int:
     return int(np.random.SeedSequence((seed, step, 1)).generate_state(1)[0])
 
 
-def _save(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted, best: dict[str, Any], worse: int) -> None:
+def _save(
+    checkpoint: Checkpoint,
+    network: nn.Module,
+    optimiser: torch.optim.Optimizer,
+    done: Fitted,
+    best: dict[str, Any],
+    worse: int,
+) -> None:
     """Saves the state. The file begins with the SHA-256 of its content: PyTorch does not detect
     changed bits."""
     whole = io.BytesIO()
     # PyTorch 1.13 cannot read plain floats without running code of the file: numbers are tensors,
     # and the optimiser's settings are set again at each step.
     figures = torch.tensor([*done.losses, done.validation], dtype=torch.float64)
-    torch.save({"identity": checkpoint.identity, "network": network.state_dict(), "best": best, "optimiser": optimiser.state_dict()["state"],
-                "figures": figures, "best_step": done.best_step, "worse": worse}, whole)
+    torch.save(
+        {
+            "identity": checkpoint.identity,
+            "network": network.state_dict(),
+            "best": best,
+            "optimiser": optimiser.state_dict()["state"],
+            "figures": figures,
+            "best_step": done.best_step,
+            "worse": worse,
+        },
+        whole,
+    )
     write_whole(Path(checkpoint.path), hashlib.sha256(whole.getvalue()).digest() + whole.getvalue())
 
 
-def _load(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted) -> tuple[dict[str, Any], int]:
+def _load(
+    checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted
+) -> tuple[dict[str, Any], int]:
     path = checkpoint.path
     if not checkpoint.resume:
-        raise _core.InputError(f"{path}: is the checkpoint of a training that did not finish; continue it with {named('resume', True)}, or delete the file")
+        raise _core.InputError(
+            f"{path}: is the checkpoint of a training that did not finish; continue it with {named('resume', True)}, or delete the file"
+        )
     data = Path(path).read_bytes()
     if hashlib.sha256(data[32:]).digest() != data[:32]:
-        raise _core.InputError(f"{path}: is damaged, or is not a checkpoint of a training; delete the file, and train without {named('resume', True)}")
+        raise _core.InputError(
+            f"{path}: is damaged, or is not a checkpoint of a training; delete the file, and train without {named('resume', True)}"
+        )
     left = torch.load(io.BytesIO(data[32:]), weights_only=True)
     if left["identity"] != checkpoint.identity:
-        raise _core.InputError(f"{path}: is of another training (data, recipe or options); repeat the arguments of that training, or delete the file and train "
-                               f"without {named('resume', True)}")
+        raise _core.InputError(
+            f"{path}: is of another training (data, recipe or options); repeat the arguments of that training, or delete the file and train "
+            f"without {named('resume', True)}"
+        )
     network.load_state_dict(left["network"])
-    optimiser.load_state_dict({"state": left["optimiser"], "param_groups": optimiser.state_dict()["param_groups"]})
+    optimiser.load_state_dict(
+        {"state": left["optimiser"], "param_groups": optimiser.state_dict()["param_groups"]}
+    )
     *done.losses, done.validation = left["figures"].tolist()
     done.best_step = left["best_step"]
     return left["best"], left["worse"]

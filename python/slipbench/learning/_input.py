@@ -71,11 +71,27 @@ class Input:
 
     def as_dict(self) -> dict[str, Any]:
         """The object `input` of a description."""
-        picks = self.channels if isinstance(self.channels, Mapping) else {name: () for name in self.channels}
-        channels = [{"name": name} | ({"values": list(values)} if len(values) else {}) | ({"unit": self.units[name]} if self.units.get(name) else {})
-                    for name, values in picks.items()]
-        all_keys: dict[str, Any] = {"sensor": self.sensor, "rate": self.rate, "channels": channels, "median": self.median, "window": self.window,
-                                    "stride": self.stride, "centre": self.centre, "transform": self.transform}
+        picks = (
+            self.channels
+            if isinstance(self.channels, Mapping)
+            else {name: () for name in self.channels}
+        )
+        channels = [
+            {"name": name}
+            | ({"values": list(values)} if len(values) else {})
+            | ({"unit": self.units[name]} if self.units.get(name) else {})
+            for name, values in picks.items()
+        ]
+        all_keys: dict[str, Any] = {
+            "sensor": self.sensor,
+            "rate": self.rate,
+            "channels": channels,
+            "median": self.median,
+            "window": self.window,
+            "stride": self.stride,
+            "centre": self.centre,
+            "transform": self.transform,
+        }
         if self.transform in ("log_psd", "amplitude"):
             all_keys |= {"low": self.low, "high": self.high, "hann": self.hann}
         if self.floor:
@@ -105,7 +121,12 @@ def describe_file(frames: Input, classes: Sequence[tuple[str, str]], **more: Any
     Returns:
         The unchecked object.
     """
-    return {"format": 1, "input": frames.as_dict(), "classes": [{"name": name, "state": state} for name, state in classes], **more}
+    return {
+        "format": 1,
+        "input": frames.as_dict(),
+        "classes": [{"name": name, "state": state} for name, state in classes],
+        **more,
+    }
 
 
 class Frames:
@@ -124,10 +145,21 @@ class Frames:
         InputError: the sensor is of another type, or a channel, value, pixel or bin is missing
     """
 
-    def __init__(self, frames: Input | Mapping[str, Any], type: str, rate: float, channels: Mapping[str, Sequence[int]]) -> None:
+    def __init__(
+        self,
+        frames: Input | Mapping[str, Any],
+        type: str,
+        rate: float,
+        channels: Mapping[str, Sequence[int]],
+    ) -> None:
         text = frames.text() if isinstance(frames, Input) else json.dumps(dict(frames))
         self._names = list(channels)
-        self._frames = _core.Frames(text, type, float(rate), [(name, [int(size) for size in shape]) for name, shape in channels.items()])
+        self._frames = _core.Frames(
+            text,
+            type,
+            float(rate),
+            [(name, [int(size) for size in shape]) for name, shape in channels.items()],
+        )
 
     @property
     def size(self) -> int:
@@ -144,7 +176,9 @@ class Frames:
             Frames [F, size], and the last sample [F] of each.
         """
         rows = [np.asarray(samples[name], np.float32) for name in self._names]
-        flat = np.ascontiguousarray(np.concatenate([one.reshape(len(one), -1) for one in rows], axis=1))
+        flat = np.ascontiguousarray(
+            np.concatenate([one.reshape(len(one), -1) for one in rows], axis=1)
+        )
         frames, ends = self._frames.all(flat)
         return frames, ends.astype(np.intp)
 
@@ -157,7 +191,9 @@ class Frames:
         Returns:
             The frame [size] completed by it, else None.
         """
-        flat = np.concatenate([np.asarray(sample[name], np.float32).reshape(-1) for name in self._names])
+        flat = np.concatenate(
+            [np.asarray(sample[name], np.float32).reshape(-1) for name in self._names]
+        )
         return np.asarray(self._frames.latest()) if self._frames.push(flat) else None
 
     def reset(self) -> None:
@@ -283,9 +319,21 @@ class Examples:
         return [example for example in self.all if example.part == name]
 
 
-def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micro", classes: str = "slip", sensor: str = "", turned: int = 0,
-                  at_most: int = 0, seed: int = 1, split: str = "trial", held_out: float = 0.2, divide_anew: bool = False,
-                  progress: Callable[[int, int], object] | None = None) -> Examples:
+def read_examples(
+    datasets: Sequence[str],
+    frames: Input,
+    *,
+    labels: str = "micro",
+    classes: str = "slip",
+    sensor: str = "",
+    turned: int = 0,
+    at_most: int = 0,
+    seed: int = 1,
+    split: str = "trial",
+    held_out: float = 0.2,
+    divide_anew: bool = False,
+    progress: Callable[[int, int], object] | None = None,
+) -> Examples:
     """Reads every trial of datasets as frames with labels, and divides the trials.
 
     A frame's label is that of its last sample. A dataset's own split defines training, validation
@@ -312,9 +360,28 @@ def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micr
     Raises:
         InputError: an incomplete dataset, no sensor that fits, missing labels, too few groups
     """
-    read = _core.read_examples([str(path) for path in datasets], frames.text(), labels, classes, sensor, turned, at_most, seed, split, held_out,
-                               divide_anew, progress)
-    return Examples([Example(**one) for one in read["examples"]], read["classes"], read["inputs"], read["command"], read["sha256"], read["units"])
+    read = _core.read_examples(
+        [str(path) for path in datasets],
+        frames.text(),
+        labels,
+        classes,
+        sensor,
+        turned,
+        at_most,
+        seed,
+        split,
+        held_out,
+        divide_anew,
+        progress,
+    )
+    return Examples(
+        [Example(**one) for one in read["examples"]],
+        read["classes"],
+        read["inputs"],
+        read["command"],
+        read["sha256"],
+        read["units"],
+    )
 
 
 def fit_units(frames: Input, dataset: str, sensor: str) -> Input:
@@ -342,5 +409,14 @@ def fit_units(frames: Input, dataset: str, sensor: str) -> Input:
         return frames
     found = json.loads(text)["input"]
     [channel] = found["channels"]
-    return replace(frames, sensor=found["sensor"], rate=found["rate"], channels=[channel["name"]], units={channel["name"]: channel["unit"]} if "unit" in channel else {}, window=found["window"], stride=found["stride"],
-                   spans=tuple(found["spans"]), floor=found["floor"])
+    return replace(
+        frames,
+        sensor=found["sensor"],
+        rate=found["rate"],
+        channels=[channel["name"]],
+        units={channel["name"]: channel["unit"]} if "unit" in channel else {},
+        window=found["window"],
+        stride=found["stride"],
+        spans=tuple(found["spans"]),
+        floor=found["floor"],
+    )

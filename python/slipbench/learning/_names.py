@@ -8,7 +8,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
-_UNLIKE = {"by_score": "--score", "every_trial": "--all"}  # options whose name differs from the argument
+_UNLIKE = {
+    "by_score": "--score",
+    "every_trial": "--all",
+}  # options whose name differs from the argument
 _from_command = ContextVar("_from_command", default=False)
 
 

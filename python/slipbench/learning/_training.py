@@ -18,11 +18,22 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from slipbench._values import index
 from slipbench._program import counted
+from slipbench._values import index
 from slipbench.bin import _core
 from slipbench.learning._export import check_output, mean_answers, write_detector
-from slipbench.learning._fit import MASKED, Checkpoint, Floats, Labels, Report, balanced_accuracy, fit, history_of, logits_of, reproducible
+from slipbench.learning._fit import (
+    MASKED,
+    Checkpoint,
+    Floats,
+    Labels,
+    Report,
+    balanced_accuracy,
+    fit,
+    history_of,
+    logits_of,
+    reproducible,
+)
 from slipbench.learning._input import Example, Examples, describe_file, fit_units, read_examples
 from slipbench.learning._names import named
 from slipbench.learning.recipes import Recipe, find_recipe
@@ -81,8 +92,12 @@ def scale_of(features: Sequence[Floats], scaling: str) -> tuple[Floats, Floats]:
     elif scaling not in ("standard", "range"):
         raise _core.InputError(f"scaling: {scaling!r}; allowed: standard, common, range, none")
     least, greatest = whole.min(0), whole.max(0)
-    offset, spread = (least, greatest - least) if scaling == "range" else (whole.mean(0), whole.std(0))
-    return offset.astype(np.float32), np.where(greatest > least, 1 / np.where(greatest > least, spread, 1.0), 1.0).astype(np.float32)
+    offset, spread = (
+        (least, greatest - least) if scaling == "range" else (whole.mean(0), whole.std(0))
+    )
+    return offset.astype(np.float32), np.where(
+        greatest > least, 1 / np.where(greatest > least, spread, 1.0), 1.0
+    ).astype(np.float32)
 
 
 def alarms_per_minute(alarms: str | float) -> float:
@@ -91,22 +106,44 @@ def alarms_per_minute(alarms: str | float) -> float:
     Raises:
         InputError: an invalid text, or a negative number
     """
-    number, _, unit = alarms.partition("/") if isinstance(alarms, str) else (str(float(alarms)), "", "min")
+    number, _, unit = (
+        alarms.partition("/") if isinstance(alarms, str) else (str(float(alarms)), "", "min")
+    )
     try:
         rate = float(number) / {"min": 1.0, "h": 60.0}[unit]
     except (ValueError, KeyError):
         rate = -1.0
     if not 0 <= rate < math.inf:
-        raise _core.InputError(f"alarms: {alarms!r}; expected a rate of 0 or more with its unit, such as 1/min or 10/h")
+        raise _core.InputError(
+            f"alarms: {alarms!r}; expected a rate of 0 or more with its unit, such as 1/min or 10/h"
+        )
     return rate
 
 
-def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *, output: str | os.PathLike[str], recipe: str | Recipe = "slip_gru",
-          network: nn.Module | Callable[[int, int], nn.Module] | None = None, sensor: str = "", labels: str | None = None, split: str | None = None,
-          held_out: float | None = None, every_trial: bool = False, seed: int = 1, steps: int | None = None, turned: int | None = None,
-          rates: tuple[float, float] | None = None, alarms: str | float | None = None, by_score: bool = False, specificity: float | None = None, resume: bool = False, log: str | os.PathLike[str] | None = None,
-          progress: Callable[[int, Report], object] | None = None, reading: Callable[[int, int], object] | None = None,
-          before_step: Callable[[], None] | None = None) -> Trained:
+def train(
+    dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    output: str | os.PathLike[str],
+    recipe: str | Recipe = "slip_gru",
+    network: nn.Module | Callable[[int, int], nn.Module] | None = None,
+    sensor: str = "",
+    labels: str | None = None,
+    split: str | None = None,
+    held_out: float | None = None,
+    every_trial: bool = False,
+    seed: int = 1,
+    steps: int | None = None,
+    turned: int | None = None,
+    rates: tuple[float, float] | None = None,
+    alarms: str | float | None = None,
+    by_score: bool = False,
+    specificity: float | None = None,
+    resume: bool = False,
+    log: str | os.PathLike[str] | None = None,
+    progress: Callable[[int, Report], object] | None = None,
+    reading: Callable[[int, int], object] | None = None,
+    before_step: Callable[[], None] | None = None,
+) -> Trained:
     """Trains a slip detector on datasets and writes its ONNX file for scenes, `eval` and `replay`.
 
     A dataset's own split defines training, validation and test. The state with the greatest
@@ -155,9 +192,14 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
             frame, a network whose answers a loop cannot reproduce frame by frame, a loss that is
             not finite, or an output that exists and is not a detector
     """
-    paths = [os.fspath(one) for one in ([dataset] if isinstance(dataset, (str, os.PathLike)) else dataset)]
+    paths = [
+        os.fspath(one)
+        for one in ([dataset] if isinstance(dataset, (str, os.PathLike)) else dataset)
+    ]
     if not paths:
-        raise _core.InputError("dataset: expected the path of a dataset, or a list of paths, found an empty list")
+        raise _core.InputError(
+            "dataset: expected the path of a dataset, or a list of paths, found an empty list"
+        )
     seed = _whole_number(seed, "seed", 0, 2**64 - 1)
     steps = None if steps is None else _whole_number(steps, "steps", 1)
     turned = None if turned is None else _whole_number(turned, "turned", 0)
@@ -165,52 +207,95 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         raise _core.InputError(f"held_out: expected a number from 0 to 0.5, found {held_out!r}")
     path = os.fspath(output)
     if not path.endswith(".onnx"):
-        raise _core.InputError(f"output: {path}: a network is an ONNX file, whose name must end with .onnx")
+        raise _core.InputError(
+            f"output: {path}: a network is an ONNX file, whose name must end with .onnx"
+        )
     check_output(path)
     chosen = _recipe(recipe, network, labels, split, steps, turned)
     if by_score and alarms is not None:
-        raise _core.InputError(f"{named('by_score', True)} and {named('alarms', alarms)} cannot be combined")
+        raise _core.InputError(
+            f"{named('by_score', True)} and {named('alarms', alarms)} cannot be combined"
+        )
     if specificity is not None and not by_score:
-        raise _core.InputError(f"{named('specificity', specificity)} needs {named('by_score', True)}")
-    if specificity is not None and not (isinstance(specificity, numbers.Real) and 0 <= specificity <= 1):
+        raise _core.InputError(
+            f"{named('specificity', specificity)} needs {named('by_score', True)}"
+        )
+    if specificity is not None and not (
+        isinstance(specificity, numbers.Real) and 0 <= specificity <= 1
+    ):
         raise _core.InputError(f"specificity: expected a number from 0 to 1, found {specificity!r}")
     if by_score and chosen.labels == "recorded":
-        raise _core.InputError(f"{named('by_score', True)} needs simulated trials, which record the slipped distance; with {named('labels', 'recorded')} use "
-                               f"{named('alarms')}")
+        raise _core.InputError(
+            f"{named('by_score', True)} needs simulated trials, which record the slipped distance; with {named('labels', 'recorded')} use "
+            f"{named('alarms')}"
+        )
     if (by_score or alarms not in (None, math.inf)) and chosen.at_most > 0:
         argument, given = ("by_score", True) if by_score else ("alarms", alarms)
-        raise _core.InputError(f"{named(argument, given)}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
-                               f"leave {named(argument)} out")
+        raise _core.InputError(
+            f"{named(argument, given)}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
+            f"leave {named(argument)} out"
+        )
     frame_by_frame = chosen.at_most > 0 or alarms == math.inf
-    tolerated = None if by_score or frame_by_frame else alarms_per_minute("1/min" if alarms is None else alarms)
+    tolerated = (
+        None
+        if by_score or frame_by_frame
+        else alarms_per_minute("1/min" if alarms is None else alarms)
+    )
     if resume and not os.path.exists(f"{path}.checkpoint-0"):
-        raise _core.InputError(f"{path}.checkpoint-0: does not exist: the training has finished, or was stopped before its first validation; train without "
-                               f"{named('resume', True)}")
+        raise _core.InputError(
+            f"{path}.checkpoint-0: does not exist: the training has finished, or was stopped before its first validation; train without "
+            f"{named('resume', True)}"
+        )
     writer = _log_writer(log)
     if chosen.input.transform == "units":
         chosen = replace(chosen, input=fit_units(chosen.input, paths[0], sensor))
     if rates is not None:
         chosen = replace(chosen, input=replace(chosen.input, rates=_range_of(rates)))
     share = 0.2 if held_out is None else float(held_out)
-    examples = read_examples(paths, chosen.input, labels=chosen.labels, classes=chosen.classes, sensor=sensor, turned=chosen.turned, at_most=chosen.at_most,
-                             seed=seed, split=chosen.split, held_out=share, divide_anew=every_trial, progress=reading)
-    if not every_trial and (split is not None or held_out is not None) and any(one.own_part for one in examples.all):
+    examples = read_examples(
+        paths,
+        chosen.input,
+        labels=chosen.labels,
+        classes=chosen.classes,
+        sensor=sensor,
+        turned=chosen.turned,
+        at_most=chosen.at_most,
+        seed=seed,
+        split=chosen.split,
+        held_out=share,
+        divide_anew=every_trial,
+        progress=reading,
+    )
+    if (
+        not every_trial
+        and (split is not None or held_out is not None)
+        and any(one.own_part for one in examples.all)
+    ):
         divided = paths[next(one.dataset for one in examples.all if one.own_part)]
         asked = named("split", split) if split is not None else named("held_out", held_out)
-        raise _core.InputError(f"{divided}: the split of the dataset determines the trials for training and test; with {asked} also give "
-                               f"{named('every_trial', True)}, "
-                               "which divides all trials anew")
+        raise _core.InputError(
+            f"{divided}: the split of the dataset determines the trials for training and test; with {asked} also give "
+            f"{named('every_trial', True)}, "
+            "which divides all trials anew"
+        )
     learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
     if not learns:
-        raise _core.InputError(f"{', '.join(paths)}: the part train of the dataset's own split has no trial; {named('every_trial', True)} divides all trials anew")
+        raise _core.InputError(
+            f"{', '.join(paths)}: the part train of the dataset's own split has no trial; {named('every_trial', True)} divides all trials anew"
+        )
     wanted_specificity = 0.95 if specificity is None else float(specificity)
     if by_score:
         silent = [_scored_series(np.zeros(len(one.labels)), one, 0) for one in validates]
         if _core.counts_at(silent, chosen.input.period, 1.0, 1, 1, 1)["slips"] == 0:
-            raise _core.InputError(f"{named('by_score', True)}: no validation trial of the first dataset slips by 0.05 mm or more with a known slipped distance; use "
-                                   f"{named('alarms')}")
+            raise _core.InputError(
+                f"{named('by_score', True)}: no validation trial of the first dataset slips by 0.05 mm or more with a known slipped distance; use "
+                f"{named('alarms')}"
+            )
     offset, scale = scale_of([one.features for one in learns], chosen.scaling)
-    scaled = [[((one.features - offset) * scale, one.labels) for one in part] for part in (learns, validates, judges)]
+    scaled = [
+        [((one.features - offset) * scale, one.labels) for one in part]
+        for part in (learns, validates, judges)
+    ]
 
     members, fitted_steps = [], []
     for member in range(chosen.members):
@@ -218,12 +303,18 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         with reproducible(own_seed):
             module = chosen.network(examples.inputs, len(examples.classes))
         if not isinstance(module, nn.Module):
-            raise _core.InputError(f"network: expected a function that returns a torch.nn.Module, but it returned {type(module).__name__}")
+            raise _core.InputError(
+                f"network: expected a function that returns a torch.nn.Module, but it returned {type(module).__name__}"
+            )
         if member == 0:
             for part, name in ((learns, "to learn from"), (validates, "that choose the state")):
                 _check_classes(paths, name, part, examples.classes, history_of(module))
             _check_module(module, examples.inputs, len(examples.classes))
-        checkpoint = Checkpoint(f"{path}.checkpoint-{member}", _identity(chosen, module, examples, sensor, every_trial, share, seed, member), resume)
+        checkpoint = Checkpoint(
+            f"{path}.checkpoint-{member}",
+            _identity(chosen, module, examples, sensor, every_trial, share, seed, member),
+            resume,
+        )
 
         def report(now: Report, member: int = member) -> None:
             if writer is not None:
@@ -232,56 +323,135 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
             if progress is not None:
                 progress(member, now)
 
-        done = fit(module, scaled[0], scaled[1], chosen.training, classes=len(examples.classes), seed=own_seed, checkpoint=checkpoint,
-                   before_step=before_step, report=report)
+        done = fit(
+            module,
+            scaled[0],
+            scaled[1],
+            chosen.training,
+            classes=len(examples.classes),
+            seed=own_seed,
+            checkpoint=checkpoint,
+            before_step=before_step,
+            report=report,
+        )
         members.append(module)
         fitted_steps.append(done.best_step)
     if writer is not None:
         writer.close()
 
     before = history_of(members[0]) - 1
-    probabilities = [[_probabilities(members, features) for features, _ in part] for part in scaled[1:]]
+    probabilities = [
+        [_probabilities(members, features) for features, _ in part] for part in scaled[1:]
+    ]
     truth = [[labels[before:] for _, labels in part] for part in scaled[1:]]
-    accuracy = [balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of) for part, of in zip(probabilities, truth)]
+    accuracy = [
+        balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of)
+        for part, of in zip(probabilities, truth)
+    ]
     slip = np.array([state in SLIPPING for _, state in examples.classes])
-    series = [[_series(one, labels, slip) for one, labels in zip(part, of)] for part, of in zip(probabilities, truth)]
+    series = [
+        [_series(one, labels, slip) for one, labels in zip(part, of)]
+        for part, of in zip(probabilities, truth)
+    ]
     if by_score:
-        scored = [_scored_series(probability, one, before) for (probability, *_), one in zip(series[0], validates)]
+        scored = [
+            _scored_series(probability, one, before)
+            for (probability, *_), one in zip(series[0], validates)
+        ]
         point = _core.best_point(scored, chosen.input.period, "score", wanted_specificity)
     else:
-        point = _core.best_point(series[0], chosen.input.period, "accuracy" if frame_by_frame else "alarms", tolerated or 0.0)
+        point = _core.best_point(
+            series[0],
+            chosen.input.period,
+            "accuracy" if frame_by_frame else "alarms",
+            tolerated or 0.0,
+        )
     alarm = {key: point[key] for key in ("on", "off", "least")}
-    counts = _core.counts_at(series[1], chosen.input.period, point["threshold"], **alarm) if judges else None
+    counts = (
+        _core.counts_at(series[1], chosen.input.period, point["threshold"], **alarm)
+        if judges
+        else None
+    )
 
     trained: dict[str, Any] = {
-        "recipe": chosen.name, "labels": chosen.labels, "command": examples.command, "data_sha256": examples.sha256, "sensor": sensor, "split": chosen.split,
-        "held_out": share, "seed": seed, "alarms_asked_per_minute": tolerated, "by_score": by_score, "trials_learnt": _trials(learns),
-        "trials_validated": _trials(validates), "trials_judged": _trials(judges),
-        "sha256_seen": sorted({one.sha256 for one in learns + validates} - {""}), "frames": sum(len(one.labels) for one in learns),
-        "parameters": sum(one.numel() for one in members[0].parameters()), "steps": fitted_steps,
-        "validation": {"balanced_accuracy": accuracy[0], "alarms_per_minute": _or_none(point["alarms_per_minute"])},
-        "libraries": f"torch {torch.__version__}"}
+        "recipe": chosen.name,
+        "labels": chosen.labels,
+        "command": examples.command,
+        "data_sha256": examples.sha256,
+        "sensor": sensor,
+        "split": chosen.split,
+        "held_out": share,
+        "seed": seed,
+        "alarms_asked_per_minute": tolerated,
+        "by_score": by_score,
+        "trials_learnt": _trials(learns),
+        "trials_validated": _trials(validates),
+        "trials_judged": _trials(judges),
+        "sha256_seen": sorted({one.sha256 for one in learns + validates} - {""}),
+        "frames": sum(len(one.labels) for one in learns),
+        "parameters": sum(one.numel() for one in members[0].parameters()),
+        "steps": fitted_steps,
+        "validation": {
+            "balanced_accuracy": accuracy[0],
+            "alarms_per_minute": _or_none(point["alarms_per_minute"]),
+        },
+        "libraries": f"torch {torch.__version__}",
+    }
     if by_score:
         at_point = _core.counts_at(scored, chosen.input.period, point["threshold"], **alarm)
-        trained["validation"] |= {"score": _or_none(at_point["score"]), "specificity": _or_none(at_point["specificity"]),
-                                  "specificity_asked": wanted_specificity}
+        trained["validation"] |= {
+            "score": _or_none(at_point["score"]),
+            "specificity": _or_none(at_point["specificity"]),
+            "specificity_asked": wanted_specificity,
+        }
     own_split = any(one.own_part for one in examples.all) and not every_trial
     if own_split:
         trained["dataset_split"] = True
     if counts is not None:
         trained["judged"] = {
-            "balanced_accuracy": _or_none(counts["balanced_accuracy"]), "f1": _or_none(counts["f1"]),
-            **{key: counts[key] for key in ("slip_called_slip", "slip_called_hold", "hold_called_slip", "hold_called_hold")},
-            "alarms_per_minute": _or_none(counts["alarms_per_minute"]), "all_classes_balanced_accuracy": _or_none(accuracy[1])}
-    description = describe_file(replace(chosen.input, units=examples.units), examples.classes, threshold=point["threshold"], alarm=alarm, trained=trained)
+            "balanced_accuracy": _or_none(counts["balanced_accuracy"]),
+            "f1": _or_none(counts["f1"]),
+            **{
+                key: counts[key]
+                for key in (
+                    "slip_called_slip",
+                    "slip_called_hold",
+                    "hold_called_slip",
+                    "hold_called_hold",
+                )
+            },
+            "alarms_per_minute": _or_none(counts["alarms_per_minute"]),
+            "all_classes_balanced_accuracy": _or_none(accuracy[1]),
+        }
+    description = describe_file(
+        replace(chosen.input, units=examples.units),
+        examples.classes,
+        threshold=point["threshold"],
+        alarm=alarm,
+        trained=trained,
+    )
     description["input"] |= {"offset": offset.tolist(), "scale": scale.tolist()}
     write_detector(path, members, examples.inputs, description, scaled[1][0][0])
     for member in range(chosen.members):
         Path(f"{path}.checkpoint-{member}").unlink(missing_ok=True)
-    judged_from = (paths[judges[0].dataset], judges[0].own_part if own_split else "") if judges else ("", "")
-    return Trained(path, members, description, accuracy[0], trained.get("judged"),
-                   {"learns": len(_trials(learns)), "validates": len(_trials(validates)), "judges": len(_trials(judges))},
-                   list(dict.fromkeys(one.sensor for one in examples.all)), own_split, judged_from)
+    judged_from = (
+        (paths[judges[0].dataset], judges[0].own_part if own_split else "") if judges else ("", "")
+    )
+    return Trained(
+        path,
+        members,
+        description,
+        accuracy[0],
+        trained.get("judged"),
+        {
+            "learns": len(_trials(learns)),
+            "validates": len(_trials(validates)),
+            "judges": len(_trials(judges)),
+        },
+        list(dict.fromkeys(one.sensor for one in examples.all)),
+        own_split,
+        judged_from,
+    )
 
 
 def _whole_number(value: Any, key: str, least: int, most: int | None = None) -> int:
@@ -289,7 +459,9 @@ def _whole_number(value: Any, key: str, least: int, most: int | None = None) -> 
     outside of `least` to `most`."""
     number = index(value, key)
     if number < least or (most is not None and number > most):
-        raise _core.InputError(f"{key}: expected {f'{least} or more' if most is None else f'{least} to {most}'}, found {number}")
+        raise _core.InputError(
+            f"{key}: expected {f'{least} or more' if most is None else f'{least} to {most}'}, found {number}"
+        )
     return number
 
 
@@ -300,29 +472,50 @@ def _range_of(rates: Any) -> tuple[float, float]:
     except (TypeError, ValueError):
         low = high = math.nan
     if not 0 < low <= high < math.inf:
-        raise _core.InputError(f"{named('rates', rates)}: expected the lowest and the highest rate in Hz, above 0")
+        raise _core.InputError(
+            f"{named('rates', rates)}: expected the lowest and the highest rate in Hz, above 0"
+        )
     return low, high
 
 
-def _recipe(recipe: str | Recipe, network: nn.Module | Callable[[int, int], nn.Module] | None, labels: str | None, split: str | None, steps: int | None,
-            turned: int | None) -> Recipe:
+def _recipe(
+    recipe: str | Recipe,
+    network: nn.Module | Callable[[int, int], nn.Module] | None,
+    labels: str | None,
+    split: str | None,
+    steps: int | None,
+    turned: int | None,
+) -> Recipe:
     """The recipe with the requested changes."""
     chosen = find_recipe(recipe) if isinstance(recipe, str) else recipe
     if not isinstance(chosen, Recipe):
-        raise _core.InputError(f"recipe: expected the name of a recipe or a slipbench.learning.Recipe, found {type(chosen).__name__} {chosen!r}")
+        raise _core.InputError(
+            f"recipe: expected the name of a recipe or a slipbench.learning.Recipe, found {type(chosen).__name__} {chosen!r}"
+        )
     if isinstance(network, nn.Module):
         module = network
         chosen = replace(chosen, network=lambda inputs, classes: module, members=1)
     elif network is not None:
         if not callable(network):
-            raise _core.InputError(f"network: expected a torch.nn.Module or a function that makes one, found {type(network).__name__} {network!r}")
+            raise _core.InputError(
+                f"network: expected a torch.nn.Module or a function that makes one, found {type(network).__name__} {network!r}"
+            )
         chosen = replace(chosen, network=network)
     if steps is not None:
         every = max(1, chosen.training.validate_every * steps // chosen.training.steps)
-        chosen = replace(chosen, training=replace(chosen.training, steps=steps, validate_every=every))
+        chosen = replace(
+            chosen, training=replace(chosen.training, steps=steps, validate_every=every)
+        )
     if turned and chosen.input.sensor != "myrmex":
-        raise _core.InputError(f"{named('turned', turned)}: is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0")
-    return replace(chosen, labels=labels or chosen.labels, split=split or chosen.split, turned=chosen.turned if turned is None else turned)
+        raise _core.InputError(
+            f"{named('turned', turned)}: is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0"
+        )
+    return replace(
+        chosen,
+        labels=labels or chosen.labels,
+        split=split or chosen.split,
+        turned=chosen.turned if turned is None else turned,
+    )
 
 
 def _log_writer(log: str | os.PathLike[str] | None) -> Any:
@@ -331,19 +524,31 @@ def _log_writer(log: str | os.PathLike[str] | None) -> Any:
     try:
         from torch.utils.tensorboard import SummaryWriter
     except ImportError as error:
-        raise _core.InputError(f"log: needs the Python package {error.name or 'tensorboard'}; install it: pip install tensorboard") from error
+        raise _core.InputError(
+            f"log: needs the Python package {error.name or 'tensorboard'}; install it: pip install tensorboard"
+        ) from error
     return SummaryWriter(os.fspath(log))
 
 
-def _check_classes(paths: Sequence[str], part: str, examples: Sequence[Example], classes: Sequence[tuple[str, str]], history: int) -> None:
+def _check_classes(
+    paths: Sequence[str],
+    part: str,
+    examples: Sequence[Example],
+    classes: Sequence[tuple[str, str]],
+    history: int,
+) -> None:
     for one in examples:
         if len(one.labels) < history:
-            raise _core.InputError(f"{', '.join(paths)}: trial {one.trial}: {counted(len(one.labels), 'frame')}, but an answer needs {history}")
+            raise _core.InputError(
+                f"{', '.join(paths)}: trial {one.trial}: {counted(len(one.labels), 'frame')}, but an answer needs {history}"
+            )
     labels = np.concatenate([one.labels[history - 1 :] for one in examples])
     counts = [int(np.sum(labels == one)) for one in range(len(classes))]
     if 0 in counts:
         text = ", ".join(f"{count} {name}" for count, (name, _) in zip(counts, classes))
-        raise _core.InputError(f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; use more trials, or another {named('seed')} or {named('split')}")
+        raise _core.InputError(
+            f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; use more trials, or another {named('seed')} or {named('split')}"
+        )
 
 
 def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
@@ -357,20 +562,30 @@ def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
     with torch.no_grad():
         logits = _checked_answer(_answer_of(module, name, frames), name)[0]
         if tuple(logits.shape) != (2, 3, classes):
-            raise _core.InputError(f"network: {name} returns logits {list(logits.shape)} for frames {list(frames.shape)}; expected [2, 3, {classes}], an "
-                                   f"answer for each frame from number `history` on, an attribute of the module, here {history}")
+            raise _core.InputError(
+                f"network: {name} returns logits {list(logits.shape)} for frames {list(frames.shape)}; expected [2, 3, {classes}], an "
+                f"answer for each frame from number `history` on, an attribute of the module, here {history}"
+            )
         tolerance = _CLIP_TOLERANCE * float(logits.abs().max())
-        if not torch.allclose(logits_of(module(changed))[:, :-1], logits[:, :-1], rtol=0.0, atol=tolerance):
-            raise _core.InputError(f"network: {name} is not causal: its earlier answers change with the last frame; an answer may depend on its own and "
-                                   "earlier frames only, so use no bidirectional layers and pad convolutions in time at the beginning only")
+        if not torch.allclose(
+            logits_of(module(changed))[:, :-1], logits[:, :-1], rtol=0.0, atol=tolerance
+        ):
+            raise _core.InputError(
+                f"network: {name} is not causal: its earlier answers change with the last frame; an answer may depend on its own and "
+                "earlier frames only, so use no bidirectional layers and pad convolutions in time at the beginning only"
+            )
         stepped, state = [], None
         for first in range(3):
             clip = frames[:, first : first + history]
-            answer, state = _checked_answer(_answer_of(module, name, clip, *(() if state is None else (state,))), name)
+            answer, state = _checked_answer(
+                _answer_of(module, name, clip, *(() if state is None else (state,))), name
+            )
             stepped.append(answer)
         if not torch.allclose(torch.cat(stepped, 1), logits, rtol=0.0, atol=tolerance):
-            raise _core.InputError(f"network: {name} answers differently when it is run frame by frame, as a loop runs it; return (logits, state) and take "
-                                   "that state as the second argument, or set the attribute `history` to the number of frames that an answer depends on")
+            raise _core.InputError(
+                f"network: {name} answers differently when it is run frame by frame, as a loop runs it; return (logits, state) and take "
+                "that state as the second argument, or set the attribute `history` to the number of frames that an answer depends on"
+            )
 
 
 def _answer_of(module: nn.Module, name: str, *arguments: Any) -> Any:
@@ -379,8 +594,10 @@ def _answer_of(module: nn.Module, name: str, *arguments: Any) -> Any:
     try:
         return module(*arguments)
     except (RuntimeError, TypeError) as error:
-        raise _core.InputError(f"network: {name} does not take frames {list(arguments[0].shape)}{' and its state' if len(arguments) > 1 else ''}: "
-                               f"{str(error).splitlines()[0]}") from error
+        raise _core.InputError(
+            f"network: {name} does not take frames {list(arguments[0].shape)}{' and its state' if len(arguments) > 1 else ''}: "
+            f"{str(error).splitlines()[0]}"
+        ) from error
 
 
 def _checked_answer(answer: Any, name: str) -> tuple[Tensor, Any]:
@@ -391,16 +608,42 @@ def _checked_answer(answer: Any, name: str) -> tuple[Tensor, Any]:
         parts = answer[1] if isinstance(answer[1], tuple) else (answer[1],)
         if all(isinstance(part, Tensor) for part in parts):
             return answer[0], answer[1]
-    raise _core.InputError(f"network: {name} returns a {type(answer).__name__}; expected a tensor of logits, or (logits, state) with a state that is a tensor or "
-                           "a tuple of tensors")
+    raise _core.InputError(
+        f"network: {name} returns a {type(answer).__name__}; expected a tensor of logits, or (logits, state) with a state that is a tensor or "
+        "a tuple of tensors"
+    )
 
 
-def _identity(recipe: Recipe, module: nn.Module, examples: Examples, sensor: str, every_trial: bool, held_out: float, seed: int, member: int) -> str:
+def _identity(
+    recipe: Recipe,
+    module: nn.Module,
+    examples: Examples,
+    sensor: str,
+    every_trial: bool,
+    held_out: float,
+    seed: int,
+    member: int,
+) -> str:
     """Everything that the weights depend on; a checkpoint with another value is rejected."""
     training = {key: value for key, value in vars(recipe.training).items() if key != "augment"}
-    return json.dumps({"recipe": recipe.name, "network": str(module), "data": examples.sha256, "sensor": sensor, "labels": recipe.labels,
-                       "split": recipe.split, "all": every_trial, "held_out": held_out, "seed": seed, "member": member, "turned": recipe.turned,
-                       "rates": recipe.input.rates, "training": training, "torch": torch.__version__})
+    return json.dumps(
+        {
+            "recipe": recipe.name,
+            "network": str(module),
+            "data": examples.sha256,
+            "sensor": sensor,
+            "labels": recipe.labels,
+            "split": recipe.split,
+            "all": every_trial,
+            "held_out": held_out,
+            "seed": seed,
+            "member": member,
+            "turned": recipe.turned,
+            "rates": recipe.input.rates,
+            "training": training,
+            "torch": torch.__version__,
+        }
+    )
 
 
 def _probabilities(members: Sequence[nn.Module], features: Floats) -> Floats:
@@ -414,14 +657,32 @@ def _probabilities(members: Sequence[nn.Module], features: Floats) -> Floats:
 
 def _series(probabilities: Floats, labels: Labels, slip: Any) -> tuple[Any, Labels, Any, int, bool]:
     """Probability of slip, and truth 1, 0 or MASKED, of each frame, for `_core.counts_at`."""
-    truth = np.where(labels == MASKED, MASKED, slip[np.minimum(labels, len(slip) - 1)]).astype(np.uint8)
-    return np.ascontiguousarray(probabilities[:, slip].sum(1), np.float64), truth, np.zeros(0), 0, False
+    truth = np.where(labels == MASKED, MASKED, slip[np.minimum(labels, len(slip) - 1)]).astype(
+        np.uint8
+    )
+    return (
+        np.ascontiguousarray(probabilities[:, slip].sum(1), np.float64),
+        truth,
+        np.zeros(0),
+        0,
+        False,
+    )
 
 
-def _scored_series(probability: Any, example: Example, before: int) -> tuple[Any, Labels, Any, int, bool]:
+def _scored_series(
+    probability: Any, example: Example, before: int
+) -> tuple[Any, Labels, Any, int, bool]:
     """As `_series`, by the truth of the score. `before`: number of first frames without an answer."""
-    scored = example.scored if len(example.scored) else np.full(len(example.labels), MASKED, np.uint8)
-    return probability, np.ascontiguousarray(scored[before:]), np.ascontiguousarray(example.path[before:]), example.dataset, example.holds
+    scored = (
+        example.scored if len(example.scored) else np.full(len(example.labels), MASKED, np.uint8)
+    )
+    return (
+        probability,
+        np.ascontiguousarray(scored[before:]),
+        np.ascontiguousarray(example.path[before:]),
+        example.dataset,
+        example.holds,
+    )
 
 
 def _trials(examples: Sequence[Example]) -> list[int]:

@@ -64,7 +64,9 @@ class GruStack(nn.Module):
 
     def __init__(self, inputs: int, units: int, layers: int) -> None:
         super().__init__()
-        self.layers = nn.ModuleList(nn.GRU(inputs if i == 0 else units, units, batch_first=True) for i in range(layers))
+        self.layers = nn.ModuleList(
+            nn.GRU(inputs if i == 0 else units, units, batch_first=True) for i in range(layers)
+        )
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """[N, T, inputs] and one [1, N, units] per layer to [N, T, units] and the next states."""
@@ -113,7 +115,9 @@ class PiezoMlp(nn.Module):
 
     def __init__(self, inputs: int, classes: int, width: int) -> None:
         super().__init__()
-        self.layers = nn.Sequential(dense(inputs, width, width, width, width), nn.Linear(width, classes))
+        self.layers = nn.Sequential(
+            dense(inputs, width, width, width, width), nn.Linear(width, classes)
+        )
 
     def forward(self, frames: Tensor) -> Tensor:
         """Returns logits, and the state if the network has one (see the module)."""
@@ -134,7 +138,9 @@ class PiezoTcn(nn.Module):
     | linear | 2 |
     """
 
-    def __init__(self, inputs: int, classes: int, channels: int = 128, kernel: int = 8, layers: int = 4) -> None:
+    def __init__(
+        self, inputs: int, classes: int, channels: int = 128, kernel: int = 8, layers: int = 4
+    ) -> None:
         super().__init__()
         self.history = 1 + layers * (kernel - 1)
         convolutions: list[nn.Module] = []
@@ -197,7 +203,14 @@ class PiezoSlip(nn.Module):
         """Returns logits, and the state if the network has one (see the module)."""
         levels = frames.reshape(*frames.shape[:2], self.parts, -1).mean(3)
         changes = levels[:, :, 1:] - levels[:, :, :-1]
-        features = torch.cat((signed_log(100 * levels), signed_log(100 * changes), _log_power(frames, self.get_buffer("waves"), 1e-6)), 2)
+        features = torch.cat(
+            (
+                signed_log(100 * levels),
+                signed_log(100 * changes),
+                _log_power(frames, self.get_buffer("waves"), 1e-6),
+            ),
+            2,
+        )
         features = self.norm(features.flatten(0, 1)).reshape(features.shape)
         after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(features, state)
         return after
@@ -237,8 +250,15 @@ class PiezoForce(nn.Module):
         corner: Hz, of the amplifier
     """
 
-    def __init__(self, inputs: int, classes: int, lags: tuple[int, ...] = (1, 2, 4, 8, 16, 32), period: float = 5e-3, noise: float = 70.0,
-                 corner: float = 3.0) -> None:
+    def __init__(
+        self,
+        inputs: int,
+        classes: int,
+        lags: tuple[int, ...] = (1, 2, 4, 8, 16, 32),
+        period: float = 5e-3,
+        noise: float = 70.0,
+        corner: float = 3.0,
+    ) -> None:
         super().__init__()
         self.scale = 1 / noise
         # Filters [2 lags, 1, history + 1] of the means: the change over a lag, and that over the same time before.
@@ -267,19 +287,29 @@ class PiezoForce(nn.Module):
         """[N, T + 3, inputs] and [N, T + 2 greatest lag], with the earlier frames and means, to
         features [N, T, 58]."""
         count = frames.shape[1] - 3
-        changes = nn.functional.conv1d(means.unsqueeze(1), self.get_buffer("filters")).transpose(1, 2)
+        changes = nn.functional.conv1d(means.unsqueeze(1), self.get_buffer("filters")).transpose(
+            1, 2
+        )
         now, then = changes.chunk(2, 2)
-        ratio = torch.clamp(now * then / (then**2 + 9), -2, 2)  # 9: below 3 deviations the change before is noise
+        ratio = torch.clamp(
+            now * then / (then**2 + 9), -2, 2
+        )  # 9: below 3 deviations the change before is noise
         joined = torch.cat([frames[:, k : k + count] for k in range(4)], 2)
         # The noise has a power of 2 in each bin, far above 0.03, which avoids the logarithm of 0.
-        powers = [_log_power(joined, self.get_buffer("long"), 0.03), _log_power(frames[:, 3:], self.get_buffer("short"), 0.03)]
+        powers = [
+            _log_power(joined, self.get_buffer("long"), 0.03),
+            _log_power(frames[:, 3:], self.get_buffer("short"), 0.03),
+        ]
         return torch.cat((signed_log(now), signed_log(now - then), ratio, *powers), 2)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """Returns logits, and the state if the network has one (see the module)."""
         frames = frames.mul(self.scale)
         if state is None:
-            state = (frames.new_zeros((frames.shape[0], 3, frames.shape[2])), frames.new_zeros((frames.shape[0], self.earlier)))
+            state = (
+                frames.new_zeros((frames.shape[0], 3, frames.shape[2])),
+                frames.new_zeros((frames.shape[0], self.earlier)),
+            )
         means = torch.cat((state[1], frames.mean(2)), 1)
         frames = torch.cat((state[0], frames), 1)
         features = self.measures(frames, means)
@@ -330,7 +360,9 @@ class PapillarrayGru(nn.Module):
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """Returns logits, and the state if the network has one (see the module)."""
-        hidden, after = self.memory(each_frame(self.encoder, frames), None if state is None else state[0])
+        hidden, after = self.memory(
+            each_frame(self.encoder, frames), None if state is None else state[0]
+        )
         return each_frame(self.decoder, hidden), (after,)
 
 
@@ -409,14 +441,24 @@ def changes_of(frames: Tensor, before: Tensor, lags: tuple[int, ...]) -> Tensor:
         [N, T, lags, F]
     """
     joined = torch.cat((before, frames), 1)
-    earlier = torch.stack([joined[:, lags[-1] - lag : lags[-1] - lag + frames.shape[1]] for lag in lags], 2)
+    earlier = torch.stack(
+        [joined[:, lags[-1] - lag : lags[-1] - lag + frames.shape[1]] for lag in lags], 2
+    )
     return torch.where(earlier.eq(0), torch.zeros_like(earlier), frames.unsqueeze(2) - earlier)
 
 
-def with_latest(network: NibRigid | RigidSlip, frames: Tensor, state: State) -> tuple[Tensor, tuple[Tensor, ...]]:
+def with_latest(
+    network: NibRigid | RigidSlip, frames: Tensor, state: State
+) -> tuple[Tensor, tuple[Tensor, ...]]:
     """Runs a network whose state starts with the latest frames."""
-    before = frames.new_zeros((frames.shape[0], network.lags[-1], frames.shape[2])) if state is None else state[0]
-    logits, after = network.after(*network.measures(frames, before), None if state is None else state[1:])
+    before = (
+        frames.new_zeros((frames.shape[0], network.lags[-1], frames.shape[2]))
+        if state is None
+        else state[0]
+    )
+    logits, after = network.after(
+        *network.measures(frames, before), None if state is None else state[1:]
+    )
     return logits, (torch.cat((before, frames), 1)[:, -network.lags[-1] :], *after)
 
 
@@ -433,14 +475,25 @@ class RigidFit:
     def __init__(self, x: Tensor, y: Tensor, weight: Tensor, places: Tensor, least: float) -> None:
         self.weight = weight
         self.count = weight.sum(-1, keepdim=True) + 1e-3
-        across, along = places[:, 0] - self.mean(places[:, 0]), places[:, 1] - self.mean(places[:, 1])
+        across, along = (
+            places[:, 0] - self.mean(places[:, 0]),
+            places[:, 1] - self.mean(places[:, 1]),
+        )
         right, up = self.mean(x), self.mean(y)
-        self.turn = self.mean(across * (y - up) - along * (x - right)) / self.mean(across**2 + along**2).add(1e-3)
+        self.turn = self.mean(across * (y - up) - along * (x - right)) / self.mean(
+            across**2 + along**2
+        ).add(1e-3)
         rigid_x, rigid_y = right - self.turn * along, up + self.turn * across
         rest_x, rest_y = x - rigid_x, y - rigid_y
-        self.rigid = torch.sqrt(rigid_x**2 + rigid_y**2 + least**2)  # size of the rigid part of each unit
-        self.rest = torch.sqrt(rest_x**2 + rest_y**2 + least**2)  # size of the departure of each unit
-        self.along_rigid = (rest_x * rigid_x + rest_y * rigid_y) / self.rigid  # its part along the rigid motion
+        self.rigid = torch.sqrt(
+            rigid_x**2 + rigid_y**2 + least**2
+        )  # size of the rigid part of each unit
+        self.rest = torch.sqrt(
+            rest_x**2 + rest_y**2 + least**2
+        )  # size of the departure of each unit
+        self.along_rigid = (
+            rest_x * rigid_x + rest_y * rigid_y
+        ) / self.rigid  # its part along the rigid motion
         self.size = self.mean(self.rigid)
         self.departure = torch.sqrt(self.mean(self.rest**2))
 
@@ -463,11 +516,15 @@ class UnitsAndWhole(nn.Module):
         self.own = dense(own, 16)
         self.rest = FrameGru(2 * 16 + whole, classes)
 
-    def forward(self, own: Tensor, weight: Tensor, whole: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+    def forward(
+        self, own: Tensor, weight: Tensor, whole: Tensor, state: State = None
+    ) -> tuple[Tensor, tuple[Tensor, ...]]:
         """[N, T, units, own], [N, T, units, 1] and [N, T, whole] to logits and the state."""
         own = self.own(self.own_norm(own.reshape(-1, own.shape[3])).reshape(own.shape))
         whole = self.whole_norm(whole.flatten(0, 1)).reshape(whole.shape)
-        pooled = torch.cat(((weight * own).sum(2) / (weight.sum(2) + 1e-3), (weight * own).amax(2), whole), 2)
+        pooled = torch.cat(
+            ((weight * own).sum(2) / (weight.sum(2) + 1e-3), (weight * own).amax(2), whole), 2
+        )
         after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(pooled, state)
         return after
 
@@ -501,7 +558,16 @@ class RigidSlip(nn.Module):
         noise: m of a displacement, or N of a force; a unit with a depth of 6 times as much is in contact
     """
 
-    def __init__(self, inputs: int, classes: int, columns: int, rows: int, lags: tuple[int, ...], noise: float, upwards: bool = False) -> None:
+    def __init__(
+        self,
+        inputs: int,
+        classes: int,
+        columns: int,
+        rows: int,
+        lags: tuple[int, ...],
+        noise: float,
+        upwards: bool = False,
+    ) -> None:
         super().__init__()
         self.lags, self.scale = lags, 1 / noise
         places = grid_places(columns, rows)
@@ -512,17 +578,42 @@ class RigidSlip(nn.Module):
     def measures(self, frames: Tensor, before: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """[N, T, inputs] and the frames before them [N, greatest lag, inputs] to the values of each unit
         [N, T, units, own], its weight [N, T, units, 1], and the values of the whole contact [N, T, whole]."""
-        fields = self.scale * torch.cat((frames.unsqueeze(2), changes_of(frames, before, self.lags)), 2)
+        fields = self.scale * torch.cat(
+            (frames.unsqueeze(2), changes_of(frames, before, self.lags)), 2
+        )
         x, y, z = fields.reshape(*fields.shape[:3], -1, 3).unbind(4)
         depth = z[:, :, :1]
         fit = RigidFit(x, y, torch.clamp(depth / 3 - 1, 0, 1), self.get_buffer("places"), 0.1)
         below = depth - fit.mean(depth)
         spread = fit.mean(below**2)
-        slope = fit.mean(below * fit.along_rigid) / spread.add(0.25) * fit.mean(depth) / fit.size.add(1)  # 0: sticks, 1: slides
+        slope = (
+            fit.mean(below * fit.along_rigid) / spread.add(0.25) * fit.mean(depth) / fit.size.add(1)
+        )  # 0: sticks, 1: slides
         weight = fit.weight.transpose(2, 3)
-        own = torch.cat((signed_log(depth).transpose(2, 3), weight, (fit.rigid[:, :, :1] / (depth.abs() + 3)).transpose(2, 3),
-                         *(weight * signed_log(one).transpose(2, 3) for one in (fit.rigid, fit.rest, fit.along_rigid, z))), 3)
-        whole = torch.cat((fit.size, fit.turn, fit.departure, slope, fit.mean(depth), torch.sqrt(spread.add(0.01)), fit.count), 2).squeeze(3)
+        own = torch.cat(
+            (
+                signed_log(depth).transpose(2, 3),
+                weight,
+                (fit.rigid[:, :, :1] / (depth.abs() + 3)).transpose(2, 3),
+                *(
+                    weight * signed_log(one).transpose(2, 3)
+                    for one in (fit.rigid, fit.rest, fit.along_rigid, z)
+                ),
+            ),
+            3,
+        )
+        whole = torch.cat(
+            (
+                fit.size,
+                fit.turn,
+                fit.departure,
+                slope,
+                fit.mean(depth),
+                torch.sqrt(spread.add(0.01)),
+                fit.count,
+            ),
+            2,
+        ).squeeze(3)
         return own, weight, signed_log(whole)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
@@ -561,9 +652,21 @@ class NibRigid(nn.Module):
         [N, T, 9, own], its weight [N, T, 9, 1], and the values of the whole contact [N, T, whole]."""
         changes = changes_of(frames, before, self.lags)
         west, north, east, south = changes[..., :36].reshape(*changes.shape[:3], 9, 4).unbind(4)
-        fit = RigidFit(east - west, north - south, torch.ones_like(east[:1, :1, :1]), self.get_buffer("places"), 1.0)
+        fit = RigidFit(
+            east - west,
+            north - south,
+            torch.ones_like(east[:1, :1, :1]),
+            self.get_buffer("places"),
+            1.0,
+        )
         load = west + north + east + south
-        own = torch.cat([signed_log(one).transpose(2, 3) for one in (fit.rigid, fit.rest, fit.along_rigid, load)], 3)
+        own = torch.cat(
+            [
+                signed_log(one).transpose(2, 3)
+                for one in (fit.rigid, fit.rest, fit.along_rigid, load)
+            ],
+            3,
+        )
         first, second, third, fourth = changes[..., 36:].unbind(3)
         fast = torch.stack((first - second, third - fourth, first + second, third + fourth), 3)
         whole = torch.cat((fit.size, fit.turn, fit.departure, fit.mean(load), fast), 3).flatten(2)
@@ -587,15 +690,26 @@ class MyrmexCnn(nn.Module):
     | linear | 3 | 3 | 3 |
     """
 
-    def __init__(self, inputs: int, classes: int, convolutions: int, hidden: int, side: int = 12) -> None:
+    def __init__(
+        self, inputs: int, classes: int, convolutions: int, hidden: int, side: int = 12
+    ) -> None:
         super().__init__()
         self.side = side
         bins = inputs // side**2
         layers: list[nn.Module] = []
         for i in range(convolutions):
-            layers += [nn.Conv2d(bins if i == 0 else 32, 32, 3, padding=1), nn.Tanh(), nn.MaxPool2d(2)]
+            layers += [
+                nn.Conv2d(bins if i == 0 else 32, 32, 3, padding=1),
+                nn.Tanh(),
+                nn.MaxPool2d(2),
+            ]
             side //= 2
-        layers += [nn.Flatten(), nn.Linear(32 * side**2, hidden), nn.Tanh(), nn.Linear(hidden, classes)]
+        layers += [
+            nn.Flatten(),
+            nn.Linear(32 * side**2, hidden),
+            nn.Tanh(),
+            nn.Linear(hidden, classes),
+        ]
         self.layers = nn.Sequential(*layers)
 
     def forward(self, frames: Tensor) -> Tensor:
@@ -615,11 +729,20 @@ class BiotacCnn(nn.Module):
     | linear | 2 |
     """
 
-    def __init__(self, inputs: int, classes: int, rows: int = 12, columns: int = 11, units: int = 1024) -> None:
+    def __init__(
+        self, inputs: int, classes: int, rows: int = 12, columns: int = 11, units: int = 1024
+    ) -> None:
         super().__init__()
         self.image = (inputs // (rows * columns), rows, columns)
-        self.layers = nn.Sequential(nn.Conv2d(self.image[0], 32, 3), nn.BatchNorm2d(32), nn.ReLU(), nn.Flatten(),
-                                    nn.Linear(32 * (rows - 2) * (columns - 2), units), nn.ReLU(), nn.Linear(units, classes))
+        self.layers = nn.Sequential(
+            nn.Conv2d(self.image[0], 32, 3),
+            nn.BatchNorm2d(32),
+            nn.ReLU(),
+            nn.Flatten(),
+            nn.Linear(32 * (rows - 2) * (columns - 2), units),
+            nn.ReLU(),
+            nn.Linear(units, classes),
+        )
 
     def forward(self, frames: Tensor) -> Tensor:
         """Returns logits, and the state if the network has one (see the module)."""
@@ -644,7 +767,9 @@ class BiotacGcn(nn.Module):
         nodes = len(adjacency)
         widths = [inputs // nodes, 8, 8, 16, 16, 32]
         self.register_buffer("adjacency", adjacency)
-        self.weights = nn.ModuleList(nn.Linear(before, after) for before, after in zip(widths, widths[1:]))
+        self.weights = nn.ModuleList(
+            nn.Linear(before, after) for before, after in zip(widths, widths[1:])
+        )
         self.norms = nn.ModuleList(nn.BatchNorm1d(after) for after in widths[1:])
         self.head = nn.Sequential(nn.Linear(32 * nodes, 128), nn.ReLU(), nn.Linear(128, classes))
 
@@ -697,10 +822,14 @@ class ConvLstm(nn.Module):
 
     def forward(self, frames: Tensor) -> Tensor:
         """The state is zero before the first frame."""
-        hidden = frames.new_zeros((frames.shape[0], self.channels, frames.shape[3], frames.shape[4]))
+        hidden = frames.new_zeros(
+            (frames.shape[0], self.channels, frames.shape[3], frames.shape[4])
+        )
         cell, all_hidden = hidden, []
         for t in range(frames.shape[1]):
-            enter, forget, update, leave = self.gates(torch.cat((frames[:, t], hidden), 1)).chunk(4, 1)
+            enter, forget, update, leave = self.gates(torch.cat((frames[:, t], hidden), 1)).chunk(
+                4, 1
+            )
             cell = torch.sigmoid(forget) * cell + torch.sigmoid(enter) * torch.tanh(update)
             hidden = torch.sigmoid(leave) * torch.tanh(cell)
             all_hidden.append(hidden)
@@ -722,11 +851,22 @@ class BiotacConvLstm(nn.Module):
     | linear | 7 |
     """
 
-    def __init__(self, inputs: int, classes: int, rows: int = 12, columns: int = 11, layers: int = 2, filters: int = 8, frames: int = 5) -> None:
+    def __init__(
+        self,
+        inputs: int,
+        classes: int,
+        rows: int = 12,
+        columns: int = 11,
+        layers: int = 2,
+        filters: int = 8,
+        frames: int = 5,
+    ) -> None:
         super().__init__()
         self.history = frames
         self.image = (rows, columns)
-        self.memory = nn.Sequential(*(ConvLstm(1 if i == 0 else filters, filters) for i in range(layers)))
+        self.memory = nn.Sequential(
+            *(ConvLstm(1 if i == 0 else filters, filters) for i in range(layers))
+        )
         self.head = nn.Sequential(dense(filters, 32, 32), nn.Linear(32, classes))
 
     def forward(self, frames: Tensor) -> Tensor:
@@ -761,8 +901,12 @@ class BiotacSlip(nn.Module):
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """Returns logits, and the state if the network has one (see the module)."""
-        filtered = self.across(frames.reshape(*frames.shape[:2], -1, self.electrodes)).transpose(2, 3)
-        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(self.in_time(filtered).flatten(2), state)
+        filtered = self.across(frames.reshape(*frames.shape[:2], -1, self.electrodes)).transpose(
+            2, 3
+        )
+        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(
+            self.in_time(filtered).flatten(2), state
+        )
         return after
 
 
@@ -787,5 +931,7 @@ class BiotacGrasp(nn.Module):
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """Returns logits, and the state if the network has one (see the module)."""
-        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(self.across(frames.reshape(*frames.shape[:2], self.spans, -1)).flatten(2), state)
+        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(
+            self.across(frames.reshape(*frames.shape[:2], self.spans, -1)).flatten(2), state
+        )
         return after

@@ -23,7 +23,9 @@ PAIRS = 120
 STEPS = 6  # along a motion
 GOLDEN_ANGLE = math.pi * (3 - math.sqrt(5))
 AIR = 24  # recordings of the piezoelectric skin in which motors run in the air
-ROUNDING = 0.005  # of a depth, from the digits in the scene: below it, contact of an element is undecided
+ROUNDING = (
+    0.005  # of a depth, from the digits in the scene: below it, contact of an element is undecided
+)
 MOST_DRAWS = 20000
 SLIP_SHARE = 0.4  # least mean slip of a recording that slips, as a share of its travel
 LEAST_SLIP = 0.13  # mean slip of a recording that slips: above least_slip_distance of tools/benchmark/protocol.h
@@ -116,7 +118,9 @@ def judged(contact, friction, motion, wanted):
         if flat and not touches:
             continue
         slip = 0.0
-        for step in (STEPS,) if flat else range(1, STEPS + 1):  # on a flat surface depth does not change
+        for step in (
+            (STEPS,) if flat else range(1, STEPS + 1)
+        ):  # on a flat surface depth does not change
             now = tip_at(motion, step / STEPS, point)
             deep = depth(contact, now)
             if not touches:
@@ -140,35 +144,102 @@ def judged(contact, friction, motion, wanted):
 def grid(columns, rows, pitch, points=1, width=0.0):
     elements = []
     for unit in range(rows * columns):
-        x, y = (unit % columns - 0.5 * (columns - 1)) * pitch, (0.5 * (rows - 1) - unit // columns) * pitch
+        x, y = (
+            (unit % columns - 0.5 * (columns - 1)) * pitch,
+            (0.5 * (rows - 1) - unit // columns) * pitch,
+        )
         for i in range(points * points):
-            beside, along = ((k - 0.5 * (points - 1)) * width / points for k in (i % points, i // points))
+            beside, along = (
+                (k - 0.5 * (points - 1)) * width / points for k in (i % points, i // points)
+            )
             elements.append(Element(x + beside, y + along, 0.0, 1.0, unit))
-    return sorted(elements, key=lambda e: -math.hypot(e.x, e.y))  # the elements that slip first on a ball come first
+    return sorted(
+        elements, key=lambda e: -math.hypot(e.x, e.y)
+    )  # the elements that slip first on a ball come first
 
 
 def papillarray(rng, outside):
     devices = (
         [
-            {"k_normal": "0.5 N/mm", "k_tangential": "0.2 N/mm", "stiffness_sd": 0.14, "bristles": 2, "bristle_spread": 0.15},
-            {"k_normal": "0.5 N/mm", "k_tangential": "0.35 N/mm", "stiffness_sd": 0.2, "bristles": 24, "bristle_spread": 0.2, "edge_drop": "0.05 mm", "corner_drop": "0.12 mm"},
-            {"k_normal": "16 N/mm", "k_tangential": "9 N/mm", "stiffness_sd": 0.15, "bristles": 24, "bristle_spread": 0.1},
-            {"k_normal": "14 N/mm", "k_tangential": "6 N/mm", "stiffness_sd": 0.18, "bristles": 2, "bristle_spread": 0.25, "edge_drop": "0.1 mm", "corner_drop": "0.2 mm"},
+            {
+                "k_normal": "0.5 N/mm",
+                "k_tangential": "0.2 N/mm",
+                "stiffness_sd": 0.14,
+                "bristles": 2,
+                "bristle_spread": 0.15,
+            },
+            {
+                "k_normal": "0.5 N/mm",
+                "k_tangential": "0.35 N/mm",
+                "stiffness_sd": 0.2,
+                "bristles": 24,
+                "bristle_spread": 0.2,
+                "edge_drop": "0.05 mm",
+                "corner_drop": "0.12 mm",
+            },
+            {
+                "k_normal": "16 N/mm",
+                "k_tangential": "9 N/mm",
+                "stiffness_sd": 0.15,
+                "bristles": 24,
+                "bristle_spread": 0.1,
+            },
+            {
+                "k_normal": "14 N/mm",
+                "k_tangential": "6 N/mm",
+                "stiffness_sd": 0.18,
+                "bristles": 2,
+                "bristle_spread": 0.25,
+                "edge_drop": "0.1 mm",
+                "corner_drop": "0.2 mm",
+            },
         ]
         if outside
         else [
             {"profile": "hexapod", "stiffness_sd": 0.02, "bristles": 6, "bristle_spread": 0.4},
-            {"profile": "hexapod", "stiffness_sd": 0.06, "bristles": 12, "bristle_spread": 0.7, "edge_drop": "0.17 mm", "corner_drop": "0.32 mm"},
-            {"profile": "hexapod", "stiffness_sd": 0.1, "bristles": 3, "bristle_spread": 0.3, "edge_drop": "0.21 mm", "corner_drop": "0.5 mm"},
-            {"profile": "gripper", "stiffness_sd": 0.03, "bristles": 12, "bristle_spread": 0.35, "edge_drop": "0.19 mm", "corner_drop": "0.4 mm"},
-            {"profile": "gripper", "stiffness_sd": 0.07, "bristles": 6, "bristle_spread": 0.75, "edge_drop": "0.16 mm", "corner_drop": "0.3 mm"},
+            {
+                "profile": "hexapod",
+                "stiffness_sd": 0.06,
+                "bristles": 12,
+                "bristle_spread": 0.7,
+                "edge_drop": "0.17 mm",
+                "corner_drop": "0.32 mm",
+            },
+            {
+                "profile": "hexapod",
+                "stiffness_sd": 0.1,
+                "bristles": 3,
+                "bristle_spread": 0.3,
+                "edge_drop": "0.21 mm",
+                "corner_drop": "0.5 mm",
+            },
+            {
+                "profile": "gripper",
+                "stiffness_sd": 0.03,
+                "bristles": 12,
+                "bristle_spread": 0.35,
+                "edge_drop": "0.19 mm",
+                "corner_drop": "0.4 mm",
+            },
+            {
+                "profile": "gripper",
+                "stiffness_sd": 0.07,
+                "bristles": 6,
+                "bristle_spread": 0.75,
+                "edge_drop": "0.16 mm",
+                "corner_drop": "0.3 mm",
+            },
             {"profile": "gripper", "stiffness_sd": 0.09, "bristles": 3, "bristle_spread": 0.5},
         ]
     )
     device = rng.choice(devices)
     stiffness = {"hexapod": (1.2, 0.65), "gripper": (7.1, 3.9)}
     number = lambda key, otherwise: float(str(device.get(key, otherwise)).split()[0])
-    normal_stiffness, tangential = stiffness[device["profile"]] if "profile" in device else (number("k_normal", 0), number("k_tangential", 0))
+    normal_stiffness, tangential = (
+        stiffness[device["profile"]]
+        if "profile" in device
+        else (number("k_normal", 0), number("k_tangential", 0))
+    )
     drops = (0.0, number("edge_drop", 0.2), number("corner_drop", 0.45))
     count, spread = device["bristles"], device["bristle_spread"]
     elements = []
@@ -176,7 +247,15 @@ def papillarray(rng, outside):
         column, row = divmod(pillar, 3)
         for bristle in range(count):
             weight = 2 - spread - 2 * (1 - spread) * bristle / (count - 1)
-            elements.append(Element((1 - row) * 7.0, (1 - column) * 7.0, drops[abs(column - 1) + abs(row - 1)], weight, pillar))
+            elements.append(
+                Element(
+                    (1 - row) * 7.0,
+                    (1 - column) * 7.0,
+                    drops[abs(column - 1) + abs(row - 1)],
+                    weight,
+                    pillar,
+                )
+            )
     effect = rng.choice([[], [], ["viscous_friction"], ["stribeck"], ["ageing"], ["texture"]])
     return Contact(
         elements,
@@ -199,7 +278,15 @@ def piezo_skin(rng, outside):
     for i in range(count):
         share = (i + 0.5) / count
         r, angle = radius * math.sqrt(share), GOLDEN_ANGLE * i
-        elements.append(Element(r * math.cos(angle), r * math.sin(angle), 0.5 * curvature * radius**2 * (share - 0.5), 1.0, 0))
+        elements.append(
+            Element(
+                r * math.cos(angle),
+                r * math.sin(angle),
+                0.5 * curvature * radius**2 * (share - 0.5),
+                1.0,
+                0,
+            )
+        )
     rough = between((0.0002, 0.007), (0.0006, 0.0045))
     return Contact(
         elements,
@@ -208,11 +295,26 @@ def piezo_skin(rng, outside):
         unsure=3 * rough,
         scene={
             "effects": [
-                {"inertia": {"frequency": f"{between((70, 90, 350, 450), (120, 280)):.3g} Hz", "damping": float(f"{between((0.03, 0.3), (0.06, 0.18)):.3g}")}},
+                {
+                    "inertia": {
+                        "frequency": f"{between((70, 90, 350, 450), (120, 280)):.3g} Hz",
+                        "damping": float(f"{between((0.03, 0.3), (0.06, 0.18)):.3g}"),
+                    }
+                },
                 {"roughness": {"height": f"{1000 * rough:.3g} um"}},
-                {"asperities": {"amplitude": f"{between((0.2, 12), (0.6, 7)):.3g} mN", "distance": f"{between((0.05, 0.9), (0.12, 0.55)):.3g} mm"}},
+                {
+                    "asperities": {
+                        "amplitude": f"{between((0.2, 12), (0.6, 7)):.3g} mN",
+                        "distance": f"{between((0.05, 0.9), (0.12, 0.55)):.3g} mm",
+                    }
+                },
             ],
-            "sensors": {"pad": {"k_tangential": f"{k_tangential:.3g} N/mm", "tip_radius": f"{1 / curvature:.4g} mm"}},
+            "sensors": {
+                "pad": {
+                    "k_tangential": f"{k_tangential:.3g} N/mm",
+                    "tip_radius": f"{1 / curvature:.4g} mm",
+                }
+            },
         },
     )
 
@@ -223,7 +325,10 @@ def finger():
     for k in range(count):
         height = (k + 0.5) / count - 1
         around, angle = math.sqrt(1 - height * height), GOLDEN_ANGLE * k
-        x, y, z = (r * u for r, u in zip(radii, (around * math.cos(angle), height, around * math.sin(angle))))
+        x, y, z = (
+            r * u
+            for r, u in zip(radii, (around * math.cos(angle), height, around * math.sin(angle)))
+        )
         if -y > 0.5:  # only the outer part of the skin can touch a plane
             elements.append(Element(x, -z, y + radii[1], 1.0, k))
     return elements
@@ -258,7 +363,15 @@ def ball(elements, compressions, radii, stiffness):
             log_uniform(rng, *compressions),
             tuple(math.radians(normal(rng, 0.7, 2)) for _ in range(2)),
             radius,
-            scene={"surface": {"radius": f"{radius:.4g} mm"}, "sensors": {"pad": {"k_normal": f"{k_normal:.4g} N/mm", "k_tangential": f"{k_tangential:.4g} N/mm"}}},
+            scene={
+                "surface": {"radius": f"{radius:.4g} mm"},
+                "sensors": {
+                    "pad": {
+                        "k_normal": f"{k_normal:.4g} N/mm",
+                        "k_tangential": f"{k_tangential:.4g} N/mm",
+                    }
+                },
+            },
         )
 
     return contact
@@ -273,7 +386,10 @@ class Stage:
     arm: float = 10.0  # distance from the pivot at which the travel of a turn is measured
     stick: tuple = (1.3, 2.2)  # margins of contacts that hold
     slip: tuple = (0.02, 0.75)  # margins of those that slip
-    frictions: tuple = ((0.12, 1.4), (0.05, 0.065, 0.085, 1.7, 2.1, 2.6))  # inside the training range: a range; outside: values
+    frictions: tuple = (
+        (0.12, 1.4),
+        (0.05, 0.065, 0.085, 1.7, 2.1, 2.6),
+    )  # inside the training range: a range; outside: values
     redraws: bool = False  # the second contact of a pair is redrawn, except for its compression
 
 
@@ -281,11 +397,48 @@ SLOWEST = 0.5  # s, longest motion
 
 STAGES = {
     "papillarray": Stage(papillarray, (0.25, 1.0), (0.7, 1.2), 3),
-    "piezo_skin": Stage(piezo_skin, (0.2, 1.3), (0.75, 1.25), 0, stick=(1.6, 3.2), slip=(0.02, 0.7), frictions=((0.17, 1.4), (0.07, 0.1, 0.13, 1.7, 2, 2.4))),
-    "biotac_sp": Stage(biotac_sp, (0.28, 0.4), (0.7, 1.2), 3, arm=8.0, stick=(1.2, 2.2), redraws=True),
-    "magnetic_skin": Stage(ball(grid(4, 4, 4.7), (0.3, 1.2), (15, 200), (((1, 2), (0.35, 0.7)), ((0.5, 4), (0.2, 1.5)))), (0.3, 1.2), (0.6, 1.1), 3),
-    "gel_markers": Stage(ball(grid(20, 16, 1.0), (0.2, 0.8), (15, 1000), (((0.08, 0.15), (0.025, 0.05)), ((0.04, 0.3), (0.012, 0.1)))), (0.3, 0.7), (0.65, 1.15), 3),
-    "taxels": Stage(ball(grid(4, 4, 5.0, 3, 4.0), (0.3, 1.2), (15, 200), (((0.8, 1.8), (0.35, 0.75)), ((0.4, 4), (0.18, 1.6)))), (0.3, 1.2), (0.6, 1.1), 3),
+    "piezo_skin": Stage(
+        piezo_skin,
+        (0.2, 1.3),
+        (0.75, 1.25),
+        0,
+        stick=(1.6, 3.2),
+        slip=(0.02, 0.7),
+        frictions=((0.17, 1.4), (0.07, 0.1, 0.13, 1.7, 2, 2.4)),
+    ),
+    "biotac_sp": Stage(
+        biotac_sp, (0.28, 0.4), (0.7, 1.2), 3, arm=8.0, stick=(1.2, 2.2), redraws=True
+    ),
+    "magnetic_skin": Stage(
+        ball(
+            grid(4, 4, 4.7), (0.3, 1.2), (15, 200), (((1, 2), (0.35, 0.7)), ((0.5, 4), (0.2, 1.5)))
+        ),
+        (0.3, 1.2),
+        (0.6, 1.1),
+        3,
+    ),
+    "gel_markers": Stage(
+        ball(
+            grid(20, 16, 1.0),
+            (0.2, 0.8),
+            (15, 1000),
+            (((0.08, 0.15), (0.025, 0.05)), ((0.04, 0.3), (0.012, 0.1))),
+        ),
+        (0.3, 0.7),
+        (0.65, 1.15),
+        3,
+    ),
+    "taxels": Stage(
+        ball(
+            grid(4, 4, 5.0, 3, 4.0),
+            (0.3, 1.2),
+            (15, 200),
+            (((0.8, 1.8), (0.35, 0.75)), ((0.4, 4), (0.18, 1.6))),
+        ),
+        (0.3, 1.2),
+        (0.6, 1.1),
+        3,
+    ),
 }
 
 
@@ -297,7 +450,9 @@ def motion_of(stage, rng, pair, pairs):
         top = min(speed, math.sqrt(acceleration * travel))
         if travel / top + top / acceleration <= SLOWEST:
             break
-    motion = Motion(travel, speed, acceleration, rng.uniform(0, 2 * math.pi), rng.uniform(*stage.starts))
+    motion = Motion(
+        travel, speed, acceleration, rng.uniform(0, 2 * math.pi), rng.uniform(*stage.starts)
+    )
     if pair * 7 % 10 < stage.turns:
         motion.turn = rng.choice((-1, 1)) * travel / stage.arm
         distance, angle = rng.uniform(3, 7), rng.uniform(0, 2 * math.pi)
@@ -319,7 +474,9 @@ def motion_scene(motion, arm):
             "travel": f"{motion.travel:.4g} mm",
         }
     angle, rate, limit = abs(motion.turn), motion.speed / arm, motion.acceleration / arm
-    seconds = angle / rate if rate**2 < angle * limit else math.sqrt(angle / limit)  # until it brakes
+    seconds = (
+        angle / rate if rate**2 < angle * limit else math.sqrt(angle / limit)
+    )  # until it brakes
     return start | {
         "speed": "0 mm/s",
         "rotation": f"{math.copysign(math.degrees(rate), motion.turn):.4g} deg/s",
@@ -333,7 +490,9 @@ def friction_between(margin, wanted, stage, outside, rng):
     """Returns a friction at which a contact has one of the wanted margins, or None. `margin`: at friction 1, as margins are proportional to it."""
     low, high = getattr(stage, wanted)
     if outside:
-        return rng.choice([one for one in stage.frictions[1] if low <= one * margin <= high] or [None])
+        return rng.choice(
+            [one for one in stage.frictions[1] if low <= one * margin <= high] or [None]
+        )
     low, high = max(low / margin, stage.frictions[0][0]), min(high / margin, stage.frictions[0][1])
     return log_uniform(rng, low, high) if low < high else None
 
@@ -343,7 +502,9 @@ def slipping(contact, motion, stage, outside, rng):
     margin, _ = judged(contact, 1.0, motion, "slip")
     for _ in range(3 if margin > 0.0 else 0):
         friction = friction_between(margin, "slip", stage, outside, rng)
-        if friction and judged(contact, friction, motion, "slip")[1] >= max(LEAST_SLIP, SLIP_SHARE * motion.travel):
+        if friction and judged(contact, friction, motion, "slip")[1] >= max(
+            LEAST_SLIP, SLIP_SHARE * motion.travel
+        ):
             return friction
     return None
 
@@ -373,18 +534,37 @@ def stage_recordings(sensor, outside, rng):
     recordings = []
     for pair in range(pairs):
         motion = motion_of(stage, rng, pair, pairs)
-        found = next(filter(None, (pair_of(stage, motion, outside, rng) for _ in range(MOST_DRAWS))), None)
+        found = next(
+            filter(None, (pair_of(stage, motion, outside, rng) for _ in range(MOST_DRAWS))), None
+        )
         if not found:
-            raise SystemExit(f"travels.py: {sensor}: no contact both holds and slips over {motion.travel:.3g} mm")
+            raise SystemExit(
+                f"travels.py: {sensor}: no contact both holds and slips over {motion.travel:.3g} mm"
+            )
         for contact, friction in found:
-            scene = {"friction": {"scale": float(f"{friction:.3g}")}, "motion": {"compression": f"{contact.compression:.4g} mm"}}
+            scene = {
+                "friction": {"scale": float(f"{friction:.3g}")},
+                "motion": {"compression": f"{contact.compression:.4g} mm"},
+            }
             if contact.tilt != (0.0, 0.0):
                 scene["motion"]["tilt"] = [degrees(angle) for angle in contact.tilt]
             scene["motion"] |= motion_scene(motion, stage.arm)
             recordings.append(scene | contact.scene)
     for _ in range(2 * (PAIRS - pairs)):
-        motion = {"start": f"{rng.uniform(*stage.starts):.4g} s", "clearance": "5 mm", "speed": f"{log_uniform(rng, 10, 50):.3g} mm/s", "travel": "20 mm", "strokes": 10}
-        recordings.append({"friction": {"scale": 1}, "motion": {"compression": "0.1 mm", "acceleration": "500 mm/s2"} | motion} | stage.contact(rng, outside).scene)
+        motion = {
+            "start": f"{rng.uniform(*stage.starts):.4g} s",
+            "clearance": "5 mm",
+            "speed": f"{log_uniform(rng, 10, 50):.3g} mm/s",
+            "travel": "20 mm",
+            "strokes": 10,
+        }
+        recordings.append(
+            {
+                "friction": {"scale": 1},
+                "motion": {"compression": "0.1 mm", "acceleration": "500 mm/s2"} | motion,
+            }
+            | stage.contact(rng, outside).scene
+        )
     return recordings
 
 
@@ -394,7 +574,10 @@ def nib_pad_recordings(outside, rng):
     k_normal, rig = 0.83, 15.0  # N/mm, sensors/nib_pad and lever.xml
     height_sd = 0.06 if outside else 0.03  # mm
     # patchy_friction at the weakest of 36 nibs, and of the few in the corners that a turn loads most: 2.3 and 1.5 deviations
-    weakest = {arm: math.exp(-deviations * 0.3 - 0.3**2 / 2) for arm, deviations in ((0.0, 2.3), (31.75, 1.5))}
+    weakest = {
+        arm: math.exp(-deviations * 0.3 - 0.3**2 / 2)
+        for arm, deviations in ((0.0, 2.3), (31.75, 1.5))
+    }
     square = sum(x * x + y * y for x, y in nibs)
     stiffness = 1 / (1 / rig + 1 / (36 * k_normal))
     recordings = []
@@ -404,25 +587,56 @@ def nib_pad_recordings(outside, rng):
         force, ramp = low * (high / low) ** ((pair + 0.5) / PAIRS), log_uniform(rng, 0.1, 0.7)
         start = rng.uniform(0.8, 1.1)
         for _ in range(MOST_DRAWS):
-            holds, slips = (rng.choice((1.4, 1.7, 2)), rng.choice((0.1, 0.14, 0.18))) if outside else (log_uniform(rng, 0.5, 1.3), log_uniform(rng, 0.2, 0.5))
+            holds, slips = (
+                (rng.choice((1.4, 1.7, 2)), rng.choice((0.1, 0.14, 0.18)))
+                if outside
+                else (log_uniform(rng, 0.5, 1.3), log_uniform(rng, 0.2, 0.5))
+            )
             compression = rng.uniform(0.4, 1.1)
             tilt = tuple(math.radians(normal(rng, 0.4, 1.2)) for _ in range(2))
             load = stiffness * compression
-            depths = [load / (36 * k_normal) + x * math.sin(tilt[1]) - y * math.sin(tilt[0]) for x, y in nibs]
-            share = [math.hypot(force * arm * y / square, force * (1 / 36 - arm * x / square)) for x, y in nibs]
-            margin = min(holds * weakest[arm] * k_normal * (d - 2.4 * height_sd) / f for d, f in zip(depths, share))
+            depths = [
+                load / (36 * k_normal) + x * math.sin(tilt[1]) - y * math.sin(tilt[0])
+                for x, y in nibs
+            ]
+            share = [
+                math.hypot(force * arm * y / square, force * (1 / 36 - arm * x / square))
+                for x, y in nibs
+            ]
+            margin = min(
+                holds * weakest[arm] * k_normal * (d - 2.4 * height_sd) / f
+                for d, f in zip(depths, share)
+            )
             # the least force at which the plate turns about a pole on X, or slides
-            poles = [load * slips * sum(math.hypot(x - p, y) for x, y in nibs) / 36 / (p + arm) for p in range(1, 30)] if arm else [load * slips]
+            poles = (
+                [
+                    load * slips * sum(math.hypot(x - p, y) for x, y in nibs) / 36 / (p + arm)
+                    for p in range(1, 30)
+                ]
+                if arm
+                else [load * slips]
+            )
             if 1.25 <= margin <= 3.5 and 0.1 <= min(poles) / force <= 0.93:
                 break
         else:
-            raise SystemExit(f"travels.py: nib_pad: no contact both holds and slips under {force:.3g} N")
+            raise SystemExit(
+                f"travels.py: nib_pad: no contact both holds and slips under {force:.3g} N"
+            )
         for friction in (holds, slips):
             recordings.append(
                 {
                     "friction": {"scale": float(f"{friction:.3g}")},
-                    "motion": {"offset": [f"{arm:g} mm", "0 mm"], "compression": f"{compression:.4g} mm", "tilt": [degrees(angle) for angle in tilt]},
-                    "controls": {"pull": [[f"{start:.4g} s", "0 N"], [f"{start + ramp:.4g} s", f"{force:.4g} N"]]},
+                    "motion": {
+                        "offset": [f"{arm:g} mm", "0 mm"],
+                        "compression": f"{compression:.4g} mm",
+                        "tilt": [degrees(angle) for angle in tilt],
+                    },
+                    "controls": {
+                        "pull": [
+                            [f"{start:.4g} s", "0 N"],
+                            [f"{start + ramp:.4g} s", f"{force:.4g} N"],
+                        ]
+                    },
                 }
             )
     return recordings
@@ -446,14 +660,18 @@ def myrmex_recordings(outside, rng):
             ((column - 7.5) * pitch, (row - 7.5) * pitch)
             for column in range(16)
             for row in range(16)
-            if abs((column - 7.5) * pitch - beside) < width / 2 and abs((row - 7.5) * pitch - above) < height / 2
+            if abs((column - 7.5) * pitch - beside) < width / 2
+            and abs((row - 7.5) * pitch - above) < height / 2
         ]
         count, foam = len(touching), cell * len(touching)
         cx, cy = (sum(place[k] for place in touching) / count for k in (0, 1))
         stiffness, weight = 1 / (1 / arm_stiffness + 1 / foam), 0.5 * 9.81e-3 * mass
         square = sum((x - cx) ** 2 + (y - cy) ** 2 for x, y in touching)
         lever = beside - cx
-        greatest = max(math.hypot(lever * (y - cy) / square, 1 / count + lever * (x - cx) / square) for x, y in touching)
+        greatest = max(
+            math.hypot(lever * (y - cy) / square, 1 / count + lever * (x - cx) / square)
+            for x, y in touching
+        )
         # Remaining squeeze at friction 1 at which the cell with the greatest share slips; the whole box slides, or turns, at less.
         needs, slides = weight * greatest * count / stiffness, (0.85, 0.85, 0.5, 0.5)[pair % 4]
         for _ in range(MOST_DRAWS):
@@ -469,13 +687,28 @@ def myrmex_recordings(outside, rng):
             if holds >= 1.25 * least and (outside or holds <= 1.3) and 4.5 <= apart + left <= 8.5:
                 break
         else:
-            raise SystemExit(f"travels.py: myrmex: no friction both holds and slips over {apart:.3g} mm")
+            raise SystemExit(
+                f"travels.py: myrmex: no friction both holds and slips over {apart:.3g} mm"
+            )
         for friction in (holds, slips):
             recordings.append(
                 {
                     "friction": {"scale": float(f"{friction:.3g}")},
-                    "bodies": {"object": {"shape": "box", "size": ["60 mm", f"{width} mm", f"{height} mm"], "mass": f"{mass} g", "position": ["0 mm", f"{beside} mm", f"{above} mm"]}},
-                    "controls": {"squeeze": f"{apart + left:.4g} mm", "apart": [[f"{start:.4g} s", "0 mm"], [f"{start + ramp:.4g} s", f"{apart:.4g} mm"]]},
+                    "bodies": {
+                        "object": {
+                            "shape": "box",
+                            "size": ["60 mm", f"{width} mm", f"{height} mm"],
+                            "mass": f"{mass} g",
+                            "position": ["0 mm", f"{beside} mm", f"{above} mm"],
+                        }
+                    },
+                    "controls": {
+                        "squeeze": f"{apart + left:.4g} mm",
+                        "apart": [
+                            [f"{start:.4g} s", "0 mm"],
+                            [f"{start + ramp:.4g} s", f"{apart:.4g} mm"],
+                        ],
+                    },
                 }
             )
     return recordings
@@ -497,19 +730,30 @@ def written(path):
     if sensor in STAGES:
         recordings = stage_recordings(sensor, outside, rng)
     else:
-        recordings = {"nib_pad": nib_pad_recordings, "myrmex": myrmex_recordings}[sensor](outside, rng)
+        recordings = {"nib_pad": nib_pad_recordings, "myrmex": myrmex_recordings}[sensor](
+            outside, rng
+        )
     before, rest = path.read_text().split("\n  scene:", 1)
     lines = rest.split("\n")
     after = next(k for k in range(1, len(lines)) if not lines[k].startswith("    "))
-    return before + "\n  scene:\n" + "".join(f"    - {text_of(recording)}\n" for recording in recordings) + "\n".join(lines[after:])
+    return (
+        before
+        + "\n  scene:\n"
+        + "".join(f"    - {text_of(recording)}\n" for recording in recordings)
+        + "\n".join(lines[after:])
+    )
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--check", action="store_true", help="compare the scenes with what this program writes")
+    parser.add_argument(
+        "--check", action="store_true", help="compare the scenes with what this program writes"
+    )
     parser.add_argument("names", nargs="*", help="scenes, such as open_taxels [default: all]")
     arguments = parser.parse_args()
-    paths = [FOLDER / f"{name}.yaml" for name in arguments.names] or sorted(FOLDER.glob("open_*.yaml")) + sorted(FOLDER.glob("outside_*.yaml"))
+    paths = [FOLDER / f"{name}.yaml" for name in arguments.names] or sorted(
+        FOLDER.glob("open_*.yaml")
+    ) + sorted(FOLDER.glob("outside_*.yaml"))
     other = []
     for path in paths:
         text = written(path)
@@ -518,7 +762,9 @@ def main():
         elif not arguments.check:
             path.write_text(text)
     if other:
-        sys.exit(f"travels.py: {', '.join(other)}: not what this program writes; run it without --check")
+        sys.exit(
+            f"travels.py: {', '.join(other)}: not what this program writes; run it without --check"
+        )
 
 
 if __name__ == "__main__":

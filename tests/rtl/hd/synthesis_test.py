@@ -12,8 +12,19 @@ ROOT = Path(__file__).resolve().parents[3]
 
 with tempfile.TemporaryDirectory() as folder:
     result = Path(folder) / "result.json"
-    subprocess.run([sys.executable, ROOT / "rtl/hd/syn/report.py", "--dimension", "100", "--only", "smallest", "--json", result],
-                   check=True)
+    subprocess.run(
+        [
+            sys.executable,
+            ROOT / "rtl/hd/syn/report.py",
+            "--dimension",
+            "100",
+            "--only",
+            "smallest",
+            "--json",
+            result,
+        ],
+        check=True,
+    )
     figures = json.loads(result.read_text(encoding="utf-8"))["unrollings"]["smallest"]
 
 assert figures["latches"] == 0, figures

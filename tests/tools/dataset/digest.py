@@ -1,5 +1,6 @@
 """The digests of tools/dataset/storage.md, computed with h5py, independently of this
 project."""
+
 import hashlib
 
 import h5py
@@ -11,7 +12,9 @@ def entry(key, value):
     value = np.asarray(value)
     if value.dtype.kind in "OSU":
         kind = "text"
-        data = b"".join((text if isinstance(text, bytes) else text.encode()) + b"\0" for text in value.ravel())
+        data = b"".join(
+            (text if isinstance(text, bytes) else text.encode()) + b"\0" for text in value.ravel()
+        )
     else:
         kind, data = value.dtype.str, np.ascontiguousarray(value).tobytes()
     extents = ",".join(str(extent) for extent in value.shape)
@@ -22,7 +25,11 @@ def entries(item, path, leave_out=()):
     """Returns {key: SHA-256} of a group or array and everything below; `path` is its own path in
     the keys.
     """
-    found = {f"{path}@{name}": entry(f"{path}@{name}", value) for name, value in item.attrs.items() if f"{path}@{name}" not in leave_out}
+    found = {
+        f"{path}@{name}": entry(f"{path}@{name}", value)
+        for name, value in item.attrs.items()
+        if f"{path}@{name}" not in leave_out
+    }
     if isinstance(item, h5py.Dataset):
         found[path] = entry(path, item[()])
     else:

@@ -30,7 +30,11 @@ def values_of(path):
     def visit(name, item):
         for key, value in item.attrs.items():
             value = np.asarray(value)
-            found[f"{name}@{key}"] = (value.dtype.kind, value.shape, value.tolist() if value.dtype.kind in "OU" else value.tobytes())
+            found[f"{name}@{key}"] = (
+                value.dtype.kind,
+                value.shape,
+                value.tolist() if value.dtype.kind in "OU" else value.tobytes(),
+            )
         if isinstance(item, h5py.Dataset):
             found[name] = (str(item.dtype), item.shape, item[()].tobytes())
         else:
@@ -49,11 +53,33 @@ class FlipsTest(unittest.TestCase):
     def setUp(self):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.whole = self.folder / "whole.h5"
-        subprocess.run([PROGRAM, "run", ROOT / "scenes/papillarray/stage.yaml", "--set", "duration=0.9 s", "motion.start=0.5 s", "sensors.pad.rate=100 Hz", "sweep={motion.speed: [4 mm/s, 8 mm/s, 16 mm/s]}",
-                        "--trials", "3", "--quiet", "-o", self.whole], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [
+                PROGRAM,
+                "run",
+                ROOT / "scenes/papillarray/stage.yaml",
+                "--set",
+                "duration=0.9 s",
+                "motion.start=0.5 s",
+                "sensors.pad.rate=100 Hz",
+                "sweep={motion.speed: [4 mm/s, 8 mm/s, 16 mm/s]}",
+                "--trials",
+                "3",
+                "--quiet",
+                "-o",
+                self.whole,
+            ],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
 
     def verify(self, *paths):
-        result = subprocess.run([PROGRAM, "verify", *paths, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=10 * len(paths))
+        result = subprocess.run(
+            [PROGRAM, "verify", *paths, "--json"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            timeout=10 * len(paths),
+        )
         self.assertIn(result.returncode, (0, 1, 2))
         return result.returncode, json.loads(result.stdout)["datasets"]
 
@@ -71,9 +97,21 @@ class FlipsTest(unittest.TestCase):
             file["data/demo_0/labels/pad"].attrs["onset_time_s"] = [1.2345] * 9
         status, (found,) = self.verify(self.whole)
         self.assertEqual(status, 1)
-        self.assertEqual({(failure["check"], failure["trial"]) for failure in found["failures"]}, {("digests", 0), ("digests", None), ("events", 0)})
-        for command in (["report", self.whole, "-o", self.folder / "page.html"], ["export", self.whole, "--format", "npz", "-o", self.folder / "out"]):
-            result = subprocess.run([PROGRAM, *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+        self.assertEqual(
+            {(failure["check"], failure["trial"]) for failure in found["failures"]},
+            {("digests", 0), ("digests", None), ("events", 0)},
+        )
+        for command in (
+            ["report", self.whole, "-o", self.folder / "page.html"],
+            ["export", self.whole, "--format", "npz", "-o", self.folder / "out"],
+        ):
+            result = subprocess.run(
+                [PROGRAM, *command],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                check=False,
+            )
             self.assertEqual(result.returncode, 2)
             self.assertIn("is damaged", result.stderr)
 

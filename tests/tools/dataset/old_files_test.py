@@ -29,7 +29,9 @@ class OldFiles(unittest.TestCase):
             shutil.copy(FILES / name, self.folder / f"{name}.h5")
 
     def run_program(self, *words, status=0):
-        done = subprocess.run([PROGRAM, *words], cwd=self.folder, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [PROGRAM, *words], cwd=self.folder, capture_output=True, text=True, check=False
+        )
         self.assertEqual(done.returncode, status, f"{words}: {done.stdout}{done.stderr}")
         return done.stdout
 
@@ -41,16 +43,26 @@ class OldFiles(unittest.TestCase):
     def test_verify_finds_them_sound(self):
         for name, expected in self.each():
             found = json.loads(self.run_program("verify", name, "--json"))["datasets"][0]
-            self.assertEqual((found["holds"], found["trials"], found["complete"]), (True, len(expected["trials"]), expected["complete"]))
+            self.assertEqual(
+                (found["holds"], found["trials"], found["complete"]),
+                (True, len(expected["trials"]), expected["complete"]),
+            )
 
     def test_commands_read_them(self):
         for name, expected in self.each():
             stem = Path(name).stem
             self.run_program("report", name, "-o", f"{stem}.html")
-            self.assertIn("<!DOCTYPE html>", (self.folder / f"{stem}.html").read_text(encoding="utf-8"))
+            self.assertIn(
+                "<!DOCTYPE html>", (self.folder / f"{stem}.html").read_text(encoding="utf-8")
+            )
         self.run_program("export", "stage.h5", "--format", "csv", "-o", "tables", "-q")
         self.assertEqual(len(list((self.folder / "tables").glob("*.csv"))), 1)
-        self.assertEqual(json.loads(self.run_program("eval", "force_ratio", "stage.h5", "--json"))["all"]["trials"], 1)
+        self.assertEqual(
+            json.loads(self.run_program("eval", "force_ratio", "stage.h5", "--json"))["all"][
+                "trials"
+            ],
+            1,
+        )
 
     @unittest.skipUnless(os.path.isdir(PACKAGE), "no Python package")
     def test_python_reads_their_values(self):
@@ -59,11 +71,15 @@ class OldFiles(unittest.TestCase):
         for name, expected in self.each():
             with slipbench.open(str(self.folder / name)) as data:
                 self.assertEqual(data.version, "0.2.0")
-                self.assertEqual({str(trial): data[trial].sha256 for trial in data}, expected["trials"])
+                self.assertEqual(
+                    {str(trial): data[trial].sha256 for trial in data}, expected["trials"]
+                )
                 for path, total in expected["arrays"].items():
                     trial, kind, sensor, array = path.split("/")
                     values = getattr(getattr(data[int(trial)], kind)[sensor], array)
-                    self.assertAlmostEqual(float(values[:].astype("float64").sum()), total, msg=f"{name}: {path}")
+                    self.assertAlmostEqual(
+                        float(values[:].astype("float64").sum()), total, msg=f"{name}: {path}"
+                    )
 
 
 if __name__ == "__main__":

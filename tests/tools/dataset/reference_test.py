@@ -53,7 +53,9 @@ def rows_of(text):
 
 def shape_fits(wanted, shape):
     extents = [extent for extent in wanted.strip("[]").split(",") if extent]
-    return len(extents) == len(shape) and all(extent == str(found) for extent, found in zip(extents, shape) if extent.isdigit())
+    return len(extents) == len(shape) and all(
+        extent == str(found) for extent, found in zip(extents, shape) if extent.isdigit()
+    )
 
 
 def attribute_text(value):
@@ -61,28 +63,59 @@ def attribute_text(value):
 
 
 # The second of two trials exceeds the range of a float.
-WITH_A_FAILURE = ["--trials", "2", "--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e50}}]]}"]
+WITH_A_FAILURE = [
+    "--trials",
+    "2",
+    "--set",
+    "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e50}}]]}",
+]
 RUNS += (("papillarray/stage.yaml", *WITH_A_FAILURE),)
 # A part of a sweep, with a split defined by its scene.
-SHARD = ("--shard", "1/1", "--record", "outcome", "--set", "split={by: trial, shares: [0.8, 0.1, 0.1]}", "duration=1 s", "motion.start=500 ms")
+SHARD = (
+    "--shard",
+    "1/1",
+    "--record",
+    "outcome",
+    "--set",
+    "split={by: trial, shares: [0.8, 0.1, 0.1]}",
+    "duration=1 s",
+    "motion.start=500 ms",
+)
 RUNS += (("papillarray/stage.yaml", *SHARD),)
 
 
 class ReferenceTest(unittest.TestCase):
     def setUp(self):
-        self.rows = rows_of("\n".join(page.read_text(encoding="utf-8") for page in (ROOT / "tools/dataset").glob("*.md")))
+        self.rows = rows_of(
+            "\n".join(
+                page.read_text(encoding="utf-8") for page in (ROOT / "tools/dataset").glob("*.md")
+            )
+        )
         self.held = set()
 
     def look_up(self, path, kind, name, sensor="all"):
-        key = next((key for key in ((path, kind, name, sensor), (path, kind, name, "all")) if key in self.rows), None)
-        self.assertIsNotNone(key, f"a file holds the {kind} {name} in {path}, the reference does not")
+        key = next(
+            (
+                key
+                for key in ((path, kind, name, sensor), (path, kind, name, "all"))
+                if key in self.rows
+            ),
+            None,
+        )
+        self.assertIsNotNone(
+            key, f"a file holds the {kind} {name} in {path}, the reference does not"
+        )
         self.held.add(key)
         return self.rows[key]
 
     def look_at_array(self, path, name, sensor, array):
         row = self.look_up(path, "array", name, sensor)
-        self.assertTrue(shape_fits(row["shape"], array.shape), f"{path}/{name}: {row['shape']} is {array.shape}")
-        self.assertEqual(row["type"], "text" if array.dtype.kind == "S" else array.dtype, f"{path}/{name}")
+        self.assertTrue(
+            shape_fits(row["shape"], array.shape), f"{path}/{name}: {row['shape']} is {array.shape}"
+        )
+        self.assertEqual(
+            row["type"], "text" if array.dtype.kind == "S" else array.dtype, f"{path}/{name}"
+        )
         self.assertEqual(row.get("unit"), array.attrs.get("unit"), f"{path}/{name}")
 
     def look_at_attribute(self, path, name, value):
@@ -92,7 +125,11 @@ class ReferenceTest(unittest.TestCase):
 
     def look_at(self, file):
         def visit(name, member):
-            path = re.sub(r"(sensors|labels|truth)/[^/]+", r"\1/<name>", re.sub(r"demo_\d+", "demo_<k>", "/" + name))
+            path = re.sub(
+                r"(sensors|labels|truth)/[^/]+",
+                r"\1/<name>",
+                re.sub(r"demo_\d+", "demo_<k>", "/" + name),
+            )
             if isinstance(member, h5py.Dataset):
                 group, _, array = path.rpartition("/")
                 if group.endswith("/events"):
@@ -114,24 +151,39 @@ class ReferenceTest(unittest.TestCase):
             for scene, *options in RUNS:
                 out = Path(folder) / "out.h5"
                 verb = "sweep" if "--shard" in options else "run"
-                result = subprocess.run([PROGRAM, verb, ROOT / "scenes" / scene, *options, "-o", out], stdout=subprocess.DEVNULL)
+                result = subprocess.run(
+                    [PROGRAM, verb, ROOT / "scenes" / scene, *options, "-o", out],
+                    stdout=subprocess.DEVNULL,
+                )
                 self.assertEqual(result.returncode, int(options == WITH_A_FAILURE))
                 with h5py.File(out) as file:
                     self.look_at(file)
             source = Path(folder) / "bts3v2_palm_45.csv"
             names = [f"{finger}_biotac_{e}" for finger in ("ff", "mf", "th") for e in range(1, 25)]
-            source.write_text(",".join(["object", "slipped", *names]) + "\ncoke,1" + ",3000" * 72 + "\n", encoding="ascii")
+            source.write_text(
+                ",".join(["object", "slipped", *names]) + "\ncoke,1" + ",3000" * 72 + "\n",
+                encoding="ascii",
+            )
             # A recording with times, whose sensor stores how even they are.
             simulated, tables = Path(folder) / "simulated.h5", Path(folder) / "tables"
             stage = [PROGRAM, "run", ROOT / "scenes/papillarray/stage.yaml", "-o", simulated]
-            for command in (stage, [PROGRAM, "export", simulated, "--format", "training-csv", "-o", tables]):
+            for command in (
+                stage,
+                [PROGRAM, "export", simulated, "--format", "training-csv", "-o", tables],
+            ):
                 subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
             for recording, written_as in ((source, "bts3v2"), (tables, "training-csv")):
                 out.unlink()
-                subprocess.run([PROGRAM, "import", recording, "--format", written_as, "-o", out], stdout=subprocess.DEVNULL, check=True)
+                subprocess.run(
+                    [PROGRAM, "import", recording, "--format", written_as, "-o", out],
+                    stdout=subprocess.DEVNULL,
+                    check=True,
+                )
                 with h5py.File(out) as file:
                     self.look_at(file)
-        self.assertEqual(set(), set(self.rows) - self.held, "the reference names what no file holds")
+        self.assertEqual(
+            set(), set(self.rows) - self.held, "the reference names what no file holds"
+        )
 
 
 if __name__ == "__main__":

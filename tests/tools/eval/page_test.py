@@ -1,6 +1,6 @@
 """The page of `slipbench eval` in a browser: no script, its policy holds, nothing is loaded.
 
-    page_test.py PROGRAM
+page_test.py PROGRAM
 """
 
 import re
@@ -29,7 +29,9 @@ def main():
         (folder / "scene.yaml").write_text(SCENE)
 
         def run(*words):
-            return subprocess.run([program, *words], check=True, cwd=folder, capture_output=True, text=True).stdout
+            return subprocess.run(
+                [program, *words], check=True, cwd=folder, capture_output=True, text=True
+            ).stdout
 
         run("sweep", "scene.yaml", "-o", "data.h5", "--quiet")
         run("eval", "stuck_fraction", "data.h5", "--labels", "micro", "-o", "page.html")
@@ -40,14 +42,23 @@ def main():
         browser.open(page)
         assert not browser.complaints(), browser.complaints()
         dom = browser.dom()
-        for heading in ("Figures", "Confusion matrix", "Curves", "By speed", "By mask", "Worst trials"):
+        for heading in (
+            "Figures",
+            "Confusion matrix",
+            "Curves",
+            "By speed",
+            "By mask",
+            "Worst trials",
+        ):
             assert f"<h2>{heading}</h2>" in dom, heading
         assert "<script" not in text
         assert not re.search(r"(?:src|href)=\"(?:https?:)?//", text), "it loads something"
         assert dom.count("<svg") >= 2, "a histogram and delays against speed"
         # Each of the worst trials with its states; its channels are those of the PapillArray.
         drawn = dom.count('aria-label="States over time [s]"')
-        assert 0 < drawn == dom.count('aria-label="force [N], component 3 of 3 over time [s]"'), drawn
+        assert 0 < drawn == dom.count('aria-label="force [N], component 3 of 3 over time [s]"'), (
+            drawn
+        )
         # Its links lead to the report's trials.
         links = re.findall(r'href="(data\.html)#trial-(\d+)"', text)
         assert links and (folder / links[0][0]).exists(), links

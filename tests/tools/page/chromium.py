@@ -19,7 +19,11 @@ DRAWN = """!document.querySelector('#page > .wait') && (!document.querySelector(
 
 def program():
     """Returns the browser's path."""
-    found = [path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))]
+    found = [
+        path
+        for name in ("chromium", "chromium-browser", "google-chrome")
+        if (path := shutil.which(name))
+    ]
     if not found:
         raise FileNotFoundError("no Chromium here; get it with: tools/setup/setup.sh test")
     return found[0]
@@ -34,14 +38,31 @@ class Chromium:
         self.answers, from_browser = os.pipe()
         # The browser reads commands from descriptor 3 and writes answers to 4.
         self.process = subprocess.Popen(
-            ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", program(), "--headless", "--no-sandbox", "--disable-gpu",
-             "--disable-dev-shm-usage", "--hide-scrollbars", "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}"],
-            pass_fds=(to_browser, from_browser), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            [
+                "sh",
+                "-c",
+                f'exec "$@" 3<&{to_browser} 4>&{from_browser}',
+                "sh",
+                program(),
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-dev-shm-usage",
+                "--hide-scrollbars",
+                "--remote-debugging-pipe",
+                f"--user-data-dir={self.profile.name}",
+            ],
+            pass_fds=(to_browser, from_browser),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         os.close(to_browser)
         os.close(from_browser)
         self.number, self.buffer, self.events, self.session = 0, b"", [], None
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
-        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)[
+            "sessionId"
+        ]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
         return self
@@ -88,8 +109,17 @@ class Chromium:
 
     def look(self, width, height=1000, dark=False):
         """Sets the window size [px] and the reader's theme for the open page and later ones."""
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
+        )
+        self.call(
+            "Emulation.setEmulatedMedia",
+            features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}],
+        )
 
     def open(self, page, fragment=""):
         """Opens a file from a blank page and waits until it is loaded."""
@@ -115,7 +145,9 @@ class Chromium:
 
     def evaluate(self, expression):
         """Returns the value of a JavaScript expression in the page; it may be a promise."""
-        found = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        found = self.call(
+            "Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True
+        )
         if "exceptionDetails" in found:
             details = found["exceptionDetails"]
             raise RuntimeError(details.get("exception", {}).get("description", details["text"]))
@@ -132,16 +164,34 @@ class Chromium:
             if event.get("method") == "Runtime.exceptionThrown":
                 details = parameters["exceptionDetails"]
                 found.append(details.get("exception", {}).get("description", details["text"]))
-            elif event.get("method") == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning", "assert"):
-                found.append(" ".join(str(argument.get("value", argument.get("description"))) for argument in parameters["args"]))
-            elif event.get("method") == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
+            elif event.get("method") == "Runtime.consoleAPICalled" and parameters["type"] in (
+                "error",
+                "warning",
+                "assert",
+            ):
+                found.append(
+                    " ".join(
+                        str(argument.get("value", argument.get("description")))
+                        for argument in parameters["args"]
+                    )
+                )
+            elif event.get("method") == "Log.entryAdded" and parameters["entry"]["level"] in (
+                "error",
+                "warning",
+            ):
                 found.append(parameters["entry"]["text"])
         return found
 
     def screenshot(self, whole=True):
         """Returns the page as PNG bytes; `whole` includes the part below the window."""
-        return base64.b64decode(self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole,
-                                          **({"clip": self._whole_page()} if whole else {}))["data"])
+        return base64.b64decode(
+            self.call(
+                "Page.captureScreenshot",
+                format="png",
+                captureBeyondViewport=whole,
+                **({"clip": self._whole_page()} if whole else {}),
+            )["data"]
+        )
 
     def _whole_page(self):
         size = self.call("Page.getLayoutMetrics")["cssContentSize"]

@@ -1,6 +1,6 @@
 """Pages in a browser: pixels of every sensor's picture, where a page opens, and its policy.
 
-    check_pages.py PROGRAM
+check_pages.py PROGRAM
 """
 
 import io
@@ -26,8 +26,13 @@ sensors: {{pad: {{type: {sensor}, electronics: typical}}}}
 """
 # By sensor: indentation, and number of parts in the picture behind its units (0: no parts, the
 # units are the picture).
-SENSORS = {"papillarray": ("1 mm", 0), "nib_pad": ("0.5 mm", 36), "piezo_skin": ("0.25 mm", 0), "myrmex": ("0.5 mm", 256),
-           "biotac_sp": ("1 mm", 0)}
+SENSORS = {
+    "papillarray": ("1 mm", 0),
+    "nib_pad": ("0.5 mm", 36),
+    "piezo_skin": ("0.25 mm", 0),
+    "myrmex": ("0.5 mm", 256),
+    "biotac_sp": ("1 mm", 0),
+}
 
 # Extracts the pad's picture and reports where its units and parts are and how strongly they are
 # coloured.
@@ -86,13 +91,20 @@ class Pages:
         """Returns the report of one trial."""
         words = [word for setting in settings for word in ("--set", setting)]
         self.run("run", scene, *words, "-o", f"{name}.h5")
-        subprocess.run([self.program, "report", f"{name}.h5", "-o", f"{name}.html"], check=True, cwd=self.folder, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [self.program, "report", f"{name}.h5", "-o", f"{name}.html"],
+            check=True,
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+        )
         return self.folder / f"{name}.html"
 
     def probe(self, page):
         """Returns the result of PROBE for the page's pad, and its picture."""
         self.browser.open_drawn(page)
-        return self.browser.evaluate(PROBE), Image.open(io.BytesIO(self.browser.screenshot(whole=False))).convert("RGB")
+        return self.browser.evaluate(PROBE), Image.open(
+            io.BytesIO(self.browser.screenshot(whole=False))
+        ).convert("RGB")
 
     def check_picture(self, sensor, compression, parts):
         scene = self.folder / f"{sensor}.yaml"
@@ -104,18 +116,28 @@ class Pages:
         strong = [part for part in found["parts"] if part["strength"] > 0.3]
         assert strong or not parts, f"{sensor}: nothing is read"
         for part in strong:
-            assert far(colour(part["at"]), ground) > 40, f"{sensor}: what is read is not to be seen: {colour(part['at'])}"
+            assert far(colour(part["at"]), ground) > 40, (
+                f"{sensor}: what is read is not to be seen: {colour(part['at'])}"
+            )
         touching = [unit for unit in found["units"] if unit["state"] != "detached"]
         assert touching, f"{sensor}: no unit touches"
         if not parts:
             for unit in touching:
-                assert far(colour(unit["at"]), ground) > 20, f"{sensor}: a unit that is in state {unit['state']} is not to be seen: {colour(unit['at'])} on {ground} at {unit['at']}, {found['ground']}"
-        assert found["touch"][found["opened"]] is not None, f"{sensor}: opens on unit {found['opened']}, which never touches"
-        print(f"{sensor}: {len(found['parts'])} parts, {len(touching)} of {len(found['units'])} units touch")
+                assert far(colour(unit["at"]), ground) > 20, (
+                    f"{sensor}: a unit that is in state {unit['state']} is not to be seen: {colour(unit['at'])} on {ground} at {unit['at']}, {found['ground']}"
+                )
+        assert found["touch"][found["opened"]] is not None, (
+            f"{sensor}: opens on unit {found['opened']}, which never touches"
+        )
+        print(
+            f"{sensor}: {len(found['parts'])} parts, {len(touching)} of {len(found['units'])} units touch"
+        )
 
     def check_opening(self):
         """A page opens on the sensor that the detector reads, and a translation has no centre."""
-        page = self.report(SCENES / "grasp" / "two_skins.yaml", "skins", "duration=2.5 s", "motion.distance=10 mm")
+        page = self.report(
+            SCENES / "grasp" / "two_skins.yaml", "skins", "duration=2.5 s", "motion.distance=10 mm"
+        )
         assert self.probe(page)[0]["sensor"] == "pad"
         self.browser.open_drawn(page)
         assert "<h2>The sensor pad</h2>" in self.browser.dom()
@@ -133,9 +155,14 @@ class Pages:
             assert not self.browser.complaints(), self.browser.complaints()
         broken = self.folder / "broken.html"
         evil = "<script>document.title = 'taken'</script><img src='https://example.invalid/x.png' onerror=\"document.title = 'taken'\">"
-        broken.write_text(report.read_text(encoding="utf-8").replace("</body>", evil + "</body>"), encoding="utf-8")
+        broken.write_text(
+            report.read_text(encoding="utf-8").replace("</body>", evil + "</body>"),
+            encoding="utf-8",
+        )
         self.browser.open_drawn(broken)
-        assert "<title>taken" not in self.browser.dom() and self.browser.complaints(), "a script that was put in has run"
+        assert "<title>taken" not in self.browser.dom() and self.browser.complaints(), (
+            "a script that was put in has run"
+        )
 
 
 def main():

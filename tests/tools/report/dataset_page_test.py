@@ -1,6 +1,6 @@
 """A dataset's overview and a trial's page in a browser: zeros count and read as 0; replay commands.
 
-    dataset_page_test.py PROGRAM
+dataset_page_test.py PROGRAM
 """
 
 import re
@@ -43,13 +43,20 @@ class DatasetPage(unittest.TestCase):
         cls.folder.cleanup()
 
     def texts(self, selector):
-        return self.browser.evaluate(f"[...document.querySelectorAll({selector!r})].map(node => node.textContent)")
+        return self.browser.evaluate(
+            f"[...document.querySelectorAll({selector!r})].map(node => node.textContent)"
+        )
 
     def test_a_phase_of_0_s_reaches_gross_slip(self):
         self.browser.open_drawn(self.page, "#all")
-        phases = self.browser.evaluate("slipbench.page.trials.map(trial => trial.sensors.skin.incipient_s)")
+        phases = self.browser.evaluate(
+            "slipbench.page.trials.map(trial => trial.sensors.skin.incipient_s)"
+        )
         self.assertEqual(phases, [0] * 8)
-        self.assertIn("From the first micro-slip to gross slip. All trials reach gross slip.", self.texts("p.note"))
+        self.assertIn(
+            "From the first micro-slip to gross slip. All trials reach gross slip.",
+            self.texts("p.note"),
+        )
         # The histogram of eight phases of 0 ms.
         self.assertIn("incipient phase, ms", self.texts("text.title"))
         self.assertEqual(self.browser.complaints(), [])
@@ -58,16 +65,22 @@ class DatasetPage(unittest.TestCase):
         # A phase of one unit in the last place of a second, and the direction of an angle between
         # two rounded numbers.
         self.browser.open_drawn(self.page, "#all")
-        read = self.browser.evaluate("[slipbench.quantity(-1.09e-18, 'rad'), slipbench.quantity(2.2e-16, 's'), slipbench.quantity(3e-6, 'm'),"
-                                     " slipbench.quantity(2e-5, 'N', 3, 1e-4), slipbench.quantity(null, 'rad')]")
+        read = self.browser.evaluate(
+            "[slipbench.quantity(-1.09e-18, 'rad'), slipbench.quantity(2.2e-16, 's'), slipbench.quantity(3e-6, 'm'),"
+            " slipbench.quantity(2e-5, 'N', 3, 1e-4), slipbench.quantity(null, 'rad')]"
+        )
         self.assertEqual(read, ["0°", "0 s", "0.003 mm", "0 N", "–"])
-        ticks = self.browser.evaluate("(() => { const axis = slipbench.axisOf('x', false, [-0.3, 0.3], [0, 100]); return axis.text(5.6e-17); })()")
+        ticks = self.browser.evaluate(
+            "(() => { const axis = slipbench.axisOf('x', false, [-0.3, 0.3], [0, 100]); return axis.text(5.6e-17); })()"
+        )
         self.assertEqual(ticks, "0")
         for fragment in ("#all", "#trial-0"):
             self.browser.open_drawn(self.page, fragment)
             shown = self.texts("text, td, dd, .v")
             self.assertEqual([text for text in shown if re.search(EXPONENT, text)], [], fragment)
-        direction = [text for text in self.texts(".readout div") if text.startswith("slip direction")]
+        direction = [
+            text for text in self.texts(".readout div") if text.startswith("slip direction")
+        ]
         self.assertIn(direction, (["slip direction0°"], ["slip direction–"]))
 
     def test_what_python_defines_is_run_again_in_python(self):
@@ -81,9 +94,9 @@ class DatasetPage(unittest.TestCase):
           page.overrides = {'motion.speed': '8 mm/s'};
           return [slipbench.replayCommand({index: 3}), slipbench.pythonCommand()];
         })()""")
-        scene = "slipbench.Scene.load(\"my skin.yaml\").set({\"motion.speed\":\"8 mm/s\""
-        self.assertEqual(lines[0], scene + ",\"sweep.trials\":\"7\"}).run(3, seed=0)")
-        self.assertEqual(lines[1], scene + "}).write(\"skin.h5\", draws=7, seed=0)")
+        scene = 'slipbench.Scene.load("my skin.yaml").set({"motion.speed":"8 mm/s"'
+        self.assertEqual(lines[0], scene + ',"sweep.trials":"7"}).run(3, seed=0)')
+        self.assertEqual(lines[1], scene + '}).write("skin.h5", draws=7, seed=0)')
 
 
 if __name__ == "__main__":

@@ -28,13 +28,18 @@ class Page:
     def __init__(self, browser):
         self.source = browser.dom()
         self.tables = browser.evaluate(
-            "[...document.querySelectorAll('table')].map(table => [...table.rows].map(row => [...row.cells].map(cell => cell.textContent)))")
-        cards = browser.evaluate("[...document.querySelectorAll('.figures > div')].map(card => [...card.children].map(part => part.textContent))")
+            "[...document.querySelectorAll('table')].map(table => [...table.rows].map(row => [...row.cells].map(cell => cell.textContent)))"
+        )
+        cards = browser.evaluate(
+            "[...document.querySelectorAll('.figures > div')].map(card => [...card.children].map(part => part.textContent))"
+        )
         self.figures = {name: (value, note) for name, value, note in cards}
 
     def table(self, first):
         """Returns the rows of the first table whose head begins with `first`."""
-        head, *rows = next(rows for rows in self.tables if rows and rows[0][: len(first)] == list(first))
+        head, *rows = next(
+            rows for rows in self.tables if rows and rows[0][: len(first)] == list(first)
+        )
         return [dict(zip(head, row)) for row in rows]
 
 
@@ -50,7 +55,9 @@ def scores(trials):
     """Returns recall of slip, balanced accuracy, accuracy and that of the best constant detector,
     over all trials' samples in contact.
     """
-    truth = numpy.concatenate([trial[f"labels/{trial['control'].attrs['sensor']}/state"][:] for trial in trials])
+    truth = numpy.concatenate(
+        [trial[f"labels/{trial['control'].attrs['sensor']}/state"][:] for trial in trials]
+    )
     seen = numpy.concatenate([trial["control/detector_class"][:] for trial in trials])
     truth, seen = truth[truth > 0], seen[truth > 0]
     recalls = [(seen[truth == state] == state).mean() for state in numpy.unique(truth)]
@@ -59,7 +66,9 @@ def scores(trials):
         "balanced accuracy": percent(numpy.mean(recalls)),
         "of a constant detector": percent(1 / len(recalls)),
         "accuracy": percent((seen == truth).mean()),
-        "of the best constant detector": percent(max((truth == state).mean() for state in numpy.unique(truth))),
+        "of the best constant detector": percent(
+            max((truth == state).mean() for state in numpy.unique(truth))
+        ),
     }
 
 
@@ -73,7 +82,10 @@ class PageScoresTest(unittest.TestCase):
             subprocess.run([PROGRAM, *command], check=True, capture_output=True)
         self.file = h5py.File(dataset)
         self.addCleanup(self.file.close)
-        self.trials = [self.file["data"][name] for name in sorted(self.file["data"], key=lambda name: int(name[5:]))]
+        self.trials = [
+            self.file["data"][name]
+            for name in sorted(self.file["data"], key=lambda name: int(name[5:]))
+        ]
         self.outcomes = [json.loads(trial.attrs["outcome"]) for trial in self.trials]
         browser = self.enterContext(chromium.Chromium())
         browser.open_drawn(report)
@@ -83,13 +95,21 @@ class PageScoresTest(unittest.TestCase):
         (row,) = page.table(["recall of slip", "balanced accuracy"])
         for name, text in scores(self.trials).items():
             self.assertEqual(row[name], text, name)
-        self.assertEqual([*row][-2:], ["accuracy", "of the best constant detector"], "accuracy must not be a headline")
+        self.assertEqual(
+            [*row][-2:],
+            ["accuracy", "of the best constant detector"],
+            "accuracy must not be a headline",
+        )
         return row
 
     # The ratio is exceeded long before slip, and the alarm is on when slip begins: the 1 ms after
     # that is not a delay.
     def test_an_early_alarm_has_no_delay(self):
-        page = self.page(ROOT / "scenes/papillarray/stage.yaml", "--set", "detector={type: force_ratio, ratio: 0.3}")
+        page = self.page(
+            ROOT / "scenes/papillarray/stage.yaml",
+            "--set",
+            "detector={type: force_ratio, ratio: 0.3}",
+        )
         (outcome,) = self.outcomes
         self.assertLess(outcome["false_alarm_time_s"], outcome["judged_slip_time_s"])
         value, note = page.figures["Early alarm"]
@@ -97,10 +117,14 @@ class PageScoresTest(unittest.TestCase):
         self.assertNotIn("after the onset", note)
         self.assertFalse([name for name in page.figures if name.startswith("Slip detected")])
         row = self.look_at_scores(page)
-        self.assertEqual((row["median delay"], row["detected"], row["early"]), ("–", "0 of 1", "1 of 1"))
+        self.assertEqual(
+            (row["median delay"], row["detected"], row["early"]), ("–", "0 of 1", "1 of 1")
+        )
 
     def test_a_slip_seen_has_its_delay(self):
-        page = self.page(ROOT / "scenes/papillarray/stage.yaml", "--set", "detector={type: shear_rate}")
+        page = self.page(
+            ROOT / "scenes/papillarray/stage.yaml", "--set", "detector={type: shear_rate}"
+        )
         (outcome,) = self.outcomes
         self.assertEqual(outcome["detection"], "seen")
         delay = f"{1e3 * outcome['detection_delay_s']:.1f} ms"
@@ -113,7 +137,11 @@ class PageScoresTest(unittest.TestCase):
         row = self.look_at_scores(page)
         self.assertGreater(float(row["accuracy"].split(" ")[0]), 90)
         self.assertLess(float(row["recall of slip"].split(" ")[0]), 50)
-        delays = [outcome["detection_delay_s"] for outcome in self.outcomes if outcome["detection"] == "seen"]
+        delays = [
+            outcome["detection_delay_s"]
+            for outcome in self.outcomes
+            if outcome["detection"] == "seen"
+        ]
         median = "–" if not delays else numpy.median(delays)
         self.assertEqual(re.sub(r" .*", "", row["detected"]), str(len(delays)))
         if delays:
@@ -124,19 +152,27 @@ class PageScoresTest(unittest.TestCase):
         self.assertEqual(grasps["early"], row["early"])
         self.assertNotIn("detector right", grasps)
         shown = [trial["detector"] for trial in page.table(["", "trial"])]
-        self.assertEqual(shown, [outcome["detection"].replace("_", " ") for outcome in self.outcomes])
+        self.assertEqual(
+            shown, [outcome["detection"].replace("_", " ") for outcome in self.outcomes]
+        )
 
     # One trial with the unchanged oracle, one with a tenth of its classes wrong, some of them long
     # before slip.
     def test_success_curves_go_by_balanced_accuracy(self):
         flips = "sweep={detector.flip: [0, 0.1]}"
-        page = self.page(ROOT / "scenes/grasp/flips.yaml", "--set", flips, "--trials", "2", "--record", "outcome")
+        page = self.page(
+            ROOT / "scenes/grasp/flips.yaml", "--set", flips, "--trials", "2", "--record", "outcome"
+        )
         self.assertEqual([outcome["detection"] for outcome in self.outcomes], ["seen", "early"])
         self.assertIsNone(self.outcomes[1]["reaction_time_s"])
         (grasps,) = page.table(["", "held", "share"])
         self.assertEqual(grasps["early"], "1 of 2")
-        self.assertEqual(grasps["delay, ms"], three_digits(1e3 * self.outcomes[0]["detection_delay_s"]))
-        self.assertEqual(grasps["reaction, ms"], three_digits(1e3 * self.outcomes[0]["reaction_time_s"]))
+        self.assertEqual(
+            grasps["delay, ms"], three_digits(1e3 * self.outcomes[0]["detection_delay_s"])
+        )
+        self.assertEqual(
+            grasps["reaction, ms"], three_digits(1e3 * self.outcomes[0]["reaction_time_s"])
+        )
         self.assertIn("balanced accuracy of the detector, %", page.source)
         self.assertIn("share of slips detected without an early alarm", page.source)
         self.assertNotIn("detector right", page.source.split("<main")[1])

@@ -35,4 +35,7 @@ with Chromium() as browser:
             browser.open(page)
             times.append(browser.evaluate(ANSWER) / 1e3)
         times = times[1:]  # the first opening reads the disk
-        print(f"{page}: {statistics.median(times):.2f} s, at most {max(times):.2f} s, {Path(page).stat().st_size / 1e6:.1f} MB", flush=True)
+        print(
+            f"{page}: {statistics.median(times):.2f} s, at most {max(times):.2f} s, {Path(page).stat().st_size / 1e6:.1f} MB",
+            flush=True,
+        )

@@ -28,9 +28,16 @@ seed: 1
 motion: {{kind: stage, gap: 0.1 mm, compression: {compression}, approach_speed: 20 mm/s, start: 0.2 s, speed: 8 mm/s, acceleration: 1 m/s2}}
 sensors: {{pad: {{type: {sensor}, electronics: typical}}}}
 """
-SENSORS = {"papillarray": "1 mm", "nib_pad": "0.5 mm", "piezo_skin": "0.25 mm", "myrmex": "0.5 mm", "biotac_sp": "1 mm"}
+SENSORS = {
+    "papillarray": "1 mm",
+    "nib_pad": "0.5 mm",
+    "piezo_skin": "0.25 mm",
+    "myrmex": "0.5 mm",
+    "biotac_sp": "1 mm",
+}
 SWEEP = STAGE.format(sensor="papillarray", compression="1 mm") + (
-    "sweep: {motion.speed: [4 mm/s, 8 mm/s, 32 mm/s], friction.scale: {draw: uniform, min: 0.5, max: 0.9}, trials: 4}\n")
+    "sweep: {motion.speed: [4 mm/s, 8 mm/s, 32 mm/s], friction.scale: {draw: uniform, min: 0.5, max: 0.9}, trials: 4}\n"
+)
 # Curves of a PapillArray at 1 kHz take some 40 kB a second if noisy, so these do not fit in full.
 LONG = SWEEP.replace("duration: 0.5 s", "duration: 4 s").replace("trials: 4", "trials: 44")
 MAP = """slipbench: 1
@@ -106,7 +113,9 @@ class Pages:
         self.faults = []
 
     def run(self, *words):
-        subprocess.run([self.program, *map(str, words)], check=True, cwd=self.folder, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [self.program, *map(str, words)], check=True, cwd=self.folder, stdout=subprocess.DEVNULL
+        )
 
     def scene(self, name, text):
         (self.folder / f"{name}.yaml").write_text(text, encoding="utf-8")
@@ -120,7 +129,9 @@ class Pages:
     def open(self, page, fragment=""):
         self.browser.open_drawn(page, fragment)
         for _ in range(3):  # frames in which waiting pictures are drawn
-            self.browser.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))")
+            self.browser.evaluate(
+                "new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))"
+            )
 
     def check(self, page, fragment=""):
         """Wide and light, narrow and dark: overlaps depend on the width alone, the background on
@@ -141,16 +152,26 @@ class Pages:
         """Files of a chart over time and of the pad."""
         self.browser.look(1400)
         self.open(page)
-        for selector, name, figures in ((".grid .cell", "force-of-p", "t [s],FX [N],FY [N],FZ [N]"), (".pad-card", "pad", "t [s],pillar,")):
-            saved = {kind: self.browser.evaluate(f"{SAVE}({json.dumps(selector)}, '{kind}')") for kind in ("CSV", "SVG", "PNG")}
+        for selector, name, figures in (
+            (".grid .cell", "force-of-p", "t [s],FX [N],FY [N],FZ [N]"),
+            (".pad-card", "pad", "t [s],pillar,"),
+        ):
+            saved = {
+                kind: self.browser.evaluate(f"{SAVE}({json.dumps(selector)}, '{kind}')")
+                for kind in ("CSV", "SVG", "PNG")
+            }
             for kind, found in saved.items():
                 assert isinstance(found, list), f"{selector} {kind}: {found}"
-                assert found[0].startswith(f"papillarray-trial-0-{name}") and found[0].endswith("." + kind.lower()), found[0]
+                assert found[0].startswith(f"papillarray-trial-0-{name}") and found[0].endswith(
+                    "." + kind.lower()
+                ), found[0]
             rows = saved["CSV"][1].splitlines()
             assert rows[0].startswith(figures), rows[0]
             if selector == ".grid .cell":
                 # 0.5 s at 1 kHz, from 0 on.
-                assert len(rows) == 501 and rows[1].startswith("0,") and rows[-1].startswith("0.499,"), (len(rows), rows[1], rows[-1])
+                assert (
+                    len(rows) == 501 and rows[1].startswith("0,") and rows[-1].startswith("0.499,")
+                ), (len(rows), rows[1], rows[-1])
             else:
                 assert len(rows) == 10, rows  # nine pillars
             drawn = self.folder / "saved.svg"
@@ -158,8 +179,13 @@ class Pages:
             assert "var(--" not in saved["SVG"][1]
             assert saved["PNG"][3] > 500, f"{selector}: {saved['PNG']}"
             self.browser.open(drawn)  # well-formed, otherwise the browser shows an error
-            assert self.browser.evaluate("document.documentElement.tagName") == "svg" and not self.browser.complaints()
-            assert self.browser.evaluate("document.querySelectorAll('path, rect, circle').length") > 5
+            assert (
+                self.browser.evaluate("document.documentElement.tagName") == "svg"
+                and not self.browser.complaints()
+            )
+            assert (
+                self.browser.evaluate("document.querySelectorAll('path, rect, circle').length") > 5
+            )
             self.open(page)
 
     def check_recordings(self, dataset):
@@ -182,13 +208,22 @@ class Pages:
         contact = (40e-3 * 0.15e-3) ** 0.5 * 250 / (16 * 0.37e-3)
 
         def check_rings(stick):
-            rings = self.browser.evaluate("[...document.querySelectorAll('svg[aria-label^=\"Pressure,\"] circle')].map(ring => "
-                                          "getComputedStyle(ring).fill === 'none' && +ring.getAttribute('r'))")
-            assert len(rings) == 6 and all(abs(ring - contact) < 0.01 * contact for ring in rings[::2]), (rings, contact)
+            rings = self.browser.evaluate(
+                "[...document.querySelectorAll('svg[aria-label^=\"Pressure,\"] circle')].map(ring => "
+                "getComputedStyle(ring).fill === 'none' && +ring.getAttribute('r'))"
+            )
+            assert len(rings) == 6 and all(
+                abs(ring - contact) < 0.01 * contact for ring in rings[::2]
+            ), (rings, contact)
             assert all(0 < ring < contact if stick else ring == 0 for ring in rings[1::2]), rings
 
         check_rings(stick=True)
-        turn = ("motion.speed=0", "motion.travel=inf", "motion.strokes=1", "motion.rotation=4 deg/s")
+        turn = (
+            "motion.speed=0",
+            "motion.travel=inf",
+            "motion.strokes=1",
+            "motion.rotation=4 deg/s",
+        )
         self.open(self.report("run", SCENES / "soft_skin/sphere.yaml", "turned", "--set", *turn))
         check_rings(stick=False)  # Mindlin's push does not apply to a turn
 
@@ -201,15 +236,27 @@ class Pages:
         assert size < LARGEST, size
         self.browser.look(1400)
         self.open(page)
-        assert self.browser.evaluate("slipbench.page.trials.every(trial => slipbench.isEmbedded(trial.index))")
-        strides = [self.browser.evaluate(f"slipbench.recorded({trial}).then(({{sensors}}) => sensors[0].stride)") for trial in (0, 66, 131)]
+        assert self.browser.evaluate(
+            "slipbench.page.trials.every(trial => slipbench.isEmbedded(trial.index))"
+        )
+        strides = [
+            self.browser.evaluate(
+                f"slipbench.recorded({trial}).then(({{sensors}}) => sensors[0].stride)"
+            )
+            for trial in (0, 66, 131)
+        ]
         assert min(strides) > 1, strides
-        self.browser.evaluate("[...document.querySelectorAll('td button')].find(button => button.textContent === 'open').click()")
+        self.browser.evaluate(
+            "[...document.querySelectorAll('td button')].find(button => button.textContent === 'open').click()"
+        )
         self.open(page, "#trial-131")
         assert self.browser.evaluate("document.querySelectorAll('.grid .chart').length") == 9
         self.run("report", "long.h5", "--trial", "131")
         self.open(page)
-        assert self.browser.evaluate("slipbench.recorded(131).then(({sensors}) => sensors[0].stride)") == 1
+        assert (
+            self.browser.evaluate("slipbench.recorded(131).then(({sensors}) => sensors[0].stride)")
+            == 1
+        )
         assert self.browser.evaluate("location.hash") == "#trial-131"
         print(f"long.html: 132 trials in {size / 1e6:.1f} MB, one sample in {strides}", flush=True)
 
@@ -218,15 +265,40 @@ def main():
     with tempfile.TemporaryDirectory() as name, chromium.Chromium() as browser:
         pages = Pages(Path(sys.argv[1]).resolve(), browser, Path(name))
         for sensor, compression in SENSORS.items():
-            pages.check(pages.report("run", pages.scene(sensor, STAGE.format(sensor=sensor, compression=compression)), sensor))
+            pages.check(
+                pages.report(
+                    "run",
+                    pages.scene(sensor, STAGE.format(sensor=sensor, compression=compression)),
+                    sensor,
+                )
+            )
         sweep = pages.report("sweep", pages.scene("sweep", SWEEP), "sweep")
         pages.check(sweep)
         pages.check(sweep, "#trial-7")
-        pages.check(pages.report("run", SCENES / "grasp/two_skins.yaml", "grasp", "--set", "duration=2.5 s", "motion.distance=10 mm"))
+        pages.check(
+            pages.report(
+                "run",
+                SCENES / "grasp/two_skins.yaml",
+                "grasp",
+                "--set",
+                "duration=2.5 s",
+                "motion.distance=10 mm",
+            )
+        )
         maps = pages.scene("map", MAP)
         pages.check(pages.report("sweep", maps, "map"))
         pages.check(pages.report("sweep", maps, "outcomes", "--record", "outcome"))
-        pages.check(pages.report("sweep", maps, "curve", "--record", "outcome", "--set", "sweep={friction.scale: [0.5, 1, 2], trials: 2}"))
+        pages.check(
+            pages.report(
+                "sweep",
+                maps,
+                "curve",
+                "--record",
+                "outcome",
+                "--set",
+                "sweep={friction.scale: [0.5, 1, 2], trials: 2}",
+            )
+        )
         pages.run("cost", SCENES / "papillarray/stage.yaml", "--budget", "1s", "-o", "cost.html")
         pages.check(pages.folder / "cost.html")
         pages.run("eval", "stuck_fraction", "sweep.h5", "--labels", "micro", "-o", "eval.html")

@@ -16,7 +16,6 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-
 import slipbench
 from slipbench import InputError
 from slipbench_studies import page, statistics, text
@@ -29,16 +28,33 @@ PROGRAM = sys.argv.pop()
 
 
 def sample():
-    return Result("A <title>", "A paper", {"a": np.float64(1.25), "none": math.nan, "n": np.int64(3)}, ["one thread"],
-                  [Table("Table & more", ["what", "value"], [["a < b", "1.0"]], "a note")],
-                  [Chart("Curve", "level", "area", ["0", "8 <"], [Curve("all", [(0.95, 0.91, 0.99), (math.nan, math.nan, math.nan)])], 0.95, "wanted")],
-                  ["it differs"])
+    return Result(
+        "A <title>",
+        "A paper",
+        {"a": np.float64(1.25), "none": math.nan, "n": np.int64(3)},
+        ["one thread"],
+        [Table("Table & more", ["what", "value"], [["a < b", "1.0"]], "a note")],
+        [
+            Chart(
+                "Curve",
+                "level",
+                "area",
+                ["0", "8 <"],
+                [Curve("all", [(0.95, 0.91, 0.99), (math.nan, math.nan, math.nan)])],
+                0.95,
+                "wanted",
+            )
+        ],
+        ["it differs"],
+    )
 
 
 class Results(unittest.TestCase):
     def test_figures_become_plain_json(self):
         shown = result_object("paper/table", sample())
-        self.assertEqual(list(shown), ["reproduction", "title", "source", "setup", "figures", "remarks"])
+        self.assertEqual(
+            list(shown), ["reproduction", "title", "source", "setup", "figures", "remarks"]
+        )
         self.assertEqual(json.dumps(shown["figures"]), '{"a": 1.25, "none": null, "n": 3}')
         with self.assertRaisesRegex(TypeError, "set in the figures"):
             plain({"a": {1}})
@@ -50,8 +66,16 @@ class Results(unittest.TestCase):
 
     def test_the_page_escapes_and_loads_nothing(self):
         shown = page.result_page("paper/table", sample())
-        for part in ("A &lt;title&gt;", "Table &amp; more", "<td>a &lt; b</td><td>1.0</td>", "a note", "it differs", "one thread", "paper/table",
-                     'src="data:image/svg+xml;base64,'):
+        for part in (
+            "A &lt;title&gt;",
+            "Table &amp; more",
+            "<td>a &lt; b</td><td>1.0</td>",
+            "a note",
+            "it differs",
+            "one thread",
+            "paper/table",
+            'src="data:image/svg+xml;base64,',
+        ):
             self.assertIn(part, shown)
         self.assertNotIn("://", shown)
         self.assertNotIn("<script", shown)
@@ -63,9 +87,21 @@ class Results(unittest.TestCase):
         self.assertIn(b">wanted</text>", page.drawn(chart, "svg"))
 
     def test_places_without_an_order_are_rows(self):
-        drawn = page.draw(Chart("Rows", "", "share, %", ["centre of mass at L/3", "paper"], [Curve("all", [(1.0, 0.0, 2.0), (3.0, 2.0, 4.0)])], joined=False))
+        drawn = page.draw(
+            Chart(
+                "Rows",
+                "",
+                "share, %",
+                ["centre of mass at L/3", "paper"],
+                [Curve("all", [(1.0, 0.0, 2.0), (3.0, 2.0, 4.0)])],
+                joined=False,
+            )
+        )
         [axes] = drawn.axes
-        self.assertEqual([label.get_text() for label in axes.get_yticklabels()], ["centre of mass at L/3", "paper"])
+        self.assertEqual(
+            [label.get_text() for label in axes.get_yticklabels()],
+            ["centre of mass at L/3", "paper"],
+        )
         self.assertEqual(axes.get_xlabel(), "share, %")
         self.assertGreater(axes.get_ylim()[0], axes.get_ylim()[1])  # the first row at the top
 
@@ -84,7 +120,9 @@ class Results(unittest.TestCase):
             output = Path(folder) / "r.html"
             names = [Path(name).name for name in page.write(str(output), "paper/table", sample())]
             self.assertEqual(names, ["r.html", "r.json", "r-1.svg", "r-1.png"])
-            self.assertEqual(json.loads((Path(folder) / "r.json").read_text())["figures"]["a"], 1.25)
+            self.assertEqual(
+                json.loads((Path(folder) / "r.json").read_text())["figures"]["a"], 1.25
+            )
             page.write(str(output), "paper/table", sample())  # replaces its own files
             for name in ("r.json", "r-1.png"):
                 (Path(folder) / name).write_text("mine")
@@ -102,15 +140,30 @@ class Catalogue(unittest.TestCase):
             self.assertIsNotNone(importlib.util.find_spec(module_of(one.name)), one.name)
 
     def test_an_unknown_name_gets_the_nearest(self):
-        with self.assertRaisesRegex(InputError, "'hd-papillarray/latancy'; did you mean 'hd-papillarray/latency'"):
+        with self.assertRaisesRegex(
+            InputError, "'hd-papillarray/latancy'; did you mean 'hd-papillarray/latency'"
+        ):
             find_study("hd-papillarray/latancy")
 
     def test_an_option_without_use_is_refused(self):
-        latency, table3 = find_study("hd-papillarray/latency"), find_study("nib-reconfigurable/table3")
+        latency, table3 = (
+            find_study("hd-papillarray/latency"),
+            find_study("nib-reconfigurable/table3"),
+        )
         check_options(table3, Options(trials=3, only=("felt",), seed=0, jobs=2, output="page.html"))
-        for study, options, message in ((latency, Options(data="a.h5"), "latency does not take --data; allowed: --output, --json, --quiet"),
-                                        (table3, Options(full=True), "table3 does not take --full; allowed: --trials, --only, --seed, --jobs"),
-                                        (find_study("piezo-fft-gru/table1"), Options(resume=True), "needs -o")):
+        for study, options, message in (
+            (
+                latency,
+                Options(data="a.h5"),
+                "latency does not take --data; allowed: --output, --json, --quiet",
+            ),
+            (
+                table3,
+                Options(full=True),
+                "table3 does not take --full; allowed: --trials, --only, --seed, --jobs",
+            ),
+            (find_study("piezo-fft-gru/table1"), Options(resume=True), "needs -o"),
+        ):
             with self.assertRaisesRegex(InputError, message):
                 check_options(study, options)
 
@@ -129,9 +182,14 @@ class Statistics(unittest.TestCase):
         # pairs.
         self.assertAlmostEqual(statistics.auc([2, 4], [1, 3, 4]).value, 3.5 / 6)
         # At 1 the interval is that of two pairs in the right order.
-        self.assertEqual(statistics.auc([5, 6, 7], [1, 2]).interval, statistics.clopper_pearson(2, 2))
+        self.assertEqual(
+            statistics.auc([5, 6, 7], [1, 2]).interval, statistics.clopper_pearson(2, 2)
+        )
         # Groups of two equal values count as one value: the same as four separate values.
-        alone, twice = statistics.auc([1, 3], [2, 0]), statistics.auc([1, 1, 3, 3], [2, 2, 0, 0], [0, 0, 1, 1], [2, 2, 3, 3])
+        alone, twice = (
+            statistics.auc([1, 3], [2, 0]),
+            statistics.auc([1, 1, 3, 3], [2, 2, 0, 0], [0, 0, 1, 1], [2, 2, 3, 3]),
+        )
         np.testing.assert_allclose(alone.interval, twice.interval)
         with self.assertRaises(ValueError):
             statistics.auc([], [1])
@@ -149,22 +207,44 @@ class Statistics(unittest.TestCase):
         self.assertTrue(math.isnan(statistics.median_interval([1, 2, 3, 4, 5])[0]))
 
     def test_bootstrap_over_groups(self):
-        self.assertTrue(math.isnan(statistics.bootstrap_intervals(1, 3, 1, lambda groups: [1.0])[0][0]))
-        [(low, high)] = statistics.bootstrap_intervals(4, 50, 1, lambda groups: [float(np.mean(groups))])
+        self.assertTrue(
+            math.isnan(statistics.bootstrap_intervals(1, 3, 1, lambda groups: [1.0])[0][0])
+        )
+        [(low, high)] = statistics.bootstrap_intervals(
+            4, 50, 1, lambda groups: [float(np.mean(groups))]
+        )
         self.assertLess(low, 1.5)
         self.assertGreater(high, 1.5)
 
 
 class Grids(unittest.TestCase):
-    CELLS = [Cell("slow", "scenes/papillarray/stage.yaml", {"motion.speed": "2 mm/s", "duration": "2.2 s"}, 2),
-             Cell("fast", "scenes/papillarray/stage.yaml", {"motion.speed": "9 mm/s", "duration": "2.2 s"}, 2)]
+    CELLS = [
+        Cell(
+            "slow",
+            "scenes/papillarray/stage.yaml",
+            {"motion.speed": "2 mm/s", "duration": "2.2 s"},
+            2,
+        ),
+        Cell(
+            "fast",
+            "scenes/papillarray/stage.yaml",
+            {"motion.speed": "9 mm/s", "duration": "2.2 s"},
+            2,
+        ),
+    ]
 
     def test_trials_are_the_same_on_any_number_of_threads(self):
         heard = []
         options = [Options(seed=3, jobs=1, say=heard.append), Options(seed=3, jobs=2)]
-        one, two = (run_grid(self.CELLS, each, lambda cell, trial: (cell.name, trial.trial, trial.sha256)) for each in options)
+        one, two = (
+            run_grid(self.CELLS, each, lambda cell, trial: (cell.name, trial.trial, trial.sha256))
+            for each in options
+        )
         self.assertEqual(one, two)
-        self.assertEqual([[row[:2] for row in rows] for rows in one], [[("slow", k) for k in range(len(one[0]))], [("fast", k) for k in range(len(one[1]))]])
+        self.assertEqual(
+            [[row[:2] for row in rows] for rows in one],
+            [[("slow", k) for k in range(len(one[0]))], [("fast", k) for k in range(len(one[1]))]],
+        )
         self.assertTrue(heard[0].startswith("slow (0 of "))
 
     def test_a_dataset_holds_the_trials_of_a_cell(self):
@@ -173,22 +253,38 @@ class Grids(unittest.TestCase):
             make_dataset(path, self.CELLS[0], Options(seed=3, jobs=1), "trials")
             with slipbench.open(path) as data:
                 stored = [data[trial].sha256 for trial in data]
-        self.assertEqual(stored, run_grid(self.CELLS[:1], Options(seed=3), lambda _, trial: trial.sha256)[0])
+        self.assertEqual(
+            stored, run_grid(self.CELLS[:1], Options(seed=3), lambda _, trial: trial.sha256)[0]
+        )
 
     def test_errors_name_the_command(self):
         def fail(cell, trial):
             raise InputError("no such thing")
 
-        with self.assertRaisesRegex(InputError, "slow, trial 1: no such thing; the same: slipbench run scenes/papillarray/stage.yaml "
-                                                "--set 'motion.speed=2 mm/s' --set 'duration=2.2 s' --seed 1 --trials . --trial 1"):
-            run_grid(self.CELLS, Options(jobs=1), lambda cell, trial: trial if trial.trial == 0 else fail(cell, trial))
+        with self.assertRaisesRegex(
+            InputError,
+            "slow, trial 1: no such thing; the same: slipbench run scenes/papillarray/stage.yaml "
+            "--set 'motion.speed=2 mm/s' --set 'duration=2.2 s' --seed 1 --trials . --trial 1",
+        ):
+            run_grid(
+                self.CELLS,
+                Options(jobs=1),
+                lambda cell, trial: trial if trial.trial == 0 else fail(cell, trial),
+            )
 
     def test_changes_are_of_the_text(self):
-        cell = Cell("changed", "scenes/papillarray/stage.yaml", change=lambda scene: scene.replace("seed: 7", "seed: 5"))
+        cell = Cell(
+            "changed",
+            "scenes/papillarray/stage.yaml",
+            change=lambda scene: scene.replace("seed: 7", "seed: 5"),
+        )
         self.assertEqual(cell.load().seed, 5)
 
     def test_names_of_only(self):
-        with self.assertRaisesRegex(InputError, "--only: unknown name 'com_hi'; did you mean 'com_high'\\? allowed: com_low, com_high"):
+        with self.assertRaisesRegex(
+            InputError,
+            "--only: unknown name 'com_hi'; did you mean 'com_high'\\? allowed: com_low, com_high",
+        ):
             check_only(["com_hi"], ["com_low", "com_high"])
         self.assertEqual(chosen(["a", "b"], ["b", "x"]), ["b"])
         self.assertEqual(chosen(["a", "b"], ["x"]), ["a", "b"])
@@ -196,7 +292,9 @@ class Grids(unittest.TestCase):
 
 class Programs(unittest.TestCase):
     def start(self, *words, stdout=subprocess.PIPE):
-        return subprocess.Popen([PROGRAM, "reproduce", *words], stdout=stdout, stderr=subprocess.PIPE, text=True)
+        return subprocess.Popen(
+            [PROGRAM, "reproduce", *words], stdout=stdout, stderr=subprocess.PIPE, text=True
+        )
 
     def test_wrong_names_are_refused(self):
         run = self.start("nib-reconfigurable/table3", "--only", "com_hi")
@@ -207,12 +305,25 @@ class Programs(unittest.TestCase):
     def test_output_that_cannot_be_written_is_reported(self):
         for form in ([], ["--json"]):
             with open("/dev/full", "wb") as full:
-                run = self.start("nib-reconfigurable/table3", "--only", "200g", "--trials", "1", *form, stdout=full)
+                run = self.start(
+                    "nib-reconfigurable/table3",
+                    "--only",
+                    "200g",
+                    "--trials",
+                    "1",
+                    *form,
+                    stdout=full,
+                )
                 err = run.communicate(timeout=120)[1]
-            self.assertEqual((run.returncode, err.splitlines()[-1]), (2, "slipbench: cannot write to standard output: No space left on device"))
+            self.assertEqual(
+                (run.returncode, err.splitlines()[-1]),
+                (2, "slipbench: cannot write to standard output: No space left on device"),
+            )
 
     def test_an_interrupt_ends_it(self):
-        run = self.start("nib-reconfigurable/table3", "--trials", "1000", "--only", "200g", "--jobs", "1")
+        run = self.start(
+            "nib-reconfigurable/table3", "--trials", "1000", "--only", "200g", "--jobs", "1"
+        )
         self.assertIn("200g (0 of 1000 done)", run.stderr.readline())
         os.kill(run.pid, signal.SIGINT)
         out, err = run.communicate(timeout=120)

@@ -14,12 +14,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
 from slipbench import InputError
 from slipbench.learning import Training
 from slipbench_studies.kept import KeptNetworks, kept_path, remove_kept
+from slipbench_studies.network_training import folds, train_all, train_and_answer
 from slipbench_studies.result import Options
-from slipbench_studies.network_training import folds, train_and_answer, train_all
 from torch import nn
 
 NAME = "myrmex-tactile-cnn/table3"
@@ -42,8 +41,14 @@ class Learning(unittest.TestCase):
         # Three classes at -1, 0 and 1 of one value.
         features = np.array([[k % 3 - 1] for k in range(60)], np.float32)
         labels = np.array([k % 3 for k in range(60)], np.uint8)
-        logits = train_and_answer(lambda: nn.Sequential(nn.Linear(1, 32), nn.Tanh(), nn.Linear(32, 3)), [(features, labels)],
-                                  [np.array([[1], [-1], [0]], np.float32)], Training(steps=300, clip=1, learning_rate=1e-2), classes=3, seed=1)
+        logits = train_and_answer(
+            lambda: nn.Sequential(nn.Linear(1, 32), nn.Tanh(), nn.Linear(32, 3)),
+            [(features, labels)],
+            [np.array([[1], [-1], [0]], np.float32)],
+            Training(steps=300, clip=1, learning_rate=1e-2),
+            classes=3,
+            seed=1,
+        )
         self.assertEqual(logits[0].argmax(axis=1).tolist(), [2, 0, 1])
 
 
@@ -64,12 +69,16 @@ class Kept(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "the third"):
             train_all(NAME, ["a"] * 3, replace(self.options, jobs=1), fails)
         kept = kept_path(self.options.output)
-        self.assertEqual(sorted(path.name for path in kept.iterdir()), ["0.json", "1.json", "identity.txt"])
+        self.assertEqual(
+            sorted(path.name for path in kept.iterdir()), ["0.json", "1.json", "identity.txt"]
+        )
         with self.assertRaisesRegex(InputError, "contains 2 networks.*--resume"):
             train_all(NAME, ["a"] * 3, self.options, fails)
         with self.assertRaisesRegex(InputError, "belongs to other options"):
             train_all(NAME, ["a"] * 3, replace(self.options, resume=True, seed=2), fails)
-        said = train_all(NAME, ["a"] * 3, replace(self.options, resume=True), lambda index: {"index": -index})
+        said = train_all(
+            NAME, ["a"] * 3, replace(self.options, resume=True), lambda index: {"index": -index}
+        )
         self.assertEqual(said, [{"index": 0}, {"index": 1}, {"index": -2}])
         (kept / "1.json").write_text((kept / "1.json").read_text() + " ")
         with self.assertRaisesRegex(InputError, "1.json: is damaged"):
@@ -96,6 +105,7 @@ class Kept(unittest.TestCase):
 
     def test_an_error_ends_the_others_which_remove_their_files(self):
         with tempfile.TemporaryDirectory() as folder:
+
             def work(index):
                 if index == 0:
                     while not any(Path(folder).glob("*/started")):
@@ -112,12 +122,19 @@ class Kept(unittest.TestCase):
 
     def test_a_process_that_is_killed_is_an_error(self):
         with self.assertRaisesRegex(RuntimeError, "network 1 ended with exit status -9"):
-            train_all(NAME, ["a"] * 3, Options(jobs=2), lambda index: index if index != 1 else os.kill(os.getpid(), signal.SIGKILL))
+            train_all(
+                NAME,
+                ["a"] * 3,
+                Options(jobs=2),
+                lambda index: index if index != 1 else os.kill(os.getpid(), signal.SIGKILL),
+            )
         self.assertEqual(multiprocessing.active_children(), [])
 
     def test_results_are_in_order_whatever_the_jobs(self):
         for jobs in (1, 2):
-            self.assertEqual(train_all(NAME, ["a"] * 5, Options(jobs=jobs), lambda index: index), list(range(5)))
+            self.assertEqual(
+                train_all(NAME, ["a"] * 5, Options(jobs=jobs), lambda index: index), list(range(5))
+            )
 
 
 if __name__ == "__main__":

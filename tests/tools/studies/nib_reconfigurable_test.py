@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-
 from slipbench import RandomStream, Scene, parse_quantity
 from slipbench_studies.nib_reconfigurable import bench, slip_kinds, table1, table2, table3
 from slipbench_studies.result import Options
@@ -59,10 +58,17 @@ class Calibration(unittest.TestCase):
 
     def test_the_wrench_is_about_the_pads_origin(self):
         tips = [[-2e-3, 1e-3, 0], [5e-3, 1e-3, 0]]
-        force, displacement = [[0, 0, 2], [0.5, -1, 3]], [[0, 0, 0], [1e-3, 0, 2e-3]]  # so that the second acts at (6, 1, 2) mm
+        force, displacement = (
+            [[0, 0, 2], [0.5, -1, 3]],
+            [[0, 0, 0], [1e-3, 0, 2e-3]],
+        )  # so that the second acts at (6, 1, 2) mm
         # (-2, 1, 0) x (0, 0, 2) = (2, 4, 0); (6, 1, 2) x (0.5, -1, 3) = (3 + 2, 1 - 18, -6 - 0.5),
         # in mN m.
-        np.testing.assert_allclose(table1.wrench_on_pad(tips, force, displacement), [0.5, -1, 5, 7e-3, -13e-3, -6.5e-3], atol=1e-15)
+        np.testing.assert_allclose(
+            table1.wrench_on_pad(tips, force, displacement),
+            [0.5, -1, 5, 7e-3, -13e-3, -6.5e-3],
+            atol=1e-15,
+        )
 
     def test_the_reference_is_averaged_as_si(self):
         scene = Scene.load("nib_pad/calibrate_uniform.yaml").set({"duration": "3 s"})
@@ -71,7 +77,11 @@ class Calibration(unittest.TestCase):
         # reading.
         self.assertEqual(len(recording.si), 84)
         for row in range(4, 84):
-            np.testing.assert_allclose(recording.averaged[row], recording.wrench[row - 4:row + 1].mean(axis=0), atol=1e-12)
+            np.testing.assert_allclose(
+                recording.averaged[row],
+                recording.wrench[row - 4 : row + 1].mean(axis=0),
+                atol=1e-12,
+            )
         self.assertGreater(recording.wrench[:, 2].max(), 1.0)
         # Before the pad touches, readings are the unloaded ones plus noise and drift.
         self.assertLess(np.abs(recording.si[0]).max(), 5 * 1.5)
@@ -96,8 +106,12 @@ class Bench(unittest.TestCase):
         text = Scene.load("nib_pad/release.yaml").text
         for name, law in bench.LAWS.items():
             changed = text if law.change is None else law.change(text)
-            self.assertEqual("patchy_friction" in changed, name not in ("no_patches", "coulomb"), name)
-            self.assertEqual("viscous_friction" in changed, not name.startswith(("no_rate", "coulomb")), name)
+            self.assertEqual(
+                "patchy_friction" in changed, name not in ("no_patches", "coulomb"), name
+            )
+            self.assertEqual(
+                "viscous_friction" in changed, not name.startswith(("no_rate", "coulomb")), name
+            )
             self.assertEqual("kinetic: 0.585" in changed, name.startswith("coulomb"), name)
             self.assertEqual("lean]" in changed, name == "lean")
             self.assertEqual(changed.count("texture"), text.count("texture"))
@@ -119,7 +133,13 @@ class Bench(unittest.TestCase):
 
     def test_kinds_by_their_bounds(self):
         bound = {"fl": 10.0, "fr": 20.0, "curl": 0.5}
-        self.assertEqual([slip_kinds.kind_of(*values, bound) for values in ((10, 20, 1), (11, 0, 0.4), (0, 21, -0.5))], ["none", "linear", "rotational"])
+        self.assertEqual(
+            [
+                slip_kinds.kind_of(*values, bound)
+                for values in ((10, 20, 1), (11, 0, 0.4), (0, 21, -0.5))
+            ],
+            ["none", "linear", "rotational"],
+        )
         self.assertEqual(set(slip_kinds.bounds()), set(bound))
 
 
@@ -127,8 +147,15 @@ class Release(unittest.TestCase):
     def test_errors_are_those_of_the_safe_runs(self):
         # Safe: before 6 mm. Gross: below the force that the pull requires; the other safe one is
         # early.
-        runs = pd.DataFrame([("paper", 4.0, 3.0, 1e-3), ("paper", 4.0, 6.0, 3e-3), ("paper", 4.0, 1.0, 7e-3), ("felt", 1.0, math.nan, math.nan)],
-                            columns=["material", "required", "force", "way"])
+        runs = pd.DataFrame(
+            [
+                ("paper", 4.0, 3.0, 1e-3),
+                ("paper", 4.0, 6.0, 3e-3),
+                ("paper", 4.0, 1.0, 7e-3),
+                ("felt", 1.0, math.nan, math.nan),
+            ],
+            columns=["material", "required", "force", "way"],
+        )
         paper = table2.summary_of(runs[runs["material"] == "paper"])
         self.assertEqual((paper["runs"], paper["safe"], paper["early"]), (3, 2, 1))
         self.assertEqual((paper["error_N"], paper["gross_error_N"]), (1.5, 1.0))
@@ -141,7 +168,12 @@ class Release(unittest.TestCase):
 # the box in degrees.
 BEFORE, RISES = (0, 0, 0, 0, 90), (0, 0.01, 0.05, 4, 50)
 TOLD, AT_TARGET, UP = (0.01, 0, 0.06, 4, 30), (0.01, 0, 0.1, 4, 30), (0.01, 0, 0.1, 1, 10)
-STANDS, LIES, SLIPPED, LEANS = (0, 0, 0.1, 0, 0), (0, 0, 0.1, 0, 90), (0, 0.01, 0.06, 0, 85), (0, 0, 0.1, 0.2, 1)
+STANDS, LIES, SLIPPED, LEANS = (
+    (0, 0, 0.1, 0, 0),
+    (0, 0, 0.1, 0, 90),
+    (0, 0.01, 0.06, 0, 85),
+    (0, 0, 0.1, 0.2, 1),
+)
 
 
 def turn(*rows, standing=False):
@@ -149,7 +181,11 @@ def turn(*rows, standing=False):
     half = 0.5 * (90.0 - tilt) * DEGREE  # a turn about X by b lifts the axis Y by b
     pose = np.zeros((len(rows), 7))
     pose[:, 3], pose[:, 4] = np.cos(half), np.sin(half)
-    outcome = {"standing": standing, "tilt_rad": tilt[-1] * DEGREE, "least_tilt_rad": tilt.min() * DEGREE}
+    outcome = {
+        "standing": standing,
+        "tilt_rad": tilt[-1] * DEGREE,
+        "least_tilt_rad": tilt.min() * DEGREE,
+    }
     return table3.turn_of(outcome, np.column_stack([sideways, up]), force, height, pose, TARGET)
 
 
@@ -157,7 +193,9 @@ class Reorientation(unittest.TestCase):
     def test_how_a_trial_ended(self):
         self.assertEqual(turn(BEFORE, RISES, TOLD, STANDS, standing=True).end, "standing")
         self.assertEqual(turn(BEFORE, RISES, SLIPPED, LIES).end, "lost")
-        self.assertEqual(turn(BEFORE, RISES, SLIPPED, AT_TARGET, LIES).end, "lost")  # although the arm continues
+        self.assertEqual(
+            turn(BEFORE, RISES, SLIPPED, AT_TARGET, LIES).end, "lost"
+        )  # although the arm continues
         self.assertEqual(turn(BEFORE, RISES, TOLD, LIES).end, "told_early")
         self.assertEqual(turn(BEFORE, RISES, AT_TARGET, LIES).end, "not_turned")
         self.assertEqual(turn(BEFORE, RISES, TOLD, UP, LIES).end, "fell")
@@ -173,23 +211,51 @@ class Reorientation(unittest.TestCase):
             table3.turn_of({}, np.zeros((2, 2)), np.zeros(3), np.zeros(2), np.zeros((2, 7)), TARGET)
 
     def test_medians_leave_nan_out(self):
-        runs = pd.DataFrame([(True, False, 0.1, 0.1, 5.0, "standing", 0.2, 4.0), (False, False, 1.0, 0.3, 6.0, "fell", 0.4, 3.0),
-                             (False, True, 1.5, 1.2, 7.0, "lost", math.nan, math.nan)],
-                            columns=["standing", "dropped", "tilt", "least_tilt", "most_force", "end", "released_tilt", "held_by"])
+        runs = pd.DataFrame(
+            [
+                (True, False, 0.1, 0.1, 5.0, "standing", 0.2, 4.0),
+                (False, False, 1.0, 0.3, 6.0, "fell", 0.4, 3.0),
+                (False, True, 1.5, 1.2, 7.0, "lost", math.nan, math.nan),
+            ],
+            columns=[
+                "standing",
+                "dropped",
+                "tilt",
+                "least_tilt",
+                "most_force",
+                "end",
+                "released_tilt",
+                "held_by",
+            ],
+        )
         found = table3.summary_of(runs)
-        self.assertEqual([found[name] for name in ("runs", "standing", "turned_up", "dropped")], [3, 1, 2, 1])
+        self.assertEqual(
+            [found[name] for name in ("runs", "standing", "turned_up", "dropped")], [3, 1, 2, 1]
+        )
         self.assertEqual(list(found["ends"].values()), [1, 1, 0, 0, 1, 0, 0])
         self.assertEqual((found["tilt"], found["held_by"]), (1.0, 3.5))
         self.assertAlmostEqual(found["released_tilt"], 0.3)
 
     def test_the_same_on_any_number_of_threads(self):
-        one, two = (table3.study(Options(trials=1, jobs=jobs, only=("com_low", "fl_slip_x0.5"))) for jobs in (1, 2))
-        self.assertEqual(one.charts[0].places, ["200 g, centre of mass at L/3 from its foot", "200 g, FL of slip 0.5 times, 12.5 counts"])
+        one, two = (
+            table3.study(Options(trials=1, jobs=jobs, only=("com_low", "fl_slip_x0.5")))
+            for jobs in (1, 2)
+        )
+        self.assertEqual(
+            one.charts[0].places,
+            [
+                "200 g, centre of mass at L/3 from its foot",
+                "200 g, FL of slip 0.5 times, 12.5 counts",
+            ],
+        )
         self.assertEqual(one.figures, two.figures)
         for table in one.tables:
             self.assertTrue(all(len(row) == len(table.head) for row in table.rows))
         cell, firm = one.figures["cells"]
-        self.assertEqual((cell["name"], cell["published"], cell["trials"], sum(cell["ends"].values())), ("com_low", 11, 1, 1))
+        self.assertEqual(
+            (cell["name"], cell["published"], cell["trials"], sum(cell["ends"].values())),
+            ("com_low", 11, 1, 1),
+        )
         self.assertIn("--set 'box.weight_place=[0 mm, 41.08 mm, 0 mm]'", cell["command"])
         # With half of fl_slip the grip is firm enough for the decrements of turning: the box turns
         # up, whatever follows.

@@ -9,7 +9,6 @@ import unittest
 from types import SimpleNamespace
 
 import numpy as np
-
 from slipbench import InputError
 from slipbench_studies.piezo_fft_gru import slip_against_hold
 from slipbench_studies.result import Options
@@ -26,15 +25,25 @@ def frames(signal):
     """
     number = np.arange(SAMPLES)
     t = 1e-4 * number
-    micro = np.where(number < 150, 0, np.where((number >= 650) & (number < SAMPLES - 1), 3, 1)).astype(np.uint8)
+    micro = np.where(
+        number < 150, 0, np.where((number >= 650) & (number < SAMPLES - 1), 3, 1)
+    ).astype(np.uint8)
     paper = np.where(number < 150, 0, np.where(number >= 600, 3, 1)).astype(np.uint8)
     velocity = np.zeros((SAMPLES, 6), dtype=np.float32)
     velocity[:300, 2] = -5e-4
     velocity[600:, 0], velocity[700:, 0] = 10e-3, 20e-3
-    return slip_against_hold.frames_of(SimpleNamespace(
-        sensors={"pad": SimpleNamespace(t=t, channels={"signal": np.asarray(signal(t), dtype=np.float32)[:, None]})},
-        labels={"pad": SimpleNamespace(state_micro=micro, state_paper=paper)}, bodies={"pad": SimpleNamespace(velocity=velocity)},
-        params={"motion.compression": 0.25e-3, "motion.speed": 20e-3}))
+    return slip_against_hold.frames_of(
+        SimpleNamespace(
+            sensors={
+                "pad": SimpleNamespace(
+                    t=t, channels={"signal": np.asarray(signal(t), dtype=np.float32)[:, None]}
+                )
+            },
+            labels={"pad": SimpleNamespace(state_micro=micro, state_paper=paper)},
+            bodies={"pad": SimpleNamespace(velocity=velocity)},
+            params={"motion.compression": 0.25e-3, "motion.speed": 20e-3},
+        )
+    )
 
 
 class Frames(unittest.TestCase):
@@ -51,11 +60,15 @@ class Frames(unittest.TestCase):
         self.assertEqual(those("contact"), list(range(9)))  # contact by sample 199
         self.assertEqual(those("pressed"), [0, 1, 2])  # 299 is the last one of the press
         self.assertEqual(those("slid"), [5, 6, 7, 8])
-        self.assertEqual(those("at_speed"), [6, 7, 8])  # frame 5 ends with sample 699, at 10 of 20 mm/s
+        self.assertEqual(
+            those("at_speed"), [6, 7, 8]
+        )  # frame 5 ends with sample 699, at 10 of 20 mm/s
         self.assertEqual(those("slipped"), [5, 6, 7, 8])
         self.assertEqual(those("slips"), [5, 6, 7])  # the last sample of frame 8 sticks
         self.assertEqual(those("slips_by_position"), [5, 6, 7, 8])
-        self.assertEqual(those("one_label"), [2, 3, 4, 7])  # contact begins within 0 and 1; slip begins within 5 and 6 and ends within 8
+        self.assertEqual(
+            those("one_label"), [2, 3, 4, 7]
+        )  # contact begins within 0 and 1; slip begins within 5 and 6 and ends within 8
         self.assertAlmostEqual(found["still"][3], (499 - 299) * 1e-4, delta=1e-12)
         self.assertEqual(found["still"][5], 0.0)
 
@@ -102,17 +115,25 @@ class SlipAgainstHold(unittest.TestCase):
             self.assertEqual(every["slip_frames"], contact["slip_frames"])
             n, m = contact["hold_frames"], air["hold_frames"]
             self.assertEqual(every["hold_frames"], n + m)
-            self.assertAlmostEqual(every["auc"], (n * contact["auc"] + m * air["auc"]) / (n + m), delta=1e-12)
+            self.assertAlmostEqual(
+                every["auc"], (n * contact["auc"] + m * air["auc"]) / (n + m), delta=1e-12
+            )
         for causes, counted in (("hold_causes", "hold_frames"), ("slip_causes", "slip_frames")):
             found = result.figures[causes].values()
-            self.assertEqual(sum(cause["frames"] for cause in found), levels["0"]["contact"][counted])
+            self.assertEqual(
+                sum(cause["frames"] for cause in found), levels["0"]["contact"][counted]
+            )
             self.assertAlmostEqual(sum(cause["share"] for cause in found), 1.0, delta=1e-9)
             for reading in ("paper", "hann"):
-                self.assertAlmostEqual(sum(cause[reading]["share_of_missing"] for cause in found), 1.0, delta=1e-9)
+                self.assertAlmostEqual(
+                    sum(cause[reading]["share_of_missing"] for cause in found), 1.0, delta=1e-9
+                )
 
     def test_it_needs_two_recordings_of_each_kind_and_as_many_of_both(self):
         for trials in (2, 5):  # five would run as four
-            with self.assertRaisesRegex(InputError, f"--trials {trials}: .*even numbers, 4 or more"):
+            with self.assertRaisesRegex(
+                InputError, f"--trials {trials}: .*even numbers, 4 or more"
+            ):
                 slip_against_hold.study(Options(trials=trials))
 
 

@@ -9,7 +9,6 @@ import sys
 import unittest
 
 import numpy as np
-
 from slipbench_studies.realism import fabric, uskin
 from slipbench_studies.result import Options
 
@@ -39,7 +38,15 @@ class Uskin(unittest.TestCase):
         self.assertAlmostEqual(first, 7.975 - 1.5, 9)  # of the last sample before 8 s
         self.assertAlmostEqual(last, 7.975 - 0.5, 9)
         # 1 + 0.1 sqrt(2) sin over whole periods has a standard deviation of 0.1.
-        self.assertAlmostEqual(uskin.level_sd(hold(np.zeros((16, 2)), 1.0 + 0.1 * math.sqrt(2.0) * np.sin(2.0 * np.pi * TIME / 2.0))), 0.1, 12)
+        self.assertAlmostEqual(
+            uskin.level_sd(
+                hold(
+                    np.zeros((16, 2)), 1.0 + 0.1 * math.sqrt(2.0) * np.sin(2.0 * np.pi * TIME / 2.0)
+                )
+            ),
+            0.1,
+            12,
+        )
 
     def test_patterns_that_differ_share_the_power(self):
         # Two recordings of equal length with orthogonal patterns of strength 3 and 1: the first has
@@ -51,7 +58,10 @@ class Uskin(unittest.TestCase):
     def test_noise_of_a_running_mean(self):
         # White noise of sd 2.2 over six samples has 2.2/sqrt(6) = 0.898; 4,000 samples of 16
         # taxels, 667 of them independent: the relative sd of the median is below 1 %.
-        noise = np.random.default_rng(1).normal(0.0, 2.2, (4000, 16, 3)) + np.linspace(0.0, 50.0, 4000)[:, None, None]
+        noise = (
+            np.random.default_rng(1).normal(0.0, 2.2, (4000, 16, 3))
+            + np.linspace(0.0, 50.0, 4000)[:, None, None]
+        )
         for axis in uskin.noise_of(uskin.smoothed(noise)):
             self.assertAlmostEqual(axis, 2.2 / math.sqrt(6.0), delta=0.04)
 
@@ -72,9 +82,17 @@ class Fabric(unittest.TestCase):
         # 8 patterns at 20 mm/s, one per second: 100 + 40 cos + 10 cos of the second harmonic: sd
         # sqrt(800 + 50) = 29.2, and 1/16 of the power.
         phase = 2.0 * np.pi * np.arange(int(8 * RATE)) / RATE
-        waves = fabric.waves_of(np.repeat((100.0 + 40.0 * np.cos(phase) + 10.0 * np.cos(2.0 * phase))[:, None], 16, axis=1), RATE, 20e-3)
+        waves = fabric.waves_of(
+            np.repeat(
+                (100.0 + 40.0 * np.cos(phase) + 10.0 * np.cos(2.0 * phase))[:, None], 16, axis=1
+            ),
+            RATE,
+            20e-3,
+        )
         self.assertAlmostEqual(waves.level_sd, math.sqrt(850.0) / 100.0, 9)
-        self.assertAlmostEqual(waves.harmonics, 1.0 / 16.0, 4)  # Hann's window ends at 0: a thousandth leaks
+        self.assertAlmostEqual(
+            waves.harmonics, 1.0 / 16.0, 4
+        )  # Hann's window ends at 0: a thousandth leaks
         self.assertLess(waves.slow, 1e-3)
         self.assertAlmostEqual(waves.frequency, 1.0, 3)
 

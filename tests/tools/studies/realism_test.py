@@ -6,7 +6,6 @@ import unittest
 import unittest.mock
 
 import numpy as np
-
 from slipbench import InputError
 from slipbench_studies import realism
 from slipbench_studies.realism import hexapod, papillarray
@@ -34,9 +33,20 @@ class PapillArray(unittest.TestCase):
         # 0.6^2)/3) = 2.914 N, so 0.577/sqrt(0.577^2 + 2.914^2) = 19.4 %. 20,000 snapshots: a
         # relative error of 0.7 %, and some are dropped below 0.5 N.
         generator = np.random.default_rng(1)
-        displacement = np.stack([generator.uniform(-0.5, 0.5, (20000, 2)), generator.uniform(-0.5, 0.5, (20000, 2)), generator.uniform(0.2, 0.6, (20000, 2))],
-                                axis=2)
-        matrices = np.array([[[4.0, 0.3, 0.6], [-0.3, 4.0, 0.6], [2.0, 0.0, 7.0]], [[2.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 5.0]]])
+        displacement = np.stack(
+            [
+                generator.uniform(-0.5, 0.5, (20000, 2)),
+                generator.uniform(-0.5, 0.5, (20000, 2)),
+                generator.uniform(0.2, 0.6, (20000, 2)),
+            ],
+            axis=2,
+        )
+        matrices = np.array(
+            [
+                [[4.0, 0.3, 0.6], [-0.3, 4.0, 0.6], [2.0, 0.0, 7.0]],
+                [[2.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 5.0]],
+            ]
+        )
         axes = papillarray.axes_of(np.einsum("pij,npj->npi", matrices, displacement), displacement)
         np.testing.assert_allclose(axes.stiffness, matrices, atol=1e-9)
         self.assertAlmostEqual(axes.residual[0], 0.194, delta=0.01)
@@ -45,7 +55,11 @@ class PapillArray(unittest.TestCase):
         # Over two pillars: rms of 2, 0, 0, 0 is 1; of 0.6 twice 0.424; of 0.3 twice 0.212. Scatter
         # of 7 and 5 is sqrt(2)/6 = 23.6 %, of 4 and 2 47.1 %, of 4 and 6 28.3 %, and the rms of the
         # latter two 38.9 %.
-        np.testing.assert_allclose(papillarray.summary_of(axes)[[0, 1, 2, 5, 6]], [1.0, 0.424, 0.212, 23.57, 38.87], rtol=2e-3)
+        np.testing.assert_allclose(
+            papillarray.summary_of(axes)[[0, 1, 2, 5, 6]],
+            [1.0, 0.424, 0.212, 23.57, 38.87],
+            rtol=2e-3,
+        )
 
     def test_few_snapshots_are_refused(self):
         with self.assertRaisesRegex(InputError, "no pillar has 100 snapshots"):
@@ -53,7 +67,9 @@ class PapillArray(unittest.TestCase):
 
     def test_half_time_is_between_samples(self):
         # A ramp from 0 at 1 to 4 at 3: half of 4 is reached at 2.
-        self.assertAlmostEqual(papillarray.half_time([3.0, 1.0, 1.5, 2.2], [4.0, 0.0, 1.0, 2.4], 4.0), 2.0)
+        self.assertAlmostEqual(
+            papillarray.half_time([3.0, 1.0, 1.5, 2.2], [4.0, 0.0, 1.0, 2.4], 4.0), 2.0
+        )
 
     def test_typical_electronics_are_like_the_real_device(self):
         # Limits: 1.5 to 4 N/mm of coupling, 20 to 45 % of residual, and 3 % for the data sheet's
@@ -72,13 +88,27 @@ class Choice(unittest.TestCase):
     def test_slow_ones_need_full(self):
         asked, left = realism.asked_for(Options(), "")
         self.assertIn("nib-reconfigurable/table3", asked)
-        self.assertEqual(left, ["piezo-fft-gru/table1", "myrmex-tactile-cnn/table2", "biotac-stability-slip/table2", "biotac-stability-slip/table3"])
+        self.assertEqual(
+            left,
+            [
+                "piezo-fft-gru/table1",
+                "myrmex-tactile-cnn/table2",
+                "biotac-stability-slip/table2",
+                "biotac-stability-slip/table3",
+            ],
+        )
         self.assertEqual(len(realism.asked_for(Options(full=True), "")[1]), 2)
-        self.assertEqual(realism.asked_for(Options(only=("piezo-fft-gru/table1",)), "")[0], ["piezo-fft-gru/table1"])
+        self.assertEqual(
+            realism.asked_for(Options(only=("piezo-fft-gru/table1",)), "")[0],
+            ["piezo-fft-gru/table1"],
+        )
 
     def test_recordings_choose_their_study(self):
         only = ("biotac-stability-slip/table2",)
-        self.assertEqual(realism.asked_for(Options(only=only, real="r.h5"), "imported from bts3v2")[0], list(only))
+        self.assertEqual(
+            realism.asked_for(Options(only=only, real="r.h5"), "imported from bts3v2")[0],
+            list(only),
+        )
         with self.assertRaisesRegex(InputError, "no selected study"):
             realism.asked_for(Options(only=only, real="r.h5"), "imported from biotacsp-dos")
         with self.assertRaisesRegex(InputError, "did you mean 'hexapod'"):
@@ -91,17 +121,26 @@ class SetUp(unittest.TestCase):
             self.assertRegex(device.setup, r"^Real: .+ Ours: .+\d k?Hz.+ Assumed: .+\.$", name)
 
     def test_the_result_has_the_set_up_of_each_study_after_its_name(self):
-        device = realism.Device(lambda _: [RealFigure("weight, N", 2.0, 3.0, "assumed")], "Real: a stone. Ours: a ball.")
+        device = realism.Device(
+            lambda _: [RealFigure("weight, N", 2.0, 3.0, "assumed")], "Real: a stone. Ours: a ball."
+        )
         with unittest.mock.patch.dict(realism.OWN, {"myrmex": device}):
             result = realism.study(Options(only=("myrmex",), seed=5))
         self.assertEqual(result.setup[0], "Seed 5.")
         self.assertEqual(result.setup[-1], "myrmex: Real: a stone. Ours: a ball.")
-        self.assertEqual(result.tables[0].rows, [["1", "myrmex", "weight, N", "2", "3", "1.5", "assumed"]])
+        self.assertEqual(
+            result.tables[0].rows, [["1", "myrmex", "weight, N", "2", "3", "1.5", "assumed"]]
+        )
         # The set-up of a paper's table is that of its own study.
-        study = Result("", "", {}, setup=["On a bench.", "At 1 kHz."], real=[RealFigure("weight, N", 2.0, 3.0)])
+        study = Result(
+            "", "", {}, setup=["On a bench.", "At 1 kHz."], real=[RealFigure("weight, N", 2.0, 3.0)]
+        )
         with unittest.mock.patch.object(realism, "run", return_value=study):
             result = realism.study(Options(only=("nib-reconfigurable/table1",)))
-        self.assertEqual(result.setup[-2:], ["nib-reconfigurable/table1: On a bench.", "nib-reconfigurable/table1: At 1 kHz."])
+        self.assertEqual(
+            result.setup[-2:],
+            ["nib-reconfigurable/table1: On a bench.", "nib-reconfigurable/table1: At 1 kHz."],
+        )
 
 
 if __name__ == "__main__":

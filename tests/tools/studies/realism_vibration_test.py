@@ -8,7 +8,6 @@ import sys
 import unittest
 
 import numpy as np
-
 from slipbench_studies.realism import biotac_19, myrmex, piezo_skin
 from slipbench_studies.result import Options
 
@@ -23,7 +22,9 @@ class PiezoSkin(unittest.TestCase):
         self.assertEqual(spectra.shape, (1998, 129))
         self.assertAlmostEqual(piezo_skin.NOISE_SD, 5.570, places=3)
         self.assertAlmostEqual(spectra[:, 10:110].std(axis=0).mean(), 5.570, delta=0.06)
-        self.assertAlmostEqual(spectra[:, 10:110].mean(), 10.0 * math.log10(2.0 * 9.0 / 1e4) - 2.507, delta=0.06)
+        self.assertAlmostEqual(
+            spectra[:, 10:110].mean(), 10.0 * math.log10(2.0 * 9.0 / 1e4) - 2.507, delta=0.06
+        )
 
     def test_slip_is_bounded_by_how_much_a_bin_varies(self):
         # If half of the frames are 12 dB above the others, the sd is sqrt(6^2 + 5.57^2) = 8.19 dB.
@@ -46,10 +47,14 @@ class BioTac19(unittest.TestCase):
         # bin 32 of 8.59 Hz and its neighbours; Hann's taper is 1.5 bins wide: 80,000/(1.5 * 8.59)
         # counts^2/Hz at the maximum.
         time = np.arange(22_000) / 2200.0
-        slide = biotac_19.slide_of(3048.0 + 400.0 * np.sin(2.0 * np.pi * 275.0 * time), np.array([2600.0, 2640.0]))
+        slide = biotac_19.slide_of(
+            3048.0 + 400.0 * np.sin(2.0 * np.pi * 275.0 * time), np.array([2600.0, 2640.0])
+        )
         top = int(slide.spectrum.argmax())
         self.assertEqual(top + biotac_19.FIRST_BIN, 32)
-        self.assertAlmostEqual(slide.spectrum[top], 10.0 * math.log10(80_000.0 / (1.5 * 2200.0 / 256.0)), places=2)
+        self.assertAlmostEqual(
+            slide.spectrum[top], 10.0 * math.log10(80_000.0 / (1.5 * 2200.0 / 256.0)), places=2
+        )
         self.assertAlmostEqual(slide.pac_sd, 400.0 / math.sqrt(2.0), delta=0.1)
         self.assertEqual(slide.pdc_sd, 20.0)
 
@@ -68,7 +73,9 @@ class Myrmex(unittest.TestCase):
         # 2,000 differences of sd 4 sqrt(2): within 5/sqrt(4000) = 8 %, less for the median of ten.
         # The idle taxels have twice the noise.
         random = np.random.default_rng(1)
-        missing = np.hstack([random.normal(1000.0, 4.0, (2000, 10)), random.normal(0.0, 8.0, (2000, 10))])
+        missing = np.hstack(
+            [random.normal(1000.0, 4.0, (2000, 10)), random.normal(0.0, 8.0, (2000, 10))]
+        )
         self.assertAlmostEqual(myrmex.noise_of(missing), 100.0 * 4.0 / 4095.0, delta=0.008)
 
     def test_growth_is_from_the_early_load(self):

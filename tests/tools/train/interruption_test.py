@@ -21,12 +21,46 @@ class InterruptionTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as made:
             folder = Path(made)
             scene = SOURCE / "scenes/papillarray/stage.yaml"
-            subprocess.run([PROGRAM, "sweep", scene, "--set", "duration=3 s", SPEEDS, "-o", "data.h5", "--quiet"], cwd=folder, check=True, timeout=60)
-            command = [PROGRAM, "train", "data.h5", "--recipe", "papillarray_gru", "--steps", "100000", "-o", "slip.onnx"]
-            for seconds, way in ((0.3, signal.SIGINT), (0.8, signal.SIGTERM), (1.5, signal.SIGHUP), (3.0, signal.SIGTERM)):
+            subprocess.run(
+                [
+                    PROGRAM,
+                    "sweep",
+                    scene,
+                    "--set",
+                    "duration=3 s",
+                    SPEEDS,
+                    "-o",
+                    "data.h5",
+                    "--quiet",
+                ],
+                cwd=folder,
+                check=True,
+                timeout=60,
+            )
+            command = [
+                PROGRAM,
+                "train",
+                "data.h5",
+                "--recipe",
+                "papillarray_gru",
+                "--steps",
+                "100000",
+                "-o",
+                "slip.onnx",
+            ]
+            for seconds, way in (
+                (0.3, signal.SIGINT),
+                (0.8, signal.SIGTERM),
+                (1.5, signal.SIGHUP),
+                (3.0, signal.SIGTERM),
+            ):
                 # A signal ignored at the program's start stays ignored.
                 with subprocess.Popen(
-                    command, cwd=folder, stderr=subprocess.PIPE, text=True, preexec_fn=lambda way=way: signal.signal(way, signal.SIG_DFL)
+                    command,
+                    cwd=folder,
+                    stderr=subprocess.PIPE,
+                    text=True,
+                    preexec_fn=lambda way=way: signal.signal(way, signal.SIG_DFL),
                 ) as training:
                     training.stderr.readline()  # "reading data.h5": signal handling starts a moment later
                     time.sleep(seconds)

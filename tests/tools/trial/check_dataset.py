@@ -2,6 +2,7 @@
 
 usage: check_dataset.py SLIPBENCH SCENE
 """
+
 import json
 import pathlib
 import subprocess
@@ -12,15 +13,26 @@ import h5py
 import numpy as np
 
 LABELS = {  # name: (dtype, extents after the first; N: number of units)
-    "unit_state": ("u1", ("N",)), "slip_velocity": ("f4", ("N", 2)), "slip_distance": ("f4", ("N",)), "margin": ("f4", ("N",)),
-    "force": ("f4", ("N", 3)), "state": ("u1", ()), "state_micro": ("u1", ()), "state_paper": ("u1", ()),
-    "stuck_fraction": ("f4", ()), "slip_direction": ("f4", ()), "slip_centre": ("f4", (2,)), "slip_angle": ("f4", ()),
+    "unit_state": ("u1", ("N",)),
+    "slip_velocity": ("f4", ("N", 2)),
+    "slip_distance": ("f4", ("N",)),
+    "margin": ("f4", ("N",)),
+    "force": ("f4", ("N", 3)),
+    "state": ("u1", ()),
+    "state_micro": ("u1", ()),
+    "state_paper": ("u1", ()),
+    "stuck_fraction": ("f4", ()),
+    "slip_direction": ("f4", ()),
+    "slip_centre": ("f4", (2,)),
+    "slip_angle": ("f4", ()),
 }
 
 
 def arrays_of(group):
     found = {}
-    group.visititems(lambda name, item: found.update({name: item}) if isinstance(item, h5py.Dataset) else None)
+    group.visititems(
+        lambda name, item: found.update({name: item}) if isinstance(item, h5py.Dataset) else None
+    )
     return found
 
 
@@ -47,13 +59,26 @@ def check_sensor(demo, name):
         assert labels[label].shape == expected and labels[label].dtype == dtype, label
     for array, state in (("unit_state", "slip"), ("state", "gross"), ("events/kind", "detach")):
         codes = json.loads(labels[array].attrs["codes"])
-        assert labels[array].dtype == "u1" and set(labels[array][()].ravel()) <= set(codes.values()) and state in codes, array
+        assert (
+            labels[array].dtype == "u1"
+            and set(labels[array][()].ravel()) <= set(codes.values())
+            and state in codes
+        ), array
     events = labels["events"]
     assert events["t"].shape == events["unit"].shape == events["kind"].shape
     assert (np.diff(events["t"]) >= 0).all()
-    for attribute in ("onset_time_s", "micro_onset_time_s", "mu_static", "mu_kinetic", "k_tangential"):
+    for attribute in (
+        "onset_time_s",
+        "micro_onset_time_s",
+        "mu_static",
+        "mu_kinetic",
+        "k_tangential",
+    ):
         assert labels.attrs[attribute].shape == (units,), attribute
-    first_slip = [min(events["t"][(events["unit"][()] == u) & (events["kind"][()] == 1)], default=np.nan) for u in range(units)]
+    first_slip = [
+        min(events["t"][(events["unit"][()] == u) & (events["kind"][()] == 1)], default=np.nan)
+        for u in range(units)
+    ]
     assert np.array_equal(labels.attrs["onset_time_s"], first_slip, equal_nan=True)
 
 
@@ -76,7 +101,11 @@ def check_control(demo):
     """Returns the classes of a force_ratio of 0.4 from 0.05 N on for the recorded forces."""
     control, force = demo["control"], demo["sensors/pad/force"][()].astype("f8")
     assert set(control) == {"t", "detector_class"} and control["detector_class"].dtype == "u1"
-    assert control.attrs["detector"] == "force_ratio" and control.attrs["sensor"] == "pad" and control.attrs["rate_hz"] == 1000
+    assert (
+        control.attrs["detector"] == "force_ratio"
+        and control.attrs["sensor"] == "pad"
+        and control.attrs["rate_hz"] == 1000
+    )
     assert np.array_equal(control["t"], demo["sensors/pad/t"])
     touching = force[..., 2] >= 0.05
     slipping = touching & (np.hypot(force[..., 0], force[..., 1]) > 0.4 * force[..., 2])
@@ -88,14 +117,20 @@ def check_control(demo):
 def check_run(program, scene, settings):
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "out.h5"
-        subprocess.run([program, "run", scene, *settings, "-o", str(path)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [program, "run", scene, *settings, "-o", str(path)],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
         with h5py.File(path) as file:
             assert file.attrs["schema"] == 2 and file.attrs["complete"] == 1
             assert file.attrs["scene"] == pathlib.Path(scene).read_text()
             json.loads(file.attrs["overrides"])
             assert "--jobs" not in file.attrs["command"] and str(path) not in file.attrs["command"]
             demos = sorted(file["data"], key=lambda name: int(name.removeprefix("demo_")))
-            masked = [name.decode() for part in ("train", "valid", "test") for name in file["mask"][part]]
+            masked = [
+                name.decode() for part in ("train", "valid", "test") for name in file["mask"][part]
+            ]
             assert sorted(masked) == sorted(demos)
             for name in demos:
                 demo = file["data"][name]

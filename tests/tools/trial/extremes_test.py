@@ -8,6 +8,7 @@ largest doubles and by sizes between these. COUNT: number of such scenes, spread
 them (default: 2000; 0: all). A scene that is still running after SECONDS is valid, only long, and
 is ended.
 """
+
 import json
 import os
 import subprocess
@@ -15,13 +16,49 @@ import sys
 import tempfile
 
 SECONDS = 10
-SIZES = [5e-324, 2.3e-308, 1e-200, 1e-60, 1e-30, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e30, 1e60, 1e200, 1.7e308]
-STAGE = {"kind": "stage", "compression": "0.3 mm", "gap": "0.1 mm", "approach_speed": "10 mm/s", "start": "0.25 s", "speed": "8 mm/s"}
-GRASP = {"slipbench": 1, "duration": "4.2 s", "sensors": {"pad": {"type": "papillarray", "rate": "100 Hz"}}}
+SIZES = [
+    5e-324,
+    2.3e-308,
+    1e-200,
+    1e-60,
+    1e-30,
+    1e-12,
+    1e-9,
+    1e-6,
+    1e-3,
+    1.0,
+    1e3,
+    1e6,
+    1e9,
+    1e12,
+    1e30,
+    1e60,
+    1e200,
+    1.7e308,
+]
+STAGE = {
+    "kind": "stage",
+    "compression": "0.3 mm",
+    "gap": "0.1 mm",
+    "approach_speed": "10 mm/s",
+    "start": "0.25 s",
+    "speed": "8 mm/s",
+}
+GRASP = {
+    "slipbench": 1,
+    "duration": "4.2 s",
+    "sensors": {"pad": {"type": "papillarray", "rate": "100 Hz"}},
+}
 
 
 def scene(**parts):
-    return {"slipbench": 1, "duration": "0.4 s", "motion": dict(STAGE), "sensors": {"pad": {"type": "papillarray"}}, **parts}
+    return {
+        "slipbench": 1,
+        "duration": "0.4 s",
+        "motion": dict(STAGE),
+        "sensors": {"pad": {"type": "papillarray"}},
+        **parts,
+    }
 
 
 def numbers(schema):
@@ -37,7 +74,11 @@ def numbers(schema):
 def values(kind):
     low = kind.get("minimum", kind.get("exclusiveMinimum", -float("inf")))
     high = kind.get("maximum", kind.get("exclusiveMaximum", float("inf")))
-    found = [value for value in (low, high, 0, *SIZES, *(-size for size in SIZES)) if low <= value <= high and abs(value) != float("inf")]
+    found = [
+        value
+        for value in (low, high, 0, *SIZES, *(-size for size in SIZES))
+        if low <= value <= high and abs(value) != float("inf")
+    ]
     if kind["type"] == "integer":
         found = [int(value) for value in found if abs(value) < 2**62 and float(value).is_integer()]
     return sorted(set(found))
@@ -45,6 +86,7 @@ def values(kind):
 
 def sections(definitions):
     """Yields the schema of each section and a function that returns the scene with this section."""
+
     def named(prefix):
         return [(name, schema) for name, schema in definitions.items() if name.startswith(prefix)]
 
@@ -61,7 +103,11 @@ def sections(definitions):
     for name, schema in named("effect_"):
         effect = name.removeprefix("effect_")
         before = ["inertia"] if effect == "asperities" else []
-        yield name, schema, lambda change, effect=effect, before=before: scene(effects=[*before, {effect: change}])
+        yield (
+            name,
+            schema,
+            lambda change, effect=effect, before=before: scene(effects=[*before, {effect: change}]),
+        )
     for name, schema in named("sensor_"):
         kind = name.removeprefix("sensor_")
         base = {"type": kind, "channels": {"f": "force"}} if kind == "taxels" else {"type": kind}
@@ -74,20 +120,40 @@ def sections(definitions):
     for name, schema in named("controller_"):
         kind = name.removeprefix("controller_")
         if kind != "plugin":
-            yield name, schema, lambda change, kind=kind: {**GRASP, "controller": {"type": kind, **change}}
+            yield (
+                name,
+                schema,
+                lambda change, kind=kind: {**GRASP, "controller": {"type": kind, **change}},
+            )
     for name, schema in named("body_"):
         shape = name.removeprefix("body_")
         pad = {"type": "papillarray", "rate": "100 Hz", "touches": ["ball"]}
-        yield name, schema, lambda change, shape=shape, pad=pad: {
-            "slipbench": 1, "duration": "0.4 s", "motion": {"kind": "press"}, "sensors": {"pad": pad}, "bodies": {"ball": {"shape": shape, **change}}}
+        yield (
+            name,
+            schema,
+            lambda change, shape=shape, pad=pad: {
+                "slipbench": 1,
+                "duration": "0.4 s",
+                "motion": {"kind": "press"},
+                "sensors": {"pad": pad},
+                "bodies": {"ball": {"shape": shape, **change}},
+            },
+        )
     for name in ("grip", "box", "scatter"):
         yield name, definitions[name], lambda change, name=name: {**GRASP, name: change}
     yield "friction", definitions["friction"], lambda change: scene(friction=change)
-    yield "contact", definitions["contact"], lambda change: scene(fidelity="mujoco_contact", time_step="0.2 ms", contact=change)
+    yield (
+        "contact",
+        definitions["contact"],
+        lambda change: scene(fidelity="mujoco_contact", time_step="0.2 ms", contact=change),
+    )
 
 
 def cases(schema):
-    whole = {"type": "object", "properties": {key: schema["properties"][key] for key in ("duration", "time_step")}}
+    whole = {
+        "type": "object",
+        "properties": {key: schema["properties"][key] for key in ("duration", "time_step")},
+    }
     for key, size, kind in numbers(whole):
         for value in values(kind):
             yield f"{key} {value!r}", scene(**{key: value})
@@ -99,9 +165,13 @@ def cases(schema):
 
 def main():
     program, count = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 2000
-    schema = json.loads(subprocess.run([program, "schema", "scene"], capture_output=True, check=True).stdout)
+    schema = json.loads(
+        subprocess.run([program, "schema", "scene"], capture_output=True, check=True).stdout
+    )
     all_cases = list(cases(schema))
-    chosen = all_cases if count == 0 else [all_cases[k * len(all_cases) // count] for k in range(count)]
+    chosen = (
+        all_cases if count == 0 else [all_cases[k * len(all_cases) // count] for k in range(count)]
+    )
     wrong, statuses, late = [], {}, 0
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "scene.yaml")
@@ -109,20 +179,37 @@ def main():
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(made, file)
             try:
-                result = subprocess.run([program, "run", path, "--trials", "1"], cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False)
+                result = subprocess.run(
+                    [program, "run", path, "--trials", "1"],
+                    cwd=folder,
+                    capture_output=True,
+                    text=True,
+                    timeout=SECONDS,
+                    check=False,
+                )
             except subprocess.TimeoutExpired:
                 late += 1
                 continue
             statuses[result.returncode] = statuses.get(result.returncode, 0) + 1
-            placed = result.returncode == 0 or "scene.yaml" in result.stderr or "trial 0: " in result.stderr
-            if result.returncode not in (0, 1, 2) or "internal error" in result.stderr or not placed:
+            placed = (
+                result.returncode == 0
+                or "scene.yaml" in result.stderr
+                or "trial 0: " in result.stderr
+            )
+            if (
+                result.returncode not in (0, 1, 2)
+                or "internal error" in result.stderr
+                or not placed
+            ):
                 wrong.append(f"{title}: status {result.returncode}: {result.stderr.strip()[-300:]}")
             left = sorted(set(os.listdir(folder)) - {"scene.yaml"})
             if left:
                 wrong.append(f"{title}: leaves {left}")
                 for name in left:
                     os.remove(os.path.join(folder, name))
-    print(f"{len(chosen)} of {len(all_cases)} scenes; status: {statuses}; longer than {SECONDS} s: {late}")
+    print(
+        f"{len(chosen)} of {len(all_cases)} scenes; status: {statuses}; longer than {SECONDS} s: {late}"
+    )
     print("\n".join(wrong))
     return 1 if wrong else 0
 

@@ -8,6 +8,7 @@ a list shortened or doubled, a line removed, doubled or swapped with another. CO
 ones in every run; FIRST is the number of the first. A valid scene that takes longer than SECONDS,
 such as one with a box of some milligrams, is ended by a signal.
 """
+
 import os
 import random
 import re
@@ -22,17 +23,45 @@ import numpy as np
 
 SECONDS = 10
 # NaN where they do not apply (tools/dataset/trials.md).
-MAY_BE_NAN = {"margin", "stuck_fraction", "slip_direction", "slip_centre", "onset_time_s", "micro_onset_time_s"}
+MAY_BE_NAN = {
+    "margin",
+    "stuck_fraction",
+    "slip_direction",
+    "slip_centre",
+    "onset_time_s",
+    "micro_onset_time_s",
+}
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w.])")
 UNIT = re.compile(r"(?<=\d )[a-zA-Z%][\w/%2]*")
 KEY = re.compile(r"[a-z]\w*(?=:)")
 WORD = re.compile(r"(?<=: )[a-z]\w*")
 LIST = re.compile(r"\[[^\[\]]*\]")
-NUMBERS = ["0", "-1", "1", "-0.0", "1e-300", "5e-324", "1e-9", "1e9", "1e300", "-1e308", "inf", "-inf", "nan", "1e999", "99999999999999999999", "true", "~"]
+NUMBERS = [
+    "0",
+    "-1",
+    "1",
+    "-0.0",
+    "1e-300",
+    "5e-324",
+    "1e-9",
+    "1e9",
+    "1e300",
+    "-1e308",
+    "inf",
+    "-inf",
+    "nan",
+    "1e999",
+    "99999999999999999999",
+    "true",
+    "~",
+]
 
 
 def words_of(texts):
-    return {pattern: sorted({word for text in texts for word in pattern.findall(text)}) for pattern in (UNIT, KEY, WORD)}
+    return {
+        pattern: sorted({word for text in texts for word in pattern.findall(text)})
+        for pattern in (UNIT, KEY, WORD)
+    }
 
 
 class Mutator:
@@ -83,7 +112,9 @@ class Mutator:
                 text = self.replace(text, LIST, self.items)
             elif way < 8:
                 pattern = (UNIT, KEY, WORD)[way - 5]
-                text = self.replace(text, pattern, lambda _, words=self.words[pattern]: self.draw.choice(words))
+                text = self.replace(
+                    text, pattern, lambda _, words=self.words[pattern]: self.draw.choice(words)
+                )
             else:
                 text = self.lines(text)
         return text
@@ -118,8 +149,25 @@ def run(program, scene, output):
     text = open(scene, encoding="utf-8").read()
     grasp = re.search(r"^(box|grip|controller):", text, re.M)
     lift = ["motion.distance=1 mm"] if grasp and "guided" not in text else []  # ends at 1.6 s
-    command = [program, "run", scene, "--set", f"duration={'1.7' if grasp else '0.05'} s", *lift, "-o", output, "--quiet"]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, errors="replace") as child:
+    command = [
+        program,
+        "run",
+        scene,
+        "--set",
+        f"duration={'1.7' if grasp else '0.05'} s",
+        *lift,
+        "-o",
+        output,
+        "--quiet",
+    ]
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        stdin=subprocess.DEVNULL,
+        text=True,
+        errors="replace",
+    ) as child:
         try:
             _, errors = child.communicate(timeout=SECONDS)
         except subprocess.TimeoutExpired:
@@ -130,7 +178,12 @@ def run(program, scene, output):
                 child.kill()
                 return None, "takes too long and does not end at a signal"
             interrupted = child.returncode == 130 and "interrupted" in errors
-            return None, "" if interrupted else f"ended with {child.returncode} at a signal: {errors[-300:]}"
+            return (
+                None,
+                ""
+                if interrupted
+                else f"ended with {child.returncode} at a signal: {errors[-300:]}",
+            )
     status = child.returncode
     if status not in (0, 1, 2):
         return status, f"ended with {status}: {errors[-300:]}"
@@ -168,7 +221,9 @@ def main(program, scenes, count, first=0):
             for name in os.listdir(folder):
                 if name.startswith("out"):
                     os.remove(os.path.join(folder, name))
-    print(f"{count} damaged scenes: {done} ran, {long} took more than {SECONDS} s, the others were refused; {faults} not as they should")
+    print(
+        f"{count} damaged scenes: {done} ran, {long} took more than {SECONDS} s, the others were refused; {faults} not as they should"
+    )
     return 1 if faults else 0
 
 

@@ -27,8 +27,12 @@ ROUNDING = 1e-9
 
 
 def sines(environment):
-    return subprocess.run([sys.executable, "-c", "import math; print([math.sin(.001 * k) for k in range(9999)])"], env=environment, stdout=subprocess.PIPE,
-                          check=True).stdout
+    return subprocess.run(
+        [sys.executable, "-c", "import math; print([math.sin(.001 * k) for k in range(9999)])"],
+        env=environment,
+        stdout=subprocess.PIPE,
+        check=True,
+    ).stdout
 
 
 def contents(path):
@@ -37,6 +41,7 @@ def contents(path):
     """
     found, libraries = {}, False
     with h5py.File(path) as file:
+
         def visit(name, thing):
             nonlocal libraries
             for key, value in thing.attrs.items():
@@ -45,6 +50,7 @@ def contents(path):
                     found[f"{name}@{key}"] = value
             if isinstance(thing, h5py.Dataset):
                 found[name] = thing[()]
+
         file["data"].visititems(visit)
     return found, libraries
 
@@ -81,23 +87,34 @@ def distance(place, one, other):
 
 class ProcessorTest(unittest.TestCase):
     def expect_to_verify(self, path):
-        result = subprocess.run([PROGRAM, "verify", path, "--json"], stdout=subprocess.PIPE, check=False)
+        result = subprocess.run(
+            [PROGRAM, "verify", path, "--json"], stdout=subprocess.PIPE, check=False
+        )
         (dataset,) = json.loads(result.stdout)["datasets"]
         self.assertEqual([], dataset["failures"])
         for check in dataset["checks"]:  # contact: only for scenes with bodies
-            self.assertTrue(check["checked"] > 0 or (check["check"] == "contact" and check["left_out"]), check)
+            self.assertTrue(
+                check["checked"] > 0 or (check["check"] == "contact" and check["left_out"]), check
+            )
         self.assertEqual(result.returncode, 0)
 
     def test_shipped_scenes(self):
         rounds = sines(OLD) != sines(None)
         exact = compared = 0
-        scenes = sorted({scene for name in NAMES for scene in (ROOT / "scenes").glob(f"{name}.yaml")})
+        scenes = sorted(
+            {scene for name in NAMES for scene in (ROOT / "scenes").glob(f"{name}.yaml")}
+        )
         self.assertGreaterEqual(len(scenes), len(NAMES))
         for scene in scenes:
             with self.subTest(scene=scene), tempfile.TemporaryDirectory() as folder:
                 paths = [Path(folder) / name for name in ("new.h5", "old.h5")]
                 for path, environment in zip(paths, (None, OLD) if rounds else (None,)):
-                    subprocess.run([PROGRAM, "run", scene, "--quiet", "-o", path], env=environment, check=True, stdout=subprocess.DEVNULL)
+                    subprocess.run(
+                        [PROGRAM, "run", scene, "--quiet", "-o", path],
+                        env=environment,
+                        check=True,
+                        stdout=subprocess.DEVNULL,
+                    )
                 self.expect_to_verify(paths[0])
                 if not rounds:
                     continue
@@ -111,18 +128,28 @@ class ProcessorTest(unittest.TestCase):
                 far = {place: distance(place, new[place], old[place]) for place in new}
                 self.assertEqual({place: one for place, one in far.items() if one > ROUNDING}, {})
         if not rounds:
-            self.skipTest("only verified: this processor has no FMA, or this C library does not round by it")
+            self.skipTest(
+                "only verified: this processor has no FMA, or this C library does not round by it"
+            )
         self.assertGreater(min(exact, compared), 10 if NAMES == ["*/*"] else 0)
 
     def test_what_is_apart(self):
         """Changes one number of many, in the units of distance()."""
         forces = np.linspace(0.5, 1.0, 100)
         self.assertLess(distance("data/demo_0/force", forces, forces * (1 + 1e-10)), ROUNDING)
-        self.assertGreater(distance("data/demo_0/force", forces, forces + 1e-8 * (forces == 1.0)), ROUNDING)
+        self.assertGreater(
+            distance("data/demo_0/force", forces, forces + 1e-8 * (forces == 1.0)), ROUNDING
+        )
         self.assertEqual(distance("data/demo_0/state", np.uint8([1, 2]), np.uint8([1, 3])), np.inf)
-        self.assertLess(distance("labels/pad/slip_direction", np.array([np.pi]), np.array([-np.pi])), ROUNDING)
-        self.assertGreater(distance("labels/pad/slip_angle", np.array([np.pi]), np.array([-np.pi])), ROUNDING)
-        self.assertGreater(distance("data/demo_0@outcome", '{"force": 1.0}', '{"force": 1.00001}'), ROUNDING)
+        self.assertLess(
+            distance("labels/pad/slip_direction", np.array([np.pi]), np.array([-np.pi])), ROUNDING
+        )
+        self.assertGreater(
+            distance("labels/pad/slip_angle", np.array([np.pi]), np.array([-np.pi])), ROUNDING
+        )
+        self.assertGreater(
+            distance("data/demo_0@outcome", '{"force": 1.0}', '{"force": 1.00001}'), ROUNDING
+        )
 
 
 if __name__ == "__main__":

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
-
 import slipbench
+from numpy.typing import NDArray
 from slipbench import InputError, Trial
 from slipbench.bin import _core
 from slipbench.learning._fit import array_of
@@ -39,7 +38,11 @@ class Palm(NamedTuple):
     model: str
 
 
-PALMS = (Palm("0", "down", "hand_down.xml"), Palm("90", "side", "hand_side.xml"), Palm("45", "45", "hand_45.xml"))
+PALMS = (
+    Palm("0", "down", "hand_down.xml"),
+    Palm("90", "side", "hand_side.xml"),
+    Palm("45", "45", "hand_45.xml"),
+)
 
 
 class Grasp(NamedTuple):
@@ -79,10 +82,12 @@ class Grasps:
 
     def chosen(self, which: NDArray[np.bool_]) -> Grasps:
         """The grasps selected by a mask [N]."""
-        return Grasps(self.counts[which], self.objects[which], self.palm[which], self.slipped[which])
+        return Grasps(
+            self.counts[which], self.objects[which], self.palm[which], self.slipped[which]
+        )
 
     def text(self) -> str:
-        """"2754 grasps of 51 objects, 48 % lost"."""
+        """ "2754 grasps of 51 objects, 48 % lost"."""
         return f"{len(self)} grasps of {object_count(self.objects)} objects, {100.0 * self.slipped.mean():.0f} % lost"
 
 
@@ -95,7 +100,8 @@ def gathered(grasps: Iterable[Grasp]) -> Grasps:
 def _refuse(trial: Any, what: str) -> NoReturn:
     raise InputError(
         f"trial {trial.trial}: {what}; allowed: grasps of {SCENE}, or files bts3v2_palm_down.csv, _side and _45 that "
-        "`slipbench import --format bts3v2` has read")
+        "`slipbench import --format bts3v2` has read"
+    )
 
 
 def grasp_of(trial: Any) -> Grasp:
@@ -128,10 +134,20 @@ def grasp_of(trial: Any) -> Grasp:
             _refuse(trial, f"no reading of a biotac_sp '{finger}'")
         row = len(sensor.t) - 1
         if "held" in trial.outcome:
-            row = max(int(np.searchsorted(sensor.t, trial.outcome["hold_from_s"] + TIME_ROUNDING, "right")) - 1, 0)
+            row = max(
+                int(
+                    np.searchsorted(sensor.t, trial.outcome["hold_from_s"] + TIME_ROUNDING, "right")
+                )
+                - 1,
+                0,
+            )
         counts.append(np.array(sensor.channels["electrodes"][row]))
-    return Grasp(np.stack(counts), name, palms.index(word),
-                 bool(trial.params["slipped"] if real else not trial.outcome["held"]))
+    return Grasp(
+        np.stack(counts),
+        name,
+        palms.index(word),
+        bool(trial.params["slipped"] if real else not trial.outcome["held"]),
+    )
 
 
 def read_grasps(path: str, options: Options) -> Grasps:
@@ -168,6 +184,7 @@ def run_grasps(draws: int, options: Options) -> Grasps:
     Raises:
         InputError: as run_grid()
     """
+
     def reduced(_: Cell, trial: Trial) -> Grasp:
         return grasp_of(trial)
 
@@ -206,7 +223,9 @@ def as_image(counts: Floats, layout: Layout) -> Floats:
 
 def image_of(counts: Floats, layout: Layout) -> Floats:
     """Counts [..., electrodes] as the pixels [..., rows x columns] of an image."""
-    return np.stack([counts[..., pixel].mean(axis=-1, dtype=np.float32) for pixel in pixels_of(layout)], axis=-1)
+    return np.stack(
+        [counts[..., pixel].mean(axis=-1, dtype=np.float32) for pixel in pixels_of(layout)], axis=-1
+    )
 
 
 def as_graph(counts: Floats) -> Floats:
@@ -228,7 +247,7 @@ def graph_of(k: int) -> NDArray[np.float64]:
         return array_of(drawn_graph()).astype(float)
     places = _core.biotac_electrode_places()
     distance = ((places[:, None] - places[None]) ** 2).sum(axis=2)
-    nearest = np.argsort(distance, axis=1, kind="stable")[:, :k + 1]
+    nearest = np.argsort(distance, axis=1, kind="stable")[:, : k + 1]
     adjacency = np.zeros((ELECTRODES, ELECTRODES))
     np.put_along_axis(adjacency, nearest, 1.0 / (k + 1), axis=1)
     return adjacency

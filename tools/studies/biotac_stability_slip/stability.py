@@ -9,14 +9,33 @@ from functools import partial
 
 import numpy as np
 import torch
-
 from slipbench.learning.biotac import ELECTRODES, IMAGES
 from slipbench.learning.networks import BiotacCnn, BiotacGcn
-from slipbench_studies.biotac_stability_slip.grasps import (FINGERS, SCENE, Grasps, as_graph, as_image, as_list,
-                                                            graph_of, levelled, read_grasps, run_grasps)
-from slipbench_studies.biotac_stability_slip.validation import (LONGER, Examples, Network, RowsNetwork, Validations,
-                                                                cell, check_data, figures_object, folds_by_object,
-                                                                scores_of, without_real)
+from slipbench_studies.biotac_stability_slip.grasps import (
+    FINGERS,
+    SCENE,
+    Grasps,
+    as_graph,
+    as_image,
+    as_list,
+    graph_of,
+    levelled,
+    read_grasps,
+    run_grasps,
+)
+from slipbench_studies.biotac_stability_slip.validation import (
+    LONGER,
+    Examples,
+    Network,
+    RowsNetwork,
+    Validations,
+    cell,
+    check_data,
+    figures_object,
+    folds_by_object,
+    scores_of,
+    without_real,
+)
 from slipbench_studies.network_training import Floats, folds
 from slipbench_studies.result import Options, Result, Table
 
@@ -47,16 +66,37 @@ def logistic_regression(by_palm: bool = False) -> StabilityNetwork:
     make = partial(RowsNetwork, INPUTS, CLASSES)
     if by_palm:
         return StabilityNetwork(
-            Network("lr_by_palm", "the same, standardised for each palm", make, PLAIN_STEPS, CLASSES,
-                    "standard"), as_list, True)
-    return StabilityNetwork(Network("lr", "logistic regression", make, PLAIN_STEPS, CLASSES), as_list)
+            Network(
+                "lr_by_palm",
+                "the same, standardised for each palm",
+                make,
+                PLAIN_STEPS,
+                CLASSES,
+                "standard",
+            ),
+            as_list,
+            True,
+        )
+    return StabilityNetwork(
+        Network("lr", "logistic regression", make, PLAIN_STEPS, CLASSES), as_list
+    )
 
 
 def plain_network(longer: int = 1) -> StabilityNetwork:
     """A hidden layer of 128 on the 72 counts; `longer`: multiple of the usual steps."""
-    name, text = ("mlp", "MLP 128") if longer == 1 else ("mlp_longer", f"MLP 128, {longer} times the steps")
+    name, text = (
+        ("mlp", "MLP 128") if longer == 1 else ("mlp_longer", f"MLP 128, {longer} times the steps")
+    )
     return StabilityNetwork(
-        Network(name, text, partial(RowsNetwork, INPUTS, CLASSES, hidden=128), longer * PLAIN_STEPS, CLASSES), as_list)
+        Network(
+            name,
+            text,
+            partial(RowsNetwork, INPUTS, CLASSES, hidden=128),
+            longer * PLAIN_STEPS,
+            CLASSES,
+        ),
+        as_list,
+    )
 
 
 def cnn(image: str, units: int, name: str = "cnn") -> StabilityNetwork:
@@ -73,15 +113,19 @@ def cnn(image: str, units: int, name: str = "cnn") -> StabilityNetwork:
     layout = IMAGES[image]
     rows, columns = layout[0]
     make = partial(BiotacCnn, len(FINGERS) * rows * columns, CLASSES, rows, columns, units)
-    return StabilityNetwork(Network(name, f"CNN {units}, {image} ({rows} x {columns})", make, NETWORK_STEPS, CLASSES),
-                            partial(as_image, layout=layout))
+    return StabilityNetwork(
+        Network(name, f"CNN {units}, {image} ({rows} x {columns})", make, NETWORK_STEPS, CLASSES),
+        partial(as_image, layout=layout),
+    )
 
 
 def gcn(neighbours: int, name: str, text: str) -> StabilityNetwork:
     """The paper's network for a graph; `neighbours`: as for graph_of()."""
     adjacency = torch.tensor(graph_of(neighbours).tolist(), dtype=torch.float32)
-    return StabilityNetwork(Network(name, text, partial(BiotacGcn, INPUTS, CLASSES, adjacency), NETWORK_STEPS, CLASSES),
-                            as_graph)
+    return StabilityNetwork(
+        Network(name, text, partial(BiotacGcn, INPUTS, CLASSES, adjacency), NETWORK_STEPS, CLASSES),
+        as_graph,
+    )
 
 
 def examples_of(grasps: Grasps, network: StabilityNetwork, by_object: bool, seed: int) -> Examples:
@@ -138,7 +182,9 @@ def grasps_for(options: Options, usual: int = 0) -> GraspSets:
     check_data(options, "grasps")
     real = read_grasps(options.real, options) if options.real else None
     draws = options.trials or (PUBLISHED_DRAWS if options.full else usual)
-    return GraspSets(real, read_grasps(options.data, options) if options.data else run_grasps(draws, options))
+    return GraspSets(
+        real, read_grasps(options.data, options) if options.data else run_grasps(draws, options)
+    )
 
 
 def setup_of(options: Options, grasps: GraspSets) -> list[str]:
@@ -152,7 +198,11 @@ def setup_of(options: Options, grasps: GraspSets) -> list[str]:
         one sentence per line
     """
     longer = LONGER if options.full else 1
-    lines = [f"Real: {grasps.real.text()} of {options.real} (paper: 5,581 of 51)."] if grasps.real is not None else []
+    lines = (
+        [f"Real: {grasps.real.text()} of {options.real} (paper: 5,581 of 51)."]
+        if grasps.real is not None
+        else []
+    )
     return [
         *lines,
         f"Synthetic: {grasps.synthetic.text()} of {options.data or f'{SCENE}, three sets of fingers'}.",
@@ -164,11 +214,20 @@ def setup_of(options: Options, grasps: GraspSets) -> list[str]:
 
 def stability_without_real(options: Options) -> list[str]:
     """The remark for runs without --real."""
-    return [] if options.real else [without_real("bts3v2", "3dperceptionlab/biotacsp-stability-set-v2")]
+    return (
+        []
+        if options.real
+        else [without_real("bts3v2", "3dperceptionlab/biotacsp-stability-set-v2")]
+    )
 
 
-def compare(name: str, options: Options, grasps: GraspSets, head: Sequence[str],
-            networks: Sequence[tuple[StabilityNetwork, list[str]]]) -> Result:
+def compare(
+    name: str,
+    options: Options,
+    grasps: GraspSets,
+    head: Sequence[str],
+    networks: Sequence[tuple[StabilityNetwork, list[str]]],
+) -> Result:
     """Compares networks on all sets, with FOLDS folds by sample and by object.
 
     Args:
@@ -196,12 +255,25 @@ def compare(name: str, options: Options, grasps: GraspSets, head: Sequence[str],
                 row.append((source, by, judged.fold, validations.queue(network.network, judged)))
         rows.append(row)
     validations.run(name)
-    table = Table("", [*head, *(f"{source}: {by}" for source in sources for by in ("by sample", "by object"))])
+    table = Table(
+        "", [*head, *(f"{source}: {by}" for source in sources for by in ("by sample", "by object"))]
+    )
     figures: dict[str, dict[str, dict[str, dict[str, float]]]] = {}
     for (network, cells), row in zip(networks, rows, strict=True):
-        scores = [(source, by, scores_of(validations.answers(number), fold)) for source, by, fold, number in row]
+        scores = [
+            (source, by, scores_of(validations.answers(number), fold))
+            for source, by, fold, number in row
+        ]
         table.rows.append([*cells, *(cell(one["accuracy"]) for _, _, one in scores)])
         for source, by, one in scores:
-            figures.setdefault(source, {}).setdefault(by, {})[network.network.name] = figures_object(one)
-    return Result("", "", figures, setup=setup_of(options, grasps), tables=[table],
-                  remarks=stability_without_real(options))
+            figures.setdefault(source, {}).setdefault(by, {})[network.network.name] = (
+                figures_object(one)
+            )
+    return Result(
+        "",
+        "",
+        figures,
+        setup=setup_of(options, grasps),
+        tables=[table],
+        remarks=stability_without_real(options),
+    )

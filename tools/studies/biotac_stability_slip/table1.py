@@ -5,10 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-
 from slipbench.learning.biotac import IMAGES
 from slipbench_studies.biotac_stability_slip.grasps import PALMS, Grasps
-from slipbench_studies.biotac_stability_slip.stability import GraspSets, cnn, compare, grasps_for, plain_network
+from slipbench_studies.biotac_stability_slip.stability import (
+    GraspSets,
+    cnn,
+    compare,
+    grasps_for,
+    plain_network,
+)
 from slipbench_studies.biotac_stability_slip.validation import PAPER
 from slipbench_studies.result import Options, Result
 
@@ -34,7 +39,9 @@ def study(options: Options) -> Result:
         InputError: as grasps_for() and compare()
     """
     grasps = grasps_for(options)
-    grasps = GraspSets(None if grasps.real is None else judged(grasps.real), judged(grasps.synthetic))
+    grasps = GraspSets(
+        None if grasps.real is None else judged(grasps.real), judged(grasps.synthetic)
+    )
     networks = []
     for image, published in PUBLISHED.items():
         rows, columns = IMAGES[image][0]

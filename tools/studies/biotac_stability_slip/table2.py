@@ -9,17 +9,37 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from slipbench_studies.biotac_stability_slip.grasps import PALMS, Grasps
-from slipbench_studies.biotac_stability_slip.stability import (StabilityNetwork, cnn, examples_of, gcn, grasps_for,
-                                                               logistic_regression, plain_network, setup_of,
-                                                               stability_without_real)
-from slipbench_studies.biotac_stability_slip.validation import (JUDGED_HERE, PAPER, Answers, Examples, Validations,
-                                                                cell, figures_object, scores_of)
+from slipbench_studies.biotac_stability_slip.stability import (
+    StabilityNetwork,
+    cnn,
+    examples_of,
+    gcn,
+    grasps_for,
+    logistic_regression,
+    plain_network,
+    setup_of,
+    stability_without_real,
+)
+from slipbench_studies.biotac_stability_slip.validation import (
+    JUDGED_HERE,
+    PAPER,
+    Answers,
+    Examples,
+    Validations,
+    cell,
+    figures_object,
+    scores_of,
+)
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 NAME = "biotac-stability-slip/table2"
-DRAWS = 306  # twice the scene's: 1,100 training grasps are too few for the paper's networks (README.md)
-PUBLISHED = [["paper, GCN", "75.5", "74.1", "75.1", "77.4", "76.6", "74.7", "75.6", "-"],
-             ["paper, CNN", "76.5", "82.9", "70.8", "76.3", "88.4", "61.8", "72.6", "-"]]
+DRAWS = (
+    306  # twice the scene's: 1,100 training grasps are too few for the paper's networks (README.md)
+)
+PUBLISHED = [
+    ["paper, GCN", "75.5", "74.1", "75.1", "77.4", "76.6", "74.7", "75.6", "-"],
+    ["paper, CNN", "76.5", "82.9", "70.8", "76.3", "88.4", "61.8", "72.6", "-"],
+]
 PUBLISHED_ACCURACY = {"gcn": 75.5, "cnn": 76.5}  # %
 TRAINED_ON = ("real", "synthetic_to_real", "both")
 
@@ -51,7 +71,9 @@ class Row:
         return self.network.network.text
 
 
-def palm_cells(answers: Answers, examples: Examples, grasps: Grasps) -> tuple[list[str], dict[str, Any]]:
+def palm_cells(
+    answers: Answers, examples: Examples, grasps: Grasps
+) -> tuple[list[str], dict[str, Any]]:
     """The cells of a row: accuracy on all palms and on each, then the other figures on all palms.
 
     Args:
@@ -72,8 +94,9 @@ def palm_cells(answers: Answers, examples: Examples, grasps: Grasps) -> tuple[li
     return cells, {name: figures_object(one) for name, one in {"all": every, **by_palm}.items()}
 
 
-def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps,
-               validations: Validations) -> tuple[Table, dict[str, Any]]:
+def palm_table(
+    title: str, rows: list[Row], which: str, grasps: Grasps, validations: Validations
+) -> tuple[Table, dict[str, Any]]:
     """Table of one set of grasps.
 
     Args:
@@ -86,11 +109,16 @@ def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps,
     Returns:
         the table and its figures
     """
-    table = Table(title, ["network", "accuracy", "palm 0", "palm 90", "palm 45", "precision", "recall", "F1", "AUC"],
-                  list(PUBLISHED))
+    table = Table(
+        title,
+        ["network", "accuracy", "palm 0", "palm 90", "palm 45", "precision", "recall", "F1", "AUC"],
+        list(PUBLISHED),
+    )
     figures = {}
     for row in rows:
-        cells, figures[row.name] = palm_cells(validations.answers(row.numbers[which]), getattr(row, which), grasps)
+        cells, figures[row.name] = palm_cells(
+            validations.answers(row.numbers[which]), getattr(row, which), grasps
+        )
         table.rows.append([row.text, *cells])
     return table, figures
 
@@ -105,14 +133,32 @@ def three_ways(rows: list[Row], validations: Validations) -> tuple[Table, dict[s
     Returns:
         the table and its figures
     """
-    table = Table("Test on real objects outside the training, by training set",
-                  ["accuracy", "real alone", "synthetic alone", "both", "AUC: real alone", "synthetic alone", "both"],
-                  note="The network trained only on synthetic grasps is tested on all real grasps.")
+    table = Table(
+        "Test on real objects outside the training, by training set",
+        [
+            "accuracy",
+            "real alone",
+            "synthetic alone",
+            "both",
+            "AUC: real alone",
+            "synthetic alone",
+            "both",
+        ],
+        note="The network trained only on synthetic grasps is tested on all real grasps.",
+    )
     figures = {}
     for row in rows:
         assert row.real is not None
-        scores = {source: scores_of(validations.answers(row.numbers[source]), row.real.fold) for source in TRAINED_ON}
-        table.rows.append([row.text, *(cell(one[name]) for name in ("accuracy", "auc") for one in scores.values())])
+        scores = {
+            source: scores_of(validations.answers(row.numbers[source]), row.real.fold)
+            for source in TRAINED_ON
+        }
+        table.rows.append(
+            [
+                row.text,
+                *(cell(one[name]) for name in ("accuracy", "auc") for one in scores.values()),
+            ]
+        )
         figures[row.name] = {source: figures_object(one) for source, one in scores.items()}
     return table, figures
 
@@ -127,12 +173,24 @@ def real_figures(three_way: dict[str, Any]) -> list[RealFigure]:
         figures of real devices with ours
     """
     return [
-        *(RealFigure(f"grasps held or lost, {name}, real to real, %", published,
-                     100.0 * three_way[name]["real"]["accuracy"], "other objects than the paper's judge")
-          for name, published in PUBLISHED_ACCURACY.items()),
-        *(RealFigure(f"the same, AUC, {name}: trained here on real, on synthetic grasps",
-                     three_way[name]["real"]["auc"], three_way[name]["synthetic_to_real"]["auc"], JUDGED_HERE)
-          for name in ("gcn", "cnn", "lr_by_palm")),
+        *(
+            RealFigure(
+                f"grasps held or lost, {name}, real to real, %",
+                published,
+                100.0 * three_way[name]["real"]["accuracy"],
+                "other objects than the paper's judge",
+            )
+            for name, published in PUBLISHED_ACCURACY.items()
+        ),
+        *(
+            RealFigure(
+                f"the same, AUC, {name}: trained here on real, on synthetic grasps",
+                three_way[name]["real"]["auc"],
+                three_way[name]["synthetic_to_real"]["auc"],
+                JUDGED_HERE,
+            )
+            for name in ("gcn", "cnn", "lr_by_palm")
+        ),
     ]
 
 
@@ -154,7 +212,7 @@ def study(options: Options) -> Result:
         plain_network(),
         plain_network(4),
         gcn(0, "gcn", "GCN, graph drawn by hand"),
-        cnn("D1", 1024)
+        cnn("D1", 1024),
     ]
     grasps, validations, rows = grasps_for(options, DRAWS), Validations(options), []
     for network in networks:
@@ -164,8 +222,9 @@ def study(options: Options) -> Result:
         if grasps.real is not None:
             row.real = examples_of(grasps.real, network, True, options.draws_seed)
             row.numbers["real"] = validations.queue(network.network, row.real)
-            row.numbers["synthetic_to_real"] = validations.queue(network.network, row.real, own=False,
-                                                                 other=row.synthetic)
+            row.numbers["synthetic_to_real"] = validations.queue(
+                network.network, row.real, own=False, other=row.synthetic
+            )
             row.numbers["both"] = validations.queue(network.network, row.real, other=row.synthetic)
     validations.run(NAME)
 
@@ -182,11 +241,14 @@ def study(options: Options) -> Result:
         ],
     )
     if grasps.real is not None:
-        table, result.figures["real"] = palm_table("Real grasps, by object", rows, "real", grasps.real, validations)
+        table, result.figures["real"] = palm_table(
+            "Real grasps, by object", rows, "real", grasps.real, validations
+        )
         three, result.figures["three_way"] = three_ways(rows, validations)
         result.tables += [table, three]
         result.real = real_figures(result.figures["three_way"])
-    table, result.figures["synthetic"] = palm_table("Synthetic grasps, by object", rows, "synthetic", grasps.synthetic,
-                                                    validations)
+    table, result.figures["synthetic"] = palm_table(
+        "Synthetic grasps, by object", rows, "synthetic", grasps.synthetic, validations
+    )
     result.tables.append(table)
     return result

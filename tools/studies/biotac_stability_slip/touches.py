@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-
 from slipbench import InputError, Trial
 from slipbench.bin import _core
 from slipbench.learning import MASKED, find_recipe
@@ -61,12 +60,15 @@ def read_touches(path: str, options: Options) -> list[Touch]:
     options.say(f"reading {path}")
     labels = "recorded" if truth_of(path) else "micro"
     text = find_recipe(RECIPE).input.text()
-    examples = _core.read_examples([path], text, labels, "direction", "", 0, 0, 1, "", 0.0, False, None)["examples"]
+    examples = _core.read_examples(
+        [path], text, labels, "direction", "", 0, 0, 1, "", 0.0, False, None
+    )["examples"]
     for example in examples:
         if not example["object"]:
             raise InputError(
                 f"{path}: trial {example['trial']} names no object; allowed: recordings of {SCENE}, or of "
-                "BioTacSP-DoS as `slipbench import --format biotacsp-dos` has read them")
+                "BioTacSP-DoS as `slipbench import --format biotacsp-dos` has read them"
+            )
     return [_touch_of(example) for example in examples]
 
 
@@ -87,11 +89,18 @@ def run_touches(scene: str, draws: int, options: Options) -> list[Touch]:
     text = find_recipe(RECIPE).input.text()
 
     def reduced(_: Cell, trial: Trial) -> Touch:
-        return _touch_of(_core.example_of(trial._simulated, next(iter(trial.sensors)), text, "micro", "direction", 0))
+        return _touch_of(
+            _core.example_of(
+                trial._simulated, next(iter(trial.sensors)), text, "micro", "direction", 0
+            )
+        )
 
     name = "recordings" if scene == SCENE else "recordings, random site"
-    return run_grid([Cell(name, scene, {"sweep.sensors.pad.device_number": str(list(DEVICES))}, draws)], options,
-                    reduced)[0]
+    return run_grid(
+        [Cell(name, scene, {"sweep.sensors.pad.device_number": str(list(DEVICES))}, draws)],
+        options,
+        reduced,
+    )[0]
 
 
 @dataclass(frozen=True)
@@ -136,9 +145,11 @@ def windows_of(touch: Touch, window: Window) -> tuple[Floats, Labels]:
     """
     if len(touch.label) < window.rows:
         return np.zeros((0, *window.shape), np.float32), np.zeros(0, np.uint8)
-    labels = sliding_window_view(touch.label, window.rows)[::window.stride]
+    labels = sliding_window_view(touch.label, window.rows)[:: window.stride]
     touches = (labels != MASKED).all(axis=1)
-    counts = sliding_window_view(touch.counts, window.rows, axis=0)[::window.stride][touches].swapaxes(1, 2)
+    counts = sliding_window_view(touch.counts, window.rows, axis=0)[:: window.stride][
+        touches
+    ].swapaxes(1, 2)
     if not window.site:
         counts = (counts - counts.mean(axis=1, keepdims=True, dtype=float)).astype(np.float32)
     if window.figures:

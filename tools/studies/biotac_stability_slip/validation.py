@@ -8,10 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from torch import nn
-
 import slipbench
+from numpy.typing import NDArray
 from slipbench import InputError
 from slipbench._program import counted
 from slipbench.learning import MASKED, Training, find_recipe
@@ -19,6 +17,7 @@ from slipbench.learning.networks import each_frame, windows
 from slipbench_studies.network_training import Floats, Labels, folds, train_all, train_and_answer
 from slipbench_studies.result import Options
 from slipbench_studies.statistics import auc, mean_sd
+from torch import nn
 
 PAPER = '"Tactile-Driven Grasp Stability and Slip Prediction" (Robotics 2019)'
 RECIPE = "biotac_lstm"  # recipe whose training all networks use, except for the steps
@@ -45,12 +44,13 @@ class RowsNetwork(nn.Module):
         rows: rows per window
         hidden: number of units in the hidden layer; 0: none
     """
+
     def __init__(self, inputs: int, classes: int, rows: int = 1, hidden: int = 0) -> None:
         super().__init__()
         self.history = rows
-        layers: list[nn.Module] = [nn.Linear(rows * inputs, hidden),
-                                   nn.BatchNorm1d(hidden),
-                                   nn.ReLU()] if hidden else []
+        layers: list[nn.Module] = (
+            [nn.Linear(rows * inputs, hidden), nn.BatchNorm1d(hidden), nn.ReLU()] if hidden else []
+        )
         self.layers = nn.Sequential(*layers, nn.Linear(hidden or rows * inputs, classes))
 
     def forward(self, frames: Any) -> Any:
@@ -126,7 +126,9 @@ def answers_of(example: NDArray[np.int64], label: Labels, logits: Floats) -> Ans
         the answers
     """
     odds = np.exp(logits.astype(float) - logits.max(axis=1, keepdims=True).astype(float))
-    return Answers(example, label.astype(np.int64), logits.argmax(axis=1), 1.0 - odds[:, 0] / odds.sum(axis=1))
+    return Answers(
+        example, label.astype(np.int64), logits.argmax(axis=1), 1.0 - odds[:, 0] / odds.sum(axis=1)
+    )
 
 
 def _share(part: int, whole: int) -> float:
@@ -152,10 +154,12 @@ def figures_of(answers: Answers) -> dict[str, float]:
     of_class = [float(right[answers.label == one].mean()) for one in np.unique(answers.label)]
     known = slips.any() and not slips.all()
     return {
-        "accuracy": _share(int(right.sum()), len(right)), "balanced_accuracy": mean_sd(of_class)[0],
-        "precision": _share(both, int(called.sum())), "recall": _share(both, int(slips.sum())),
+        "accuracy": _share(int(right.sum()), len(right)),
+        "balanced_accuracy": mean_sd(of_class)[0],
+        "precision": _share(both, int(called.sum())),
+        "recall": _share(both, int(slips.sum())),
         "f1": _share(2 * both, int(slips.sum() + called.sum())),
-        "auc": auc(answers.slip[slips], answers.slip[~slips]).value if known else math.nan
+        "auc": auc(answers.slip[slips], answers.slip[~slips]).value if known else math.nan,
     }
 
 
@@ -177,7 +181,10 @@ def scores_of(answers: Answers, fold: Folds, counts: NDArray[np.bool_] | None = 
         answers = answers.chosen(counts[answers.example])
     of_answer = fold[answers.example]
     all_folds = [figures_of(answers.chosen(of_answer == one)) for one in np.unique(of_answer)]
-    return {name: mean_sd([one[name] for one in all_folds if not math.isnan(one[name])]) for name in FIGURES}
+    return {
+        name: mean_sd([one[name] for one in all_folds if not math.isnan(one[name])])
+        for name in FIGURES
+    }
 
 
 def cell(share: tuple[float, float]) -> str:
@@ -192,7 +199,9 @@ def cell(share: tuple[float, float]) -> str:
 def figures_object(scores: Scores) -> dict[str, float]:
     """The scores by their JSON names: "auc" and "auc_sd"."""
     return {
-        name + suffix: value for name, share in scores.items() for suffix, value in zip(("", "_sd"), share, strict=True)
+        name + suffix: value
+        for name, share in scores.items()
+        for suffix, value in zip(("", "_sd"), share, strict=True)
     }
 
 
@@ -213,7 +222,9 @@ def folds_by_object(objects: Sequence[str], count: int, seed: int) -> Folds:
     different, count = sorted(set(objects)), max(count, 2)
     if len(different) < count:
         few = "is" if len(different) == 1 else "are"
-        raise InputError(f"{counted(len(different), 'object')} {few} too few for {count} folds; allowed: {count} or more")
+        raise InputError(
+            f"{counted(len(different), 'object')} {few} too few for {count} folds; allowed: {count} or more"
+        )
     dealt = dict(zip(different, folds(np.zeros(len(different)), count, seed).tolist(), strict=True))
     return np.array([dealt[one] for one in objects], dtype=np.int64)
 
@@ -224,13 +235,16 @@ class Validations:
     Args:
         options: seed, jobs, full, output, resume
     """
+
     def __init__(self, options: Options) -> None:
         self._options = options
         self._plans: list[tuple[Network, Examples, bool, Examples | None]] = []
         self._tasks: list[tuple[int, int]] = []  # plan and fold
         self._answers: list[list[Answers]] = []
 
-    def queue(self, network: Network, judged: Examples, *, own: bool = True, other: Examples | None = None) -> int:
+    def queue(
+        self, network: Network, judged: Examples, *, own: bool = True, other: Examples | None = None
+    ) -> int:
         """Adds the networks of one validation.
 
         Args:
@@ -244,7 +258,9 @@ class Validations:
             number for answers()
         """
         self._plans.append((network, judged, own, other))
-        self._tasks += [(len(self._plans) - 1, int(fold)) for fold in (np.unique(judged.fold) if own else [0])]
+        self._tasks += [
+            (len(self._plans) - 1, int(fold)) for fold in (np.unique(judged.fold) if own else [0])
+        ]
         return len(self._plans) - 1
 
     def run(self, name: str) -> None:
@@ -257,14 +273,20 @@ class Validations:
             InputError: as train_all()
         """
         texts = [self._plans[plan][0].text for plan, _ in self._tasks]
-        said = train_all(name, texts, self._options, lambda index: self._answered(*self._tasks[index])._asdict())
+        said = train_all(
+            name, texts, self._options, lambda index: self._answered(*self._tasks[index])._asdict()
+        )
         self._answers = [[] for _ in self._plans]
         for (plan, _), one in zip(self._tasks, said, strict=True):
-            self._answers[plan].append(Answers(*(np.array(one[column]) for column in Answers._fields)))
+            self._answers[plan].append(
+                Answers(*(np.array(one[column]) for column in Answers._fields))
+            )
 
     def answers(self, number: int) -> Answers:
         """The answers of a validation in the order of the examples; call after run()."""
-        all_of_it = Answers(*(np.concatenate(columns) for columns in zip(*self._answers[number], strict=True)))
+        all_of_it = Answers(
+            *(np.concatenate(columns) for columns in zip(*self._answers[number], strict=True))
+        )
         return all_of_it.chosen(np.argsort(all_of_it.example, kind="stable"))
 
     def _answered(self, plan: int, fold: int) -> Answers:
@@ -276,9 +298,15 @@ class Validations:
         training: Training = find_recipe(RECIPE).training
         steps = network.steps * (LONGER if self._options.full else 1)
         # There is no validation set to select a state: the last state is used.
-        logits = train_and_answer(network.make, trained_on, list(judged.features[judges]),
-                                  replace(training, steps=steps, validate_every=steps), classes=network.classes,
-                                  seed=self._options.draws_seed, scaling=network.scaling)
+        logits = train_and_answer(
+            network.make,
+            trained_on,
+            list(judged.features[judges]),
+            replace(training, steps=steps, validate_every=steps),
+            classes=network.classes,
+            seed=self._options.draws_seed,
+            scaling=network.scaling,
+        )
         return answers_of(np.flatnonzero(judges), judged.label[judges], np.concatenate(logits))
 
 
@@ -322,7 +350,9 @@ def check_data(options: Options, made: str) -> None:
     if not options.data:
         return
     if options.trials:
-        raise InputError(f"reproduce: --trials applies to simulated {made}; use --data without --trials")
+        raise InputError(
+            f"reproduce: --trials applies to simulated {made}; use --data without --trials"
+        )
     truth = truth_of(options.data)
     if truth:
         raise InputError(
@@ -342,7 +372,8 @@ def without_real(format: str, source: str) -> str:
     """
     return (
         f"Without --real there are no real recordings, and the rows that need them are omitted. Source: {source}: `slipbench import FOLDER --format {format} -o "
-        "real.h5`, then --real real.h5.")
+        "real.h5`, then --real real.h5."
+    )
 
 
 def object_count(objects: Iterable[str]) -> int:

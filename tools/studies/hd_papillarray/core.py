@@ -65,8 +65,15 @@ def _configuration(name: str, entry: object, path: str) -> Configuration:
     subject = f"{path}: unrolling '{name}'"
     if not isinstance(entry, dict):
         raise InputError(f"{subject}: is not a JSON object")
-    cycles, interval = (int(_number(entry, key, subject)) for key in ("latency_cycles", "interval_cycles"))
-    return Configuration(name, cycles, interval, *(float(_number(entry, key, subject)) for key in ("lut", "ff", "bram36", "dsp", "levels")))
+    cycles, interval = (
+        int(_number(entry, key, subject)) for key in ("latency_cycles", "interval_cycles")
+    )
+    return Configuration(
+        name,
+        cycles,
+        interval,
+        *(float(_number(entry, key, subject)) for key in ("lut", "ff", "bram36", "dsp", "levels")),
+    )
 
 
 def read_figures(path: str) -> CoreFigures:
@@ -97,9 +104,13 @@ def read_figures(path: str) -> CoreFigures:
     if not isinstance(version, str):
         raise InputError(f"{path}: tools: yosys is not a text")
     if not isinstance(unrollings, dict) or not unrollings:
-        raise InputError(f"{path}: unrollings is not an object; expected one entry for each degree of unrolling")
+        raise InputError(
+            f"{path}: unrollings is not an object; expected one entry for each degree of unrolling"
+        )
     tool = version.split(" (")[0]  # "Yosys 0.70 (git sha1 ..."
-    return CoreFigures(tool, tuple(_configuration(name, entry, path) for name, entry in unrollings.items()))
+    return CoreFigures(
+        tool, tuple(_configuration(name, entry, path) for name, entry in unrollings.items())
+    )
 
 
 def stored_figures() -> CoreFigures:

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
 from slipbench import State, Trial
 from slipbench_studies.statistics import mean_sd, median, median_interval
 
@@ -17,7 +16,9 @@ from slipbench_studies.statistics import mean_sd, median, median_interval
 MOST_FORCE = 10.0  # N
 WINDOW = 4  # rows
 SLIPS = 3  # rows per window
-ROW_STRIDE = 15  # frames at 100 Hz between rows of the published log: four rows are 0.6 s in the paper
+ROW_STRIDE = (
+    15  # frames at 100 Hz between rows of the published log: four rows are 0.6 s in the paper
+)
 
 MARKER_BEFORE, MARKER_AFTER = 51, 101  # samples averaged in getSlides.m
 # Vector from the gripper's marker to the box's in X, Y, Z before the lift [m]: mean of the 30
@@ -96,7 +97,10 @@ def estimated_forces(force: ArrayLike, classes: ArrayLike, stride: int) -> Estim
     rows, states = rows[finite], states[finite]
     sums = rows[:, :, 2].sum(axis=1)
     usable = sums[sums <= MOST_FORCE]
-    return EstimatedForces(float(usable.max()) if len(usable) else math.nan, _least([_ideal_force(rows[k]) for k in _incipient_rows(states)]))
+    return EstimatedForces(
+        float(usable.max()) if len(usable) else math.nan,
+        _least([_ideal_force(rows[k]) for k in _incipient_rows(states)]),
+    )
 
 
 class MarkerSlip(NamedTuple):
@@ -137,7 +141,9 @@ def marker_slip(arm: ArrayLike, box: ArrayLike, lift: int) -> MarkerSlip:
     """
     way = np.asarray(box, dtype=float)[:, :3] - np.asarray(arm, dtype=float)[:, :3]
     if len(way) < MARKER_AFTER or not 0 <= lift < len(way):
-        raise ValueError(f"{len(way)} samples and a lift at {lift}; allowed: {MARKER_AFTER} samples or more, the lift among them")
+        raise ValueError(
+            f"{len(way)} samples and a lift at {lift}; allowed: {MARKER_AFTER} samples or more, the lift among them"
+        )
     start = way[max(0, lift + 1 - MARKER_BEFORE) : lift + 1].mean(axis=0)
     moved = way[-MARKER_AFTER:].mean(axis=0) - start
     line = np.array(MARKER_LINE)
@@ -211,7 +217,13 @@ def grasp_figures(trial: Trial, start: float) -> GraspFigures:
     begun = int(np.searchsorted(sensor.t, start, "right")) - 1
     markers = marker_slip(trial.bodies["arm"].pose, trial.bodies["box"].pose, begun)
     return GraspFigures(
-        slip=outcome["slip_translation_m"], rotation=outcome["slip_rotation_rad"], marker_slip=markers.along, marker_spin=markers.spin,
+        slip=outcome["slip_translation_m"],
+        rotation=outcome["slip_rotation_rad"],
+        marker_slip=markers.along,
+        marker_spin=markers.spin,
         true_ratio=outcome["max_grip_force_N"] / outcome["ideal_grip_force_N"],
-        estimated_ratio=estimated_forces(sensor.channels["force"], control.detector_class, ROW_STRIDE).ratio,
-        counts=float(control.measured_position[-1]) - float(control.measured_position[begun]))
+        estimated_ratio=estimated_forces(
+            sensor.channels["force"], control.detector_class, ROW_STRIDE
+        ).ratio,
+        counts=float(control.measured_position[-1]) - float(control.measured_position[begun]),
+    )

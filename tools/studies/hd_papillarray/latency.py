@@ -8,7 +8,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-
 from slipbench import InputError, RandomStream
 from slipbench.bin import _core
 from slipbench_studies.hd_papillarray.core import CLOCK, FIGURES_FILE, CoreFigures, stored_figures
@@ -17,7 +16,11 @@ from slipbench_studies.result import Options, Result, Table
 PAPER_CPU = "paper: C++ on a Core i7-10700"
 PAPER_FPGA = "paper: FPGA"
 GRIPPER_CORE = "published gripper core, as simulated"
-PUBLISHED = {PAPER_CPU: 5985e-6, PAPER_FPGA: 0.42e-6, GRIPPER_CORE: 4.63e-6}  # s; the cores at CLOCK
+PUBLISHED = {
+    PAPER_CPU: 5985e-6,
+    PAPER_FPGA: 0.42e-6,
+    GRIPPER_CORE: 4.63e-6,
+}  # s; the cores at CLOCK
 PUBLISHED_CYCLES = {PAPER_FPGA: 42, GRIPPER_CORE: 463}
 
 FRAMES, PASSES = 4096, 101
@@ -31,12 +34,19 @@ def random_levels() -> NDArray[np.uint8]:
     values; random ones do not favour the caches."""
     random = RandomStream(1, 0, "latency")
     bounds = [LEVELS] * PILLARS + [CONTEXTS]
-    return np.array([[random.integer(bound) for bound in bounds] for _ in range(FRAMES)], dtype=np.uint8)
+    return np.array(
+        [[random.integer(bound) for bound in bounds] for _ in range(FRAMES)], dtype=np.uint8
+    )
 
 
 def random_displacements() -> NDArray[np.float32]:
     """[FRAMES, 3 PILLARS] m, random as in random_levels()."""
-    return RandomStream(1, 1, "latency").uniforms(FRAMES * 3 * PILLARS, -2e-3, 2e-3).reshape(FRAMES, -1).astype(np.float32)
+    return (
+        RandomStream(1, 1, "latency")
+        .uniforms(FRAMES * 3 * PILLARS, -2e-3, 2e-3)
+        .reshape(FRAMES, -1)
+        .astype(np.float32)
+    )
 
 
 def software(options: Options) -> Iterator[tuple[str, float]]:
@@ -50,11 +60,17 @@ def software(options: Options) -> Iterator[tuple[str, float]]:
     for engine in _core.hd_engines():
         if engine == REFERENCE:
             options.say(REFERENCE)
-            yield f"ours: {REFERENCE}, follows the equations", _core.hd_time(engine, levels[:REFERENCE_FRAMES], REFERENCE_PASSES)
+            yield (
+                f"ours: {REFERENCE}, follows the equations",
+                _core.hd_time(engine, levels[:REFERENCE_FRAMES], REFERENCE_PASSES),
+            )
         else:
             options.say(f"kernel, {engine}")
             yield f"ours: kernel, {engine}", _core.hd_time(engine, levels, PASSES)
-            yield f"ours: kernel, {engine}, from displacements", _core.hd_time_from_displacements(engine, displacements, PASSES)
+            yield (
+                f"ours: kernel, {engine}, from displacements",
+                _core.hd_time_from_displacements(engine, displacements, PASSES),
+            )
 
 
 def time_text(seconds: float) -> str:
@@ -92,10 +108,24 @@ def study(options: Options) -> Result:
     core = _core_figures()
     unrollings = core.configurations if core else ()
     cycles = PUBLISHED_CYCLES | {f"ours: RTL core, {one.name}": one.cycles for one in unrollings}
-    seconds = {PAPER_CPU: PUBLISHED[PAPER_CPU], **dict(software(options)), PAPER_FPGA: PUBLISHED[PAPER_FPGA], GRIPPER_CORE: PUBLISHED[GRIPPER_CORE],
-               **{f"ours: RTL core, {one.name}": one.cycles / CLOCK for one in unrollings}}
-    table = Table("From a frame to its class", ["what", "cycles", "time per sample", "faster than the published CPU", "than the published FPGA"],
-                  note="Software from levels to class unless the row says otherwise; medians. Cycles at 100 MHz.")
+    seconds = {
+        PAPER_CPU: PUBLISHED[PAPER_CPU],
+        **dict(software(options)),
+        PAPER_FPGA: PUBLISHED[PAPER_FPGA],
+        GRIPPER_CORE: PUBLISHED[GRIPPER_CORE],
+        **{f"ours: RTL core, {one.name}": one.cycles / CLOCK for one in unrollings},
+    }
+    table = Table(
+        "From a frame to its class",
+        [
+            "what",
+            "cycles",
+            "time per sample",
+            "faster than the published CPU",
+            "than the published FPGA",
+        ],
+        note="Software from levels to class unless the row says otherwise; medians. Cycles at 100 MHz.",
+    )
     for what, time in seconds.items():
         factors = [factor_text(PUBLISHED[name] / time) for name in (PAPER_CPU, PAPER_FPGA)]
         table.rows.append([what, str(cycles.get(what, "-")), time_text(time), *factors])
@@ -104,7 +134,7 @@ def study(options: Options) -> Result:
     return Result(
         title="Latency of the hyperdimensional slip detector",
         source='Section IV.C and table III of "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile '
-               'Sensor": 5,985 us on a Core i7-10700 in C++, 0.42 us on an xc7a200t FPGA',
+        'Sensor": 5,985 us on a Core i7-10700 in C++, 0.42 us on an xc7a200t FPGA',
         figures=seconds,
         setup=[
             f"CPU: {machine['cpu']}; one thread.",

@@ -11,7 +11,14 @@ from typing import Any
 
 from slipbench import InputError
 from slipbench.bin import _core
-from slipbench_studies.hd_papillarray.core import CLOCK, FIGURES_FILE, Configuration, CoreFigures, read_figures, stored_figures
+from slipbench_studies.hd_papillarray.core import (
+    CLOCK,
+    FIGURES_FILE,
+    Configuration,
+    CoreFigures,
+    read_figures,
+    stored_figures,
+)
 from slipbench_studies.result import Options, Result, Table
 
 # Resources of an xc7a200t (AMD, 7 Series FPGAs Data Sheet: Overview, DS180); bram: blocks of 36
@@ -44,16 +51,30 @@ def synthesise(options: Options) -> CoreFigures:
 def figures_of(one: Configuration) -> dict[str, Any]:
     """JSON figures of an unrolling, with its shares of DEVICE."""
     areas = {name: getattr(one, name) for name in DEVICE}
-    return {"cycles": one.cycles, "interval_cycles": one.interval, **areas, "levels": one.levels,
-            **{f"{name}_share": areas[name] / there for name, there in DEVICE.items()}}
+    return {
+        "cycles": one.cycles,
+        "interval_cycles": one.interval,
+        **areas,
+        "levels": one.levels,
+        **{f"{name}_share": areas[name] / there for name, there in DEVICE.items()},
+    }
 
 
 def _row(one: Configuration) -> list[str]:
     def used(name: str) -> list[str]:
         return [f"{getattr(one, name):.10g}", f"{100 * getattr(one, name) / DEVICE[name]:.1f} %"]
 
-    return [f"ours: {one.name}", str(one.cycles), f"{1e6 * one.cycles / CLOCK:.2f} us", str(one.interval), *used("lut"), *used("ff"), *used("bram"),
-            f"{one.dsp:.10g}", f"{one.levels:.10g}"]
+    return [
+        f"ours: {one.name}",
+        str(one.cycles),
+        f"{1e6 * one.cycles / CLOCK:.2f} us",
+        str(one.interval),
+        *used("lut"),
+        *used("ff"),
+        *used("bram"),
+        f"{one.dsp:.10g}",
+        f"{one.levels:.10g}",
+    ]
 
 
 def study(options: Options) -> Result:
@@ -69,17 +90,45 @@ def study(options: Options) -> Result:
         ModuleNotFoundError, InputError: as synthesise() and stored_figures()
     """
     core = synthesise(options) if options.synthesise else stored_figures()
-    table = Table("Latency against area", ["what", "cycles", "at 100 MHz", "cycles per sample", "LUT", "of the device", "FF", "of the device", "BRAM",
-                                           "of the device", "DSP", "levels"])
+    table = Table(
+        "Latency against area",
+        [
+            "what",
+            "cycles",
+            "at 100 MHz",
+            "cycles per sample",
+            "LUT",
+            "of the device",
+            "FF",
+            "of the device",
+            "BRAM",
+            "of the device",
+            "DSP",
+            "levels",
+        ],
+    )
     table.rows = [
         ["paper", "42", "0.42 us", "-", "-", "28.1 %", "-", "14.9 %", "-", "19.2 %", "-", "-"],
-        ["published HDL, routed", "42 to 463", "0.42 to 4.63 us", "-", "-", "42.5 to 47.8 %", "-", "25 to 31 %", "-", "-", "-", "-"],
+        [
+            "published HDL, routed",
+            "42 to 463",
+            "0.42 to 4.63 us",
+            "-",
+            "-",
+            "42.5 to 47.8 %",
+            "-",
+            "25 to 31 %",
+            "-",
+            "-",
+            "-",
+            "-",
+        ],
         *(_row(one) for one in core.configurations),
     ]
     return Result(
         title="Resources of the hyperdimensional slip detector on an xc7a200t",
         source='Section IV.C of "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor": '
-               "28.1 % of the LUTs, 14.9 % of the flip-flops, 19.2 % of the block RAM",
+        "28.1 % of the LUTs, 14.9 % of the flip-flops, 19.2 % of the block RAM",
         figures={one.name: figures_of(one) for one in core.configurations},
         setup=[
             f"{core.tool}; figures from {FIGURES_FILE}, which `--synthesise` writes anew.",

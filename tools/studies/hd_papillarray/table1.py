@@ -16,17 +16,36 @@ from slipbench_studies.grid import Cell, make_dataset
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 SCENE = "scenes/papillarray/hexapod.yaml"  # the published protocol
-STILL_LEFT_OUT = {"": None, "until_stop": False, "moving": True}  # True: frames before the first motion are omitted too; None: no frame is
+STILL_LEFT_OUT = {
+    "": None,
+    "until_stop": False,
+    "moving": True,
+}  # True: frames before the first motion are omitted too; None: no frame is
 
 # Encoding and context of each model; the paper's accuracy, mean and SD of its draws, %.
-MODELS = {"sHDC": ("spatial", False), "stHDC": ("spatial_temporal", False), "gstHDC": ("graph_spatial_temporal", False),
-          "CL-gstHDC": ("graph_spatial_temporal", True)}
-PUBLISHED = {"sHDC": (85.00, 1.15), "stHDC": (86.42, 1.35), "gstHDC": (89.86, 0.94), "CL-gstHDC": (91.78, 0.53)}
+MODELS = {
+    "sHDC": ("spatial", False),
+    "stHDC": ("spatial_temporal", False),
+    "gstHDC": ("graph_spatial_temporal", False),
+    "CL-gstHDC": ("graph_spatial_temporal", True),
+}
+PUBLISHED = {
+    "sHDC": (85.00, 1.15),
+    "stHDC": (86.42, 1.35),
+    "gstHDC": (89.86, 0.94),
+    "CL-gstHDC": (91.78, 0.53),
+}
 
 WIDE_FRICTION = {"sweep.friction.scale": "{draw: lognormal, median: 1, sd: 0.3}"}
-WIDE_TILT = {f"sweep.motion.tilt.{axis}": "{draw: normal, mean: 0 deg, sd: 2 deg, min: -4 deg, max: 4 deg}" for axis in (0, 1)}
+WIDE_TILT = {
+    f"sweep.motion.tilt.{axis}": "{draw: normal, mean: 0 deg, sd: 2 deg, min: -4 deg, max: 4 deg}"
+    for axis in (0, 1)
+}
 # Four draws of each motion with drawn compressions: 200 sequences again.
-WIDE_PRELOAD = {"sweep.motion.compression": "{draw: uniform, min: 0.5 mm, max: 1.5 mm}", "sweep.trials": "4"}
+WIDE_PRELOAD = {
+    "sweep.motion.compression": "{draw: uniform, min: 0.5 mm, max: 1.5 mm}",
+    "sweep.trials": "4",
+}
 
 Draws = dict[str, Any]  # six tests of a model, as in `slipbench train --json`
 OfModels = dict[str, Draws]
@@ -68,12 +87,27 @@ SCATTER = {
     "friction 30 %": Variant(WIDE_FRICTION),
     "friction 7 %, tilt 2 deg": Variant(WIDE_TILT),
     "friction 7 %, preload 0.5 to 1.5 mm": Variant(WIDE_PRELOAD),
-    "friction 30 %, tilt 2 deg, preload 0.5 to 1.5 mm": Variant(WIDE_FRICTION | WIDE_TILT | WIDE_PRELOAD),
+    "friction 30 %, tilt 2 deg, preload 0.5 to 1.5 mm": Variant(
+        WIDE_FRICTION | WIDE_TILT | WIDE_PRELOAD
+    ),
 }
 
-AS_PUBLISHED, NO_REST, HAS_SLIPPED = "as published", "without the rest after a stop", "labels has_slipped"
-ONE_FRAME, FIVE_FRAMES, CORE = "window 1 frame", "window 5 frames", "counts kept in the window (published core)"
-NO_MATTER = ("feature exact, from 1/8 mm", "ties to zero", "D = 4000", "other item memories")  # expected to have no effect
+AS_PUBLISHED, NO_REST, HAS_SLIPPED = (
+    "as published",
+    "without the rest after a stop",
+    "labels has_slipped",
+)
+ONE_FRAME, FIVE_FRAMES, CORE = (
+    "window 1 frame",
+    "window 5 frames",
+    "counts kept in the window (published core)",
+)
+NO_MATTER = (
+    "feature exact, from 1/8 mm",
+    "ties to zero",
+    "D = 4000",
+    "other item memories",
+)  # expected to have no effect
 
 # Variants that change one setting each.
 CAUSES = {
@@ -109,7 +143,11 @@ class Ablation:
     """
 
     def __init__(self, options: Options, folder: str) -> None:
-        self._options, self._path, self._made_of = options, options.data or str(Path(folder) / "hexapod.h5"), Variant()
+        self._options, self._path, self._made_of = (
+            options,
+            options.data or str(Path(folder) / "hexapod.h5"),
+            Variant(),
+        )
         self._sequences: Any = None
 
     @property
@@ -137,9 +175,19 @@ class Ablation:
         seed, found = self._options.draws_seed, list[OfModels]()
         for model, (encoding, context_driven) in MODELS.items():
             draws = self._sequences.cross_validate(
-                encoding=encoding, context_driven=context_driven, window=variant.window, dimension=variant.dimension, compat=variant.compat,
-                ties=variant.ties, quantiser=variant.quantiser, epochs=variant.epochs, memories_seed=seed + variant.other_memories, seed=seed,
-                by_frame=by_frame, jobs=self._options.jobs)
+                encoding=encoding,
+                context_driven=context_driven,
+                window=variant.window,
+                dimension=variant.dimension,
+                compat=variant.compat,
+                ties=variant.ties,
+                quantiser=variant.quantiser,
+                epochs=variant.epochs,
+                memories_seed=seed + variant.other_memories,
+                seed=seed,
+                by_frame=by_frame,
+                jobs=self._options.jobs,
+            )
             for k, text in enumerate(draws):
                 found += [{}] * (k == len(found))
                 found[k] = found[k] | {model: json.loads(text)}
@@ -150,7 +198,9 @@ class Ablation:
         made_of = Variant(variant.overrides, variant.labels, variant.keep)
         if self._sequences is not None and made_of == self._made_of:
             return
-        if not self._options.data and (self._sequences is None or variant.overrides != self._made_of.overrides):
+        if not self._options.data and (
+            self._sequences is None or variant.overrides != self._made_of.overrides
+        ):
             Path(self._path).unlink(missing_ok=True)
             make_dataset(self._path, Cell("hexapod.yaml", SCENE, variant.overrides), self._options)
         self._made_of = made_of
@@ -167,7 +217,10 @@ def percent(share: float | None, digits: int = 2) -> str:
 
 def mean_text(figure: dict[str, float | None]) -> str:
     """Mean and SD of draws for the tables."""
-    mean, sd = (math.nan if figure[key] is None else 100.0 * float(figure[key] or 0.0) for key in ("mean", "sd"))
+    mean, sd = (
+        math.nan if figure[key] is None else 100.0 * float(figure[key] or 0.0)
+        for key in ("mean", "sd")
+    )
     return f"{mean:.2f} +- {sd:.2f}"
 
 
@@ -185,19 +238,49 @@ def main_table(by_sequence: OfModels, by_frame: OfModels) -> Table:
     """
     table = Table(
         "Recall of slip, balanced accuracy and the paper's accuracy, in %: mean +- SD of five draws",
-        ["model", "recall of slip", "balanced accuracy", "moving: balanced", "accuracy: paper", "accuracy: ours", "by frame: balanced", "by frame: accuracy"],
+        [
+            "model",
+            "recall of slip",
+            "balanced accuracy",
+            "moving: balanced",
+            "accuracy: paper",
+            "accuracy: ours",
+            "by frame: balanced",
+            "by frame: accuracy",
+        ],
         note="By sequence unless marked by frame. By sequence: no sequence is in both training and test. By frame: frames of one sequence are in both, "
-             "which improves the figures of every detector. Recall of slip: share of the slipping frames that are classified as incipient or gross; by the "
-             "paper's rule the pad moves in all of them. Balanced: mean of the recalls. Moving: frames in which the pad slides or turns; in the others the "
-             "pad is at rest and cannot slip.")
+        "which improves the figures of every detector. Recall of slip: share of the slipping frames that are classified as incipient or gross; by the "
+        "paper's rule the pad moves in all of them. Balanced: mean of the recalls. Moving: frames in which the pad slides or turns; in the others the "
+        "pad is at rest and cannot slip.",
+    )
     for model, (mean, sd) in PUBLISHED.items():
         ours, frames = by_sequence[model], by_frame[model]
-        table.rows.append([model, *(mean_text(ours[key]) for key in ("recall_of_slip", "balanced_accuracy", "moving_balanced_accuracy")),
-                           f"{mean:.2f} +- {sd:.2f}", mean_text(ours["accuracy"]), mean_text(frames["balanced_accuracy"]), mean_text(frames["accuracy"])])
+        table.rows.append(
+            [
+                model,
+                *(
+                    mean_text(ours[key])
+                    for key in ("recall_of_slip", "balanced_accuracy", "moving_balanced_accuracy")
+                ),
+                f"{mean:.2f} +- {sd:.2f}",
+                mean_text(ours["accuracy"]),
+                mean_text(frames["balanced_accuracy"]),
+                mean_text(frames["accuracy"]),
+            ]
+        )
     sequences, frames = by_sequence["sHDC"]["pooled"], by_frame["sHDC"]["pooled"]
-    table.rows.append(["best constant answer", "-", percent(sequences["all"]["constant_balanced_accuracy"]),
-                       percent(sequences["moving"]["constant_balanced_accuracy"]), "-", percent(sequences["all"]["constant_accuracy"]),
-                       percent(frames["all"]["constant_balanced_accuracy"]), percent(frames["all"]["constant_accuracy"])])
+    table.rows.append(
+        [
+            "best constant answer",
+            "-",
+            percent(sequences["all"]["constant_balanced_accuracy"]),
+            percent(sequences["moving"]["constant_balanced_accuracy"]),
+            "-",
+            percent(sequences["all"]["constant_accuracy"]),
+            percent(frames["all"]["constant_balanced_accuracy"]),
+            percent(frames["all"]["constant_accuracy"]),
+        ]
+    )
     return table
 
 
@@ -209,17 +292,37 @@ def delay_table(draws: OfModels) -> Table:
     """
     table = Table(
         "By sequence: recall in %, and delay from the true onset to the first frame classified as slip, in ms",
-        ["model", "non-slip", "incipient", "gross", "delay, quartiles", "median", "seen", "early", "missed", "false alarms"],
+        [
+            "model",
+            "non-slip",
+            "incipient",
+            "gross",
+            "delay, quartiles",
+            "median",
+            "seen",
+            "early",
+            "missed",
+            "false alarms",
+        ],
         note="Tests of the five draws together. Onset: a first part of a pillar slips, resolved within the step. Seen: no frame before the onset is "
-             "classified as slip, and one after it is; the delays are of these sequences. Early: a frame before the onset is classified as slip. False "
-             "alarms: of the sequences that never slip.")
+        "classified as slip, and one after it is; the delays are of these sequences. Early: a frame before the onset is classified as slip. False "
+        "alarms: of the sequences that never slip.",
+    )
     for model, one in draws.items():
         recall, delay = one["pooled"]["all"]["recall"], one["pooled"]["delay"]
         seconds = delay["delay_s"]
-        table.rows.append([model, *(percent(recall[key]) for key in ("non_slip", "incipient", "gross")),
-                           f"{milliseconds(seconds['lower_quartile'])} to {milliseconds(seconds['upper_quartile'])}", milliseconds(seconds["median"]),
-                           f"{delay['noticed']} of {delay['slipping']}", str(delay["early"]), str(delay["missed"]),
-                           f"{delay['false_alarms']} of {delay['sequences'] - delay['slipping']}"])
+        table.rows.append(
+            [
+                model,
+                *(percent(recall[key]) for key in ("non_slip", "incipient", "gross")),
+                f"{milliseconds(seconds['lower_quartile'])} to {milliseconds(seconds['upper_quartile'])}",
+                milliseconds(seconds["median"]),
+                f"{delay['noticed']} of {delay['slipping']}",
+                str(delay["early"]),
+                str(delay["missed"]),
+                f"{delay['false_alarms']} of {delay['sequences'] - delay['slipping']}",
+            ]
+        )
     return table
 
 
@@ -229,12 +332,17 @@ def confusion_table(draws: Draws) -> Table:
     Args:
         draws: of CL-gstHDC by sequence
     """
-    table = Table("Confusion of CL-gstHDC by sequence: share of the true class in %",
-                  ["true", "called non-slip", "called incipient", "called gross", "frames"])
+    table = Table(
+        "Confusion of CL-gstHDC by sequence: share of the true class in %",
+        ["true", "called non-slip", "called incipient", "called gross", "frames"],
+    )
     for name, key in (("non-slip", "non_slip"), ("incipient", "incipient"), ("gross", "gross")):
         called = draws["pooled"]["all"]["called"][key]
         frames = sum(called.values())
-        shares = (called[one] / frames if frames else math.nan for one in ("non_slip", "incipient", "gross"))
+        shares = (
+            called[one] / frames if frames else math.nan
+            for one in ("non_slip", "incipient", "gross")
+        )
         table.rows.append([name, *(percent(share) for share in shares), str(frames)])
     return table
 
@@ -247,9 +355,15 @@ def variants_table(title: str, variants: dict[str, OfModels]) -> Table:
         variants: draws by sequence
     """
     measures = {"balanced": "balanced_accuracy", "accuracy": "accuracy"}
-    return Table(title, ["", *(f"{model}: {text}" for text in measures for model in MODELS)],
-                 [[name, *(mean_text(draws[model][key]) for key in measures.values() for model in MODELS)] for name, draws in variants.items()],
-                 "Balanced accuracy, and the paper's measure, accuracy, in %.")
+    return Table(
+        title,
+        ["", *(f"{model}: {text}" for text in measures for model in MODELS)],
+        [
+            [name, *(mean_text(draws[model][key]) for key in measures.values() for model in MODELS)]
+            for name, draws in variants.items()
+        ],
+        "Balanced accuracy, and the paper's measure, accuracy, in %.",
+    )
 
 
 def remarks_on(causes: dict[str, OfModels], by_frame: OfModels) -> list[str]:
@@ -259,6 +373,7 @@ def remarks_on(causes: dict[str, OfModels], by_frame: OfModels) -> list[str]:
         causes: draws of each cause, by sequence
         by_frame: draws of the published settings, by frame
     """
+
     def mean(name: str, model: str) -> float:
         value = causes[name][model]["accuracy"]["mean"]
         return math.nan if value is None else float(value)
@@ -267,10 +382,20 @@ def remarks_on(causes: dict[str, OfModels], by_frame: OfModels) -> list[str]:
         return [percent(mean(name, model)) for name in names]
 
     spatial, best = "sHDC", "CL-gstHDC"
-    leads = sum(all(mean(name, model) <= mean(name, spatial) for model in MODELS) for name in causes)
-    change = max(abs(mean(name, model) - mean(AS_PUBLISHED, model)) for name in NO_MATTER for model in MODELS)
-    by_frame_text = {model: percent(by_frame[model]["accuracy"]["mean"]) for model in (spatial, best)}
-    published, no_rest, has_slipped = zip(texts(spatial, (AS_PUBLISHED, NO_REST, HAS_SLIPPED)), texts(best, (AS_PUBLISHED, NO_REST, HAS_SLIPPED)), strict=True)
+    leads = sum(
+        all(mean(name, model) <= mean(name, spatial) for model in MODELS) for name in causes
+    )
+    change = max(
+        abs(mean(name, model) - mean(AS_PUBLISHED, model)) for name in NO_MATTER for model in MODELS
+    )
+    by_frame_text = {
+        model: percent(by_frame[model]["accuracy"]["mean"]) for model in (spatial, best)
+    }
+    published, no_rest, has_slipped = zip(
+        texts(spatial, (AS_PUBLISHED, NO_REST, HAS_SLIPPED)),
+        texts(best, (AS_PUBLISHED, NO_REST, HAS_SLIPPED)),
+        strict=True,
+    )
     one, five, fifteen, core = texts(best, (ONE_FRAME, FIVE_FRAMES, AS_PUBLISHED, CORE))
     strict, micro = texts(best, ("labels strict", "labels micro"))
     return [
@@ -298,7 +423,9 @@ def setup_lines(options: Options, ablation: Ablation, draw: dict[str, Any]) -> l
     """
     seed = options.draws_seed
     return [
-        f"Data: {options.data}, made by: {ablation.sequences.command}" if options.data else f"Data: a new dataset of {SCENE}, seed {seed}.",
+        f"Data: {options.data}, made by: {ablation.sequences.command}"
+        if options.data
+        else f"Data: a new dataset of {SCENE}, seed {seed}.",
         f"{len(ablation.sequences)} sequences, PapillArray at 100 Hz (every tenth sample), labels by the paper's rule, D = 1000, N = 15, ties to one, fixed point. Frames in "
         "contact after a whole window of frames are used for training and test, the same frames for every model.",
         f"Six draws, seed {seed}: the training set has as many sequences of each compression and speed as there are, drawn with replacement; sequences that are"
@@ -329,19 +456,42 @@ def study(options: Options) -> Result:
         def run_all(variants: dict[str, Variant]) -> dict[str, OfModels]:
             return {name: ablation.run(name, variant)[0] for name, variant in variants.items()}
 
-        causes = run_all({name: variant for name, variant in CAUSES.items() if not (options.data and variant.overrides)})
+        causes = run_all(
+            {
+                name: variant
+                for name, variant in CAUSES.items()
+                if not (options.data and variant.overrides)
+            }
+        )
         scatter = {} if options.data else run_all(SCATTER)
-    tables = [main_table(by_sequence, by_frame), delay_table(by_sequence), confusion_table(by_sequence["CL-gstHDC"]),
-              variants_table("Causes: one setting changed at a time, by sequence", causes)]
+    tables = [
+        main_table(by_sequence, by_frame),
+        delay_table(by_sequence),
+        confusion_table(by_sequence["CL-gstHDC"]),
+        variants_table("Causes: one setting changed at a time, by sequence", causes),
+    ]
     if scatter:
-        tables.append(variants_table("Scatter between sequences: trained and tested on data with scatter, by sequence", scatter))
+        tables.append(
+            variants_table(
+                "Scatter between sequences: trained and tested on data with scatter, by sequence",
+                scatter,
+            )
+        )
     return Result(
         title="Ablation of the hyperdimensional slip detector",
         source='Table I and section IV of "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor"',
-        figures={"by_sequence": by_sequence, "by_frame": by_frame, "causes": causes} | ({"scatter": scatter} if scatter else {}),
+        figures={"by_sequence": by_sequence, "by_frame": by_frame, "causes": causes}
+        | ({"scatter": scatter} if scatter else {}),
         setup=setup,
         tables=tables,
         remarks=remarks_on(causes, by_frame),
-        real=[RealFigure(f"{model} trained on recordings, correctly classified frames, %", mean, 100.0 * float(by_sequence[model]["accuracy"]["mean"]),
-                         "ours was trained on hexapod.yaml, which is fitted") for model, (mean, _) in PUBLISHED.items()],
+        real=[
+            RealFigure(
+                f"{model} trained on recordings, correctly classified frames, %",
+                mean,
+                100.0 * float(by_sequence[model]["accuracy"]["mean"]),
+                "ours was trained on hexapod.yaml, which is fitted",
+            )
+            for model, (mean, _) in PUBLISHED.items()
+        ],
     )

@@ -15,7 +15,13 @@ from slipbench import InputError, describe, list_names, parse_quantity
 from slipbench._program import counted
 from slipbench.bin import _core
 from slipbench_studies.grid import Cell, check_only, chosen, run_grid
-from slipbench_studies.hd_papillarray.grasp import ROW_STRIDE, GraspFigures, Spread, grasp_figures, spread
+from slipbench_studies.hd_papillarray.grasp import (
+    ROW_STRIDE,
+    GraspFigures,
+    Spread,
+    grasp_figures,
+    spread,
+)
 from slipbench_studies.result import Options, RealFigure, Result, Table
 from slipbench_studies.statistics import clopper_pearson
 
@@ -40,24 +46,41 @@ class Choice:
     overrides: dict[str, str] = field(default_factory=dict)
 
 
-PROTOCOLS = {"as_recorded": Choice("as_recorded (4 N, 43 mm/s)", {"grip.protocol": "as_recorded"}),
-             "as_printed": Choice("as_printed (1 N, 5 mm/s)", {"grip.protocol": "as_printed"})}
-BOXES = {"light": Choice("light box (0.2 kg)", {"box.mass": "0.2 kg"}), "heavy": Choice("heavy box (0.5 kg)", {"box.mass": "0.5 kg"})}
+PROTOCOLS = {
+    "as_recorded": Choice("as_recorded (4 N, 43 mm/s)", {"grip.protocol": "as_recorded"}),
+    "as_printed": Choice("as_printed (1 N, 5 mm/s)", {"grip.protocol": "as_printed"}),
+}
+BOXES = {
+    "light": Choice("light box (0.2 kg)", {"box.mass": "0.2 kg"}),
+    "heavy": Choice("heavy box (0.5 kg)", {"box.mass": "0.5 kg"}),
+}
 
 
 def _fitted(surface: str, friction: float, effects: str = "") -> Choice:
     """Friction fitted to the published slips of the light boxes only (README.md); for felt, along
     its grain."""
-    all_effects = f"[{effects}{', ' if effects else ''}{{viscous_friction: {{gain: 0.3, speed: 1 mm/s}}}}]"
-    return Choice(f"{surface}, fitted to light boxes", {"surface.material": surface, "friction.static": f"{friction:g}",
-                                                        "friction.kinetic": f"{0.95 * friction:.4g}", "effects": all_effects})
+    all_effects = (
+        f"[{effects}{', ' if effects else ''}{{viscous_friction: {{gain: 0.3, speed: 1 mm/s}}}}]"
+    )
+    return Choice(
+        f"{surface}, fitted to light boxes",
+        {
+            "surface.material": surface,
+            "friction.static": f"{friction:g}",
+            "friction.kinetic": f"{0.95 * friction:.4g}",
+            "effects": all_effects,
+        },
+    )
 
 
 SURFACES = {
     "ptfe": Choice("ptfe", {"surface.material": "ptfe"}),
     "rubber": Choice("rubber", {"surface.material": "rubber"}),
     "felt": Choice("felt", {"surface.material": "felt", "effects": f"[{FELT_EFFECTS}]"}),
-    "ptfe_0.2": Choice("ptfe, mu 0.2", {"surface.material": "ptfe", "friction.static": "0.2", "friction.kinetic": "0.19"}),
+    "ptfe_0.2": Choice(
+        "ptfe, mu 0.2",
+        {"surface.material": "ptfe", "friction.static": "0.2", "friction.kinetic": "0.19"},
+    ),
     "ptfe_fitted": _fitted("ptfe", 0.14),
     "rubber_fitted": _fitted("rubber", 0.5),
     "felt_fitted": _fitted("felt", 0.75, FELT_EFFECTS),
@@ -70,6 +93,7 @@ def loops(memories: str) -> dict[str, Choice]:
     Args:
         memories: folder of the published memories
     """
+
     def controlled(text: str, controller: str, detector: str = "{type: gst_hd}") -> Choice:
         return Choice(text, {"detector": detector, "controller": controller})
 
@@ -79,14 +103,19 @@ def loops(memories: str) -> dict[str, Choice]:
     return {
         "oracle": detected("oracle (sees the truth)", "{type: truth}"),
         "gst_hd": detected("gst_hd, shipped memory", "{type: gst_hd}"),
-        "gst_hd_published": detected("gst_hd, published memory", f"{{type: gst_hd, memories: {json.dumps(memories)}, compat: published_core}}"),
+        "gst_hd_published": detected(
+            "gst_hd, published memory",
+            f"{{type: gst_hd, memories: {json.dumps(memories)}, compat: published_core}}",
+        ),
         "gst_hd_rtl": detected("gst_hd_rtl", "{type: gst_hd_rtl}"),
         "force_ratio": detected("detector force_ratio", "{type: force_ratio}"),
         "stuck_fraction": detected("detector stuck_fraction", "{type: stuck_fraction}"),
         "shear_rate": detected("detector shear_rate", "{type: shear_rate}"),
         "constant_force": controlled("constant_force", "{type: constant_force}"),
         "force_ratio_control": controlled("controller force_ratio", "{type: force_ratio}"),
-        "stuck_fraction_control": controlled("controller stuck_fraction", "{type: stuck_fraction}", "{type: stuck_fraction}"),
+        "stuck_fraction_control": controlled(
+            "controller stuck_fraction", "{type: stuck_fraction}", "{type: stuck_fraction}"
+        ),
         "force_pid": controlled("controller force_pid", "{type: force_pid}"),
         "hold_preset": controlled("hold_preset (negative control)", "{type: hold_preset}"),
     }
@@ -106,9 +135,16 @@ class GraspCell(NamedTuple):
     def grid(self, draws: int = 1) -> Cell:
         """Returns the cell to simulate, with `draws` trials."""
         overrides: dict[str, str] = {}
-        for choice in (PROTOCOLS[self.protocol], BOXES[self.box], SURFACES[self.surface], self.loop_choice):
+        for choice in (
+            PROTOCOLS[self.protocol],
+            BOXES[self.box],
+            SURFACES[self.surface],
+            self.loop_choice,
+        ):
             overrides |= choice.overrides
-        return Cell(f"{self.protocol}, {self.box}, {self.surface}, {self.loop}", SCENE, overrides, draws)
+        return Cell(
+            f"{self.protocol}, {self.box}, {self.surface}, {self.loop}", SCENE, overrides, draws
+        )
 
     @property
     def text(self) -> str:
@@ -134,8 +170,19 @@ def grasp_cells(options: Options) -> list[GraspCell]:
     all_loops = loops(memories)
     axes: list[list[str]] = [list(axis) for axis in (PROTOCOLS, BOXES, SURFACES, all_loops)]
     check_only(options.only, [name for axis in axes for name in axis])
-    return [GraspCell(protocol, box, surface, loop, all_loops[loop], loop != "gst_hd_published" or memories != "")
-            for protocol, box, surface, loop in itertools.product(*(chosen(axis, options.only) for axis in axes))]
+    return [
+        GraspCell(
+            protocol,
+            box,
+            surface,
+            loop,
+            all_loops[loop],
+            loop != "gst_hd_published" or memories != "",
+        )
+        for protocol, box, surface, loop in itertools.product(
+            *(chosen(axis, options.only) for axis in axes)
+        )
+    ]
 
 
 class Published(NamedTuple):
@@ -168,8 +215,13 @@ PUBLISHED = {
 Grasps = Sequence[GraspFigures]
 # By key of the JSON: figure of a trial, and factor to the table's unit.
 FIGURES: dict[str, tuple[str, float]] = {
-    "slip_mm": ("slip", 1e3), "marker_slip_mm": ("marker_slip", 1e3), "rotation_deg": ("rotation", DEGREES), "marker_spin_deg": ("marker_spin", DEGREES),
-    "max_over_least": ("true_ratio", 1.0), "max_over_ideal_by_paper": ("estimated_ratio", 1.0), "counts": ("counts", 1.0),
+    "slip_mm": ("slip", 1e3),
+    "marker_slip_mm": ("marker_slip", 1e3),
+    "rotation_deg": ("rotation", DEGREES),
+    "marker_spin_deg": ("marker_spin", DEGREES),
+    "max_over_least": ("true_ratio", 1.0),
+    "max_over_ideal_by_paper": ("estimated_ratio", 1.0),
+    "counts": ("counts", 1.0),
 }
 
 
@@ -200,8 +252,13 @@ def _drops(trials: Grasps) -> list[int]:
     return [k for k, trial in enumerate(trials) if trial.dropped]
 
 
-def _add_rows(table: Table, cells: Sequence[GraspCell], results: Sequence[Grasps], published_row: Callable[[str, Published], list[str] | None],
-              loop_row: Callable[[Grasps], list[str]]) -> None:
+def _add_rows(
+    table: Table,
+    cells: Sequence[GraspCell],
+    results: Sequence[Grasps],
+    published_row: Callable[[str, Published], list[str] | None],
+    loop_row: Callable[[Grasps], list[str]],
+) -> None:
     """Adds a row for each loop below its surface, preceded by the published one."""
     for k, (cell, trials) in enumerate(zip(cells, results, strict=True)):
         published = published_of(cell)
@@ -223,22 +280,53 @@ def displacement_table(title: str, cells: Sequence[GraspCell], results: Sequence
     Returns:
         the table
     """
-    table = Table(f"{title}: drops, slip and rotation",
-                  ["", "dropped", "95 %", "slip, median mm", "95 %", "mean +- SD", "by markers, median", "mean +- SD", "turned, median deg", "mean +- SD",
-                   "by markers, median", "mean +- SD"],
-                  note="Statistics of the boxes that were not dropped. Slip: path of the box's middle in the arm's frame since the beginning of the lift; "
-                       "turned: its rotation in that frame. By markers: computed as in the paper's script. 95 %: interval of the drop rate after Clopper "
-                       "and Pearson, of the median by order statistics.")
+    table = Table(
+        f"{title}: drops, slip and rotation",
+        [
+            "",
+            "dropped",
+            "95 %",
+            "slip, median mm",
+            "95 %",
+            "mean +- SD",
+            "by markers, median",
+            "mean +- SD",
+            "turned, median deg",
+            "mean +- SD",
+            "by markers, median",
+            "mean +- SD",
+        ],
+        note="Statistics of the boxes that were not dropped. Slip: path of the box's middle in the arm's frame since the beginning of the lift; "
+        "turned: its rotation in that frame. By markers: computed as in the paper's script. 95 %: interval of the drop rate after Clopper "
+        "and Pearson, of the median by order statistics.",
+    )
 
     def published_row(name: str, row: Published) -> list[str]:
-        return [name, "0 of 10", "0 to 31 %", "-", "-", "-", _number(row.slip_median), _mean_text(*row.slip), "-", "-", _number(row.spin_median),
-                _mean_text(*row.spin)]
+        return [
+            name,
+            "0 of 10",
+            "0 to 31 %",
+            "-",
+            "-",
+            "-",
+            _number(row.slip_median),
+            _mean_text(*row.slip),
+            "-",
+            "-",
+            _number(row.spin_median),
+            _mean_text(*row.spin),
+        ]
 
     def loop_row(trials: Grasps) -> list[str]:
         low, high = clopper_pearson(len(_drops(trials)), len(trials))
         slip = spread_of(trials, "slip_mm")
-        row = [f"{len(_drops(trials))} of {len(trials)}", f"{100.0 * low:.0f} to {100.0 * high:.0f} %", _number(slip.median), _interval_text(slip.interval),
-               _mean_text(slip.mean, slip.sd)]
+        row = [
+            f"{len(_drops(trials))} of {len(trials)}",
+            f"{100.0 * low:.0f} to {100.0 * high:.0f} %",
+            _number(slip.median),
+            _interval_text(slip.interval),
+            _mean_text(slip.mean, slip.sd),
+        ]
         for key in ("marker_slip_mm", "rotation_deg", "marker_spin_deg"):
             value = spread_of(trials, key)
             row += [_number(value.median), _mean_text(value.mean, value.sd)]
@@ -259,20 +347,42 @@ def force_table(title: str, cells: Sequence[GraspCell], results: Sequence[Grasps
     Returns:
         the table
     """
-    table = Table(f"{title}: force",
-                  ["", "max/least, median", "95 %", "mean +- SD", "n", "max/ideal by the paper, median", "95 %", "mean +- SD", "n", "counts"],
-                  note="Statistics of the boxes that were not dropped. Least: m g/(2 mu_s) with the trial's mu_s in upward direction, without patches. By "
-                       "the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows classified as incipient; n: number of trials "
-                       "with such rows. Counts: closing of the gripper after the beginning of the lift, median.")
+    table = Table(
+        f"{title}: force",
+        [
+            "",
+            "max/least, median",
+            "95 %",
+            "mean +- SD",
+            "n",
+            "max/ideal by the paper, median",
+            "95 %",
+            "mean +- SD",
+            "n",
+            "counts",
+        ],
+        note="Statistics of the boxes that were not dropped. Least: m g/(2 mu_s) with the trial's mu_s in upward direction, without patches. By "
+        "the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows classified as incipient; n: number of trials "
+        "with such rows. Counts: closing of the gripper after the beginning of the lift, median.",
+    )
 
     def published_row(name: str, row: Published) -> list[str] | None:
-        return None if row.ratio is None else [name, "-", "-", "-", "-", "-", "-", _mean_text(*row.ratio), "-", "-"]
+        return (
+            None
+            if row.ratio is None
+            else [name, "-", "-", "-", "-", "-", "-", _mean_text(*row.ratio), "-", "-"]
+        )
 
     def loop_row(trials: Grasps) -> list[str]:
         row = []
         for key in ("max_over_least", "max_over_ideal_by_paper"):
             value = spread_of(trials, key)
-            row += [_number(value.median), _interval_text(value.interval), _mean_text(value.mean, value.sd), str(value.n)]
+            row += [
+                _number(value.median),
+                _interval_text(value.interval),
+                _mean_text(value.mean, value.sd),
+                str(value.n),
+            ]
         return [*row, _number(spread_of(trials, "counts").median)]
 
     _add_rows(table, cells, results, published_row, loop_row)
@@ -291,13 +401,28 @@ def cell_figures(cell: GraspCell, trials: Grasps, seed: int) -> dict[str, Any]:
         names, number of trials, and for one or more trials: number of dropped boxes, interval of
         the drop rate, the statistics of each of FIGURES, and the command
     """
-    figures: dict[str, Any] = {"protocol": cell.protocol, "box": cell.box, "surface": cell.surface, "loop": cell.loop, "trials": len(trials)}
+    figures: dict[str, Any] = {
+        "protocol": cell.protocol,
+        "box": cell.box,
+        "surface": cell.surface,
+        "loop": cell.loop,
+        "trials": len(trials),
+    }
     if not trials:
         return figures
-    figures |= {"dropped": _drops(trials), "drop_rate_95": clopper_pearson(len(_drops(trials)), len(trials))}
+    figures |= {
+        "dropped": _drops(trials),
+        "drop_rate_95": clopper_pearson(len(_drops(trials)), len(trials)),
+    }
     for key in FIGURES:
         value = spread_of(trials, key)
-        figures[key] = {"n": value.n, "median": value.median, "median_95": value.interval, "mean": value.mean, "sd": value.sd}
+        figures[key] = {
+            "n": value.n,
+            "median": value.median,
+            "median_95": value.interval,
+            "mean": value.mean,
+            "sd": value.sd,
+        }
     return figures | {"command": f"{cell.grid().command(seed)} --trials {len(trials)}"}
 
 
@@ -307,9 +432,19 @@ def real_figure(cell: GraspCell, trials: Grasps) -> RealFigure | None:
     published = published_of(cell)
     if published is None or cell.protocol != "as_recorded" or cell.loop != "oracle":
         return None
-    seen = "friction assumed" if not cell.surface.endswith(FITTED) else "fitted to it" if cell.box == "light" else "not seen by the fit"
-    return RealFigure(f"slip of the {cell.box} box, {cell.surface.removesuffix(FITTED)}, median, mm", published.slip_median,
-                      spread_of(trials, "slip_mm").median, f"{seen}; with the oracle instead of the detector")
+    seen = (
+        "friction assumed"
+        if not cell.surface.endswith(FITTED)
+        else "fitted to it"
+        if cell.box == "light"
+        else "not seen by the fit"
+    )
+    return RealFigure(
+        f"slip of the {cell.box} box, {cell.surface.removesuffix(FITTED)}, median, mm",
+        published.slip_median,
+        spread_of(trials, "slip_mm").median,
+        f"{seen}; with the oracle instead of the detector",
+    )
 
 
 def _described(name: str, kind: str) -> dict[str, Any]:
@@ -318,7 +453,15 @@ def _described(name: str, kind: str) -> dict[str, Any]:
 
 def lift_start() -> float:
     """Start of the lift of SCENE [s]: default of the motion's parameter `settle`."""
-    return float(parse_quantity(next(one["default"] for one in _described("lift", "motion")["parameters"] if one["name"] == "settle")))
+    return float(
+        parse_quantity(
+            next(
+                one["default"]
+                for one in _described("lift", "motion")["parameters"]
+                if one["name"] == "settle"
+            )
+        )
+    )
 
 
 def setup_lines(trials: int, seed: int) -> list[str]:
@@ -329,10 +472,16 @@ def setup_lines(trials: int, seed: int) -> list[str]:
         seed: seed of the trials
     """
     names = list_names()
-    materials = [_described(one["name"], "material") for one in names["materials"] if one["name"] in SURFACES]
+    materials = [
+        _described(one["name"], "material") for one in names["materials"] if one["name"] in SURFACES
+    ]
     assumed = []
     for one in names["grasp"]:
-        values = [f"{spec['name']} {spec['default']}" for spec in _described(one["name"], "part of a grasp")["parameters"] if spec["source"].startswith("assumed")]
+        values = [
+            f"{spec['name']} {spec['default']}"
+            for spec in _described(one["name"], "part of a grasp")["parameters"]
+            if spec["source"].startswith("assumed")
+        ]
         assumed.append(f"Assumed, {one['name']}: {', '.join(values)}.")
     return [
         f"{SCENE}, seed {seed}, {counted(trials, 'trial')} per row. Rows differ only in what they name. Trial k has the same box, position and loop phase in every row.",
@@ -346,7 +495,10 @@ def setup_lines(trials: int, seed: int) -> list[str]:
         " is assumed, for boxes that slip slowly.",
         "Assumed for felt: anisotropic_friction 0.6 with horizontal grain, so that the box hangs by the smaller friction; patches of 0.2, 8 mm to 20 mm. "
         "Assumed for the hard case: mu_s 0.2, mu_k 0.19. Assumed for the lift: settle 1.5 s.",
-        *(f"{one['name']}: mu_s {one['mu_static']:g}, mu_k {one['mu_kinetic']:g}, {one['source']}." for one in materials),
+        *(
+            f"{one['name']}: mu_s {one['mu_static']:g}, mu_k {one['mu_kinetic']:g}, {one['source']}."
+            for one in materials
+        ),
         *assumed,
     ]
 
@@ -360,17 +512,32 @@ def remarks_on(cells: Sequence[GraspCell], results: Sequence[Grasps], seed: int)
         seed: seed of the trials
     """
     rows = list(zip(cells, results, strict=True))
-    idle = [f"{cell.protocol} {cell.box} {cell.surface}" for cell, trials in rows if cell.loop == "hold_preset" and not _drops(trials)]
-    oracle = [(cell, trials) for cell, trials in rows if cell.loop == "oracle" and cell.box == "light"]
+    idle = [
+        f"{cell.protocol} {cell.box} {cell.surface}"
+        for cell, trials in rows
+        if cell.loop == "hold_preset" and not _drops(trials)
+    ]
+    oracle = [
+        (cell, trials) for cell, trials in rows if cell.loop == "oracle" and cell.box == "light"
+    ]
     light = sum(len(trials) for _, trials in oracle)
-    lost = [f"{cell.grid().command(seed)} --trials {k + 1} --trial {k}" for cell, trials in oracle for k in _drops(trials)]
+    lost = [
+        f"{cell.grid().command(seed)} --trials {k + 1} --trial {k}"
+        for cell, trials in oracle
+        for k in _drops(trials)
+    ]
     remarks = []
     if light:
-        remarks.append(f"The oracle drops {len(lost)} of {light} light boxes: {'; '.join(lost)}." if lost
-                       else f"The oracle drops none of {light} light boxes.")
+        remarks.append(
+            f"The oracle drops {len(lost)} of {light} light boxes: {'; '.join(lost)}."
+            if lost
+            else f"The oracle drops none of {light} light boxes."
+        )
     if idle:
-        remarks.append("The negative control, which never tightens, drops no box either, so these rows do not test a detector's drops: "
-                       f"{'; '.join(idle)}.")
+        remarks.append(
+            "The negative control, which never tightens, drops no box either, so these rows do not test a detector's drops: "
+            f"{'; '.join(idle)}."
+        )
     return [
         *remarks,
         "Outliers dominate the published means: rubber has nine trials of 0.15 to 0.41 mm and one of 10.86 mm. The largest slip of PTFE, 8.49 mm, is a jump"
@@ -396,19 +563,35 @@ def study(options: Options) -> Result:
     """
     seed, trials = options.draws_seed, options.trials or DEFAULT_TRIALS
     cells, start = grasp_cells(options), lift_start()
-    found = iter(run_grid([cell.grid(trials) for cell in cells if cell.usable], options, lambda _, trial: grasp_figures(trial, start)))
+    found = iter(
+        run_grid(
+            [cell.grid(trials) for cell in cells if cell.usable],
+            options,
+            lambda _, trial: grasp_figures(trial, start),
+        )
+    )
     results: list[Grasps] = [next(found) if cell.usable else [] for cell in cells]
     tables = []
-    for (protocol, box), rows in itertools.groupby(zip(cells, results, strict=True), lambda row: (row[0].protocol, row[0].box)):
+    for (protocol, box), rows in itertools.groupby(
+        zip(cells, results, strict=True), lambda row: (row[0].protocol, row[0].box)
+    ):
         part, trials_of_part = zip(*rows, strict=True)
         title = f"{PROTOCOLS[protocol].text}, {BOXES[box].text}"
-        tables += [displacement_table(title, part, trials_of_part), force_table(title, part, trials_of_part)]
+        tables += [
+            displacement_table(title, part, trials_of_part),
+            force_table(title, part, trials_of_part),
+        ]
     real = [real_figure(cell, grasps) for cell, grasps in zip(cells, results, strict=True)]
     return Result(
         title="Grasp and lift with slip detection in the loop",
         source='Table II and section IV-D of "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile '
-               'Sensor"',
-        figures={"cells": [cell_figures(cell, grasps, seed) for cell, grasps in zip(cells, results, strict=True)]},
+        'Sensor"',
+        figures={
+            "cells": [
+                cell_figures(cell, grasps, seed)
+                for cell, grasps in zip(cells, results, strict=True)
+            ]
+        },
         setup=setup_lines(trials, seed),
         tables=tables,
         remarks=remarks_on(cells, results, seed),

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 from slipbench import evaluate
 from slipbench.learning import Engine
 from slipbench_studies.grid import Cell, check_only, chosen, make_dataset
@@ -25,8 +24,14 @@ STEPS_TIMED = 201
 
 # Names of figures, and of the same figures in a result of `eval`.
 COUNTS = ("trials", "slipping", "seen", "early", "missed", "false_alarms")
-VALUES = {"balanced_accuracy": "balanced_slip_accuracy", "auc": "auc", "delay_s": "delay_median_s", "delay_p10_s": "delay_p10_s",
-          "delay_p90_s": "delay_p90_s", "false_alarms_a_minute": "false_alarms_per_minute"}
+VALUES = {
+    "balanced_accuracy": "balanced_slip_accuracy",
+    "auc": "auc",
+    "delay_s": "delay_median_s",
+    "delay_p10_s": "delay_p10_s",
+    "delay_p90_s": "delay_p90_s",
+    "false_alarms_a_minute": "false_alarms_per_minute",
+}
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,9 @@ def gru_figures(result: dict[str, Any]) -> dict[str, Any]:
         None without any; false_alarms_a_minute
     """
     told = result["all"]
-    return {key: told[key] for key in COUNTS} | {name: told["figures"][key]["value"] for name, key in VALUES.items()}
+    return {key: told[key] for key in COUNTS} | {
+        name: told["figures"][key]["value"] for name, key in VALUES.items()
+    }
 
 
 def right_share(figures: dict[str, Any], early_counts: bool) -> float:
@@ -122,27 +129,65 @@ def run_row(name: str, dataset: str, model: str, options: Options) -> dict[str, 
     """
     row = ROWS[name]
     trained = train_detector(name, row.recipe, dataset, model, options, row.labels)
-    return gru_figures(evaluate(model, dataset, labels=row.labels)) | {"learnt": trained.parts["learns"] + trained.parts["validates"],
-                                                                       "kilobytes": 1e-3 * Path(model).stat().st_size, "step_s": step_time(model)}
+    return gru_figures(evaluate(model, dataset, labels=row.labels)) | {
+        "learnt": trained.parts["learns"] + trained.parts["validates"],
+        "kilobytes": 1e-3 * Path(model).stat().st_size,
+        "step_s": step_time(model),
+    }
 
 
 def frames_table() -> Table:
     """The table of frames, with the paper's rows."""
     return Table(
         "Slip or not",
-        ["detector", "label", "sequences learnt", "balanced accuracy, %", "AUC", "trials right, %", "with early ones", "size, kB", "a step, us"],
-        [["paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"],
-         ["paper: CL-gstHDC, accuracy of three classes", "paper", "-", "-", "-", "-", "91.8 of frames", "0.375", "5985; 0.42 (FPGA)"]],
+        [
+            "detector",
+            "label",
+            "sequences learnt",
+            "balanced accuracy, %",
+            "AUC",
+            "trials right, %",
+            "with early ones",
+            "size, kB",
+            "a step, us",
+        ],
+        [
+            ["paper: GRU", "incipient or not", "-", "-", "-", "95.6", "-", "1468", "25000 (GPU)"],
+            [
+                "paper: CL-gstHDC, accuracy of three classes",
+                "paper",
+                "-",
+                "-",
+                "-",
+                "-",
+                "91.8 of frames",
+                "0.375",
+                "5985; 0.42 (FPGA)",
+            ],
+        ],
         "Correct trials: slip is reported at or after the true first slip, or is not reported in a trial without slip. With early ones: reports before the "
-        "first slip count as correct, too. The paper does not state when an early report is correct.")
+        "first slip count as correct, too. The paper does not state when an early report is correct.",
+    )
 
 
 def events_table() -> Table:
     """The table of events, empty."""
-    return Table("By event",
-                 ["detector", "label", "trials that slip", "seen", "early", "missed", "delay, ms: median", "10 to 90 %", "false alarms: trials",
-                  "a minute of stick"],
-                 note="Delay: from the true first slip, of the trials seen. Early: reported before it.")
+    return Table(
+        "By event",
+        [
+            "detector",
+            "label",
+            "trials that slip",
+            "seen",
+            "early",
+            "missed",
+            "delay, ms: median",
+            "10 to 90 %",
+            "false alarms: trials",
+            "a minute of stick",
+        ],
+        note="Delay: from the true first slip, of the trials seen. Early: reported before it.",
+    )
 
 
 def decimals(value: float | None, digits: int, scale: float = 1.0, none: str = "-") -> str:
@@ -152,17 +197,32 @@ def decimals(value: float | None, digits: int, scale: float = 1.0, none: str = "
 
 def frames_row(row: Row, figures: dict[str, Any]) -> list[str]:
     """A row of frames_table()."""
-    return [row.text, row.labels, str(figures["learnt"]), decimals(figures["balanced_accuracy"], 1, 100.0), decimals(figures["auc"], 3, none="nan"),
-            *(decimals(right_share(figures, early), 1, 100.0) for early in (False, True)), decimals(figures["kilobytes"], 0),
-            decimals(figures["step_s"], 0, 1e6)]
+    return [
+        row.text,
+        row.labels,
+        str(figures["learnt"]),
+        decimals(figures["balanced_accuracy"], 1, 100.0),
+        decimals(figures["auc"], 3, none="nan"),
+        *(decimals(right_share(figures, early), 1, 100.0) for early in (False, True)),
+        decimals(figures["kilobytes"], 0),
+        decimals(figures["step_s"], 0, 1e6),
+    ]
 
 
 def events_row(row: Row, figures: dict[str, Any]) -> list[str]:
     """A row of events_table()."""
-    delay, low, high = (decimals(figures[key], 0, 1e3) for key in ("delay_s", "delay_p10_s", "delay_p90_s"))
-    return [f"{row.text}, {figures['learnt']} learnt", row.labels, *(str(figures[key]) for key in ("slipping", "seen", "early", "missed")), delay,
-            f"{low} to {high}", f"{figures['false_alarms']} of {figures['trials'] - figures['slipping']}",
-            decimals(figures["false_alarms_a_minute"], 1, none="nan")]
+    delay, low, high = (
+        decimals(figures[key], 0, 1e3) for key in ("delay_s", "delay_p10_s", "delay_p90_s")
+    )
+    return [
+        f"{row.text}, {figures['learnt']} learnt",
+        row.labels,
+        *(str(figures[key]) for key in ("slipping", "seen", "early", "missed")),
+        delay,
+        f"{low} to {high}",
+        f"{figures['false_alarms']} of {figures['trials'] - figures['slipping']}",
+        decimals(figures["false_alarms_a_minute"], 1, none="nan"),
+    ]
 
 
 def study(options: Options) -> Result:
@@ -184,14 +244,16 @@ def study(options: Options) -> Result:
             row = ROWS[name]
             dataset = Path(folder) / f"hexapod{row.draws}.h5"
             if not dataset.exists():
-                make_dataset(str(dataset), Cell("hexapod.yaml", SCENE, draws=row.draws), options, "sequences")
+                make_dataset(
+                    str(dataset), Cell("hexapod.yaml", SCENE, draws=row.draws), options, "sequences"
+                )
             figures[name] = run_row(name, str(dataset), str(Path(folder) / f"{name}.onnx"), options)
             frames.rows.append(frames_row(row, figures[name]))
             events.rows.append(events_row(row, figures[name]))
     return Result(
         title="The recurrent network on the published protocol",
         source='Table III, offline evaluation, of "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray '
-               'Tactile Sensor"',
+        'Tactile Sensor"',
         figures=figures,
         tables=[frames, events],
         setup=[

@@ -9,12 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
-
 from slipbench import Trial
 
 SCENE = "scenes/myrmex/dataset.yaml"
 SOURCE = '"Tactile Convolutional Networks for Online Slip and Rotation Detection"'
-SETTLED, APART = 2.0, 2.5  # s, in SCENE: the third sensor rests on the object; the arms begin to move
+SETTLED, APART = (
+    2.0,
+    2.5,
+)  # s, in SCENE: the third sensor rests on the object; the arms begin to move
 FULL_SCALE = 4095.0  # counts of a taxel without contact
 TAXEL_NOISE_SD = 9.0 / 1024.0 * 4095.0  # counts, of a resting taxel (sensors/myrmex: 9 of 1,024)
 NO_CONTACT = 0  # code of a pad's state
@@ -54,7 +56,13 @@ def pad_of(trial: Trial, name: str) -> Pad:
     """
     sensor = trial.sensors[name]
     labels = trial.labels[name]
-    return Pad(sensor.t, sensor.channels["taxels"].reshape(len(sensor.t), -1), labels.force[:, :, 2], labels.unit_state, labels.state)
+    return Pad(
+        sensor.t,
+        sensor.channels["taxels"].reshape(len(sensor.t), -1),
+        labels.force[:, :, 2],
+        labels.unit_state,
+        labels.state,
+    )
 
 
 class Placed(NamedTuple):
@@ -81,11 +89,19 @@ def placed_of(params: dict[str, Any]) -> Placed:
     Returns:
         name, mass and position in the grip
     """
-    shape, mass, position, rotation, bore, centre = (params[f"bodies.object.{name}"]
-                                                     for name in ("shape", "mass", "position", "rotation", "bore", "centre_of_mass"))
+    shape, mass, position, rotation, bore, centre = (
+        params[f"bodies.object.{name}"]
+        for name in ("shape", "mass", "position", "rotation", "bore", "centre_of_mass")
+    )
     # Rotated about the fixed axes X, Y, Z in turn, as in a scene.
-    turned = Rotation.from_euler("xyz", rotation).apply([0.0, 0.0, 0.0] if centre is None else centre)
-    return Placed("glass" if bore else "remote" if shape == "box" else shape, mass, float(position[1] + turned[1]))
+    turned = Rotation.from_euler("xyz", rotation).apply(
+        [0.0, 0.0, 0.0] if centre is None else centre
+    )
+    return Placed(
+        "glass" if bore else "remote" if shape == "box" else shape,
+        mass,
+        float(position[1] + turned[1]),
+    )
 
 
 def _sums(values: NDArray[Any]) -> Floats:
@@ -158,7 +174,15 @@ class OnsetRule(NamedTuple):
 SINKS = OnsetRule(0.1, 3.0)
 
 
-def decrease_onset(time: ArrayLike, values: ArrayLike, rule: OnsetRule, rest: float, moves: float, end: float, least: float = 0.0) -> float:
+def decrease_onset(
+    time: ArrayLike,
+    values: ArrayLike,
+    rule: OnsetRule,
+    rest: float,
+    moves: float,
+    end: float,
+    least: float = 0.0,
+) -> float:
     """Time of the first sample after which the averaged sum stays below its threshold until the
     end.
 
@@ -237,10 +261,14 @@ def true_slip(left: Pad, right: Pad, begin: float = APART) -> SlipSpan:
     """
     touching = (left.state != NO_CONTACT) & (right.state != NO_CONTACT)
     apart = np.flatnonzero((left.time >= begin) & ~touching)
-    rows = slice(int(np.searchsorted(left.time, begin)), int(apart[0]) if len(apart) else len(left.time))
+    rows = slice(
+        int(np.searchsorted(left.time, begin)), int(apart[0]) if len(apart) else len(left.time)
+    )
     time = left.time[rows]
     shares = [slipping_share(pad.force[rows], pad.unit_state[rows]) for pad in (left, right)]
-    return SlipSpan(last_run(time, np.minimum(*shares) >= 0.5), float(time[-1]) if len(time) else 0.0)
+    return SlipSpan(
+        last_run(time, np.minimum(*shares) >= 0.5), float(time[-1]) if len(time) else 0.0
+    )
 
 
 class ContactGate(NamedTuple):
@@ -266,7 +294,9 @@ def sum_end() -> ContactGate:
     cut_mean = 1.0 / math.sqrt(2.0 * math.pi)
     cut_sd = math.sqrt(0.5 - cut_mean**2)
     taxels, images = 256.0, 20.0  # of an array; of its sum's mean of 20 ms at 1 kHz
-    return ContactGate(True, 0.02, taxels * TAXEL_NOISE_SD * (cut_mean + 5.0 * cut_sd / math.sqrt(taxels * images)))
+    return ContactGate(
+        True, 0.02, taxels * TAXEL_NOISE_SD * (cut_mean + 5.0 * cut_sd / math.sqrt(taxels * images))
+    )
 
 
 def contact_end(left: Pad, right: Pad, gate: ContactGate) -> float:
@@ -282,6 +312,10 @@ def contact_end(left: Pad, right: Pad, gate: ContactGate) -> float:
     """
     ends = [0.0]
     for pad in (left, right):
-        missing = backward_mean(pad.time, sum_of_contacts(pad.counts) if gate.of_sum else most_missing(pad.counts), gate.window)
+        missing = backward_mean(
+            pad.time,
+            sum_of_contacts(pad.counts) if gate.of_sum else most_missing(pad.counts),
+            gate.window,
+        )
         ends += pad.time[missing > gate.counts][-1:].tolist()
     return max(ends)

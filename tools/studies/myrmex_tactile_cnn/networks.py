@@ -10,16 +10,27 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
 from slipbench import InputError, RandomStream, Trial
 from slipbench.bin import _core
 from slipbench.learning import MASKED, Training, find_recipe
 from slipbench_studies.grid import Cell, run_grid
-from slipbench_studies.myrmex_tactile_cnn.bench import (APART, SCENE, SETTLED, SINKS, SlipSpan, contact_end, decrease_onset, pad_of, placed_of, sum_end,
-                                                        sum_of_contacts, true_slip)
+from slipbench_studies.myrmex_tactile_cnn.bench import (
+    APART,
+    SCENE,
+    SETTLED,
+    SINKS,
+    SlipSpan,
+    contact_end,
+    decrease_onset,
+    pad_of,
+    placed_of,
+    sum_end,
+    sum_of_contacts,
+    true_slip,
+)
+from slipbench_studies.network_training import Floats, Labels, folds, train_all, train_and_answer
 from slipbench_studies.result import Options
 from slipbench_studies.statistics import mean_sd
-from slipbench_studies.network_training import Floats, Labels, folds, train_and_answer, train_all
 from torch import nn
 
 KINDS = ("stable", "translation", "rotation")
@@ -37,7 +48,11 @@ ROTATIONS = 12  # of an image, by 30 degrees each
 AT_MOST = 60  # windows drawn of each class, array and word
 USUAL_DRAWS = 8  # 64 trials, the paper's
 PUBLISHED_STEPS = 700000  # "converges after around 700000 iterations" of 64 windows
-PUBLISHED = {1: (91.01, 92.65), 2: (96.12, 96.5), 3: (97.45, 97.89)}  # accuracy of the nets, %, without and with the high pass
+PUBLISHED = {
+    1: (91.01, 92.65),
+    2: (96.12, 96.5),
+    3: (97.45, 97.89),
+}  # accuracy of the nets, %, without and with the high pass
 TRIAL_FOLDS = 5
 RECIPE = "myrmex_net3"  # recipe whose input and training all networks use
 
@@ -131,7 +146,11 @@ def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
     real = true_slip(left, right)
     end = contact_end(left, right, sum_end())
     # For a held object there is no onset, although the third sensor may drift below a threshold.
-    onset = math.nan if math.isnan(real.onset) else decrease_onset(top.time, sum_of_contacts(top.counts), SINKS, SETTLED, APART, end)
+    onset = (
+        math.nan
+        if math.isnan(real.onset)
+        else decrease_onset(top.time, sum_of_contacts(top.counts), SINKS, SETTLED, APART, end)
+    )
     labelled = SlipSpan(onset, end)
     placed = placed_of(trial.params)
     placed_kind = 2 if placed.rotational else 1
@@ -139,6 +158,7 @@ def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
     random = RandomStream(seed, trial.trial, "windows")
     parts: list[dict[str, NDArray[Any]]] = []
     for name in ("left", "right"):
+
         def example(turn: int, name: str = name) -> dict[str, Any]:
             return _core.example_of(trial._simulated, name, text, "micro", "kind", turn)
 
@@ -147,16 +167,38 @@ def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
         # While half of the load slips there is motion, except in a single sample without slipping
         # units.
         moves = np.where(plain["labels"] == 0, MASKED, plain["labels"])
-        label = np.stack([kinds_at(time, real, placed_kind), kinds_at(time, labelled, placed_kind), kinds_at(time, real, moves)], axis=1)
-        drawn = np.stack([draw_windows(label[:, word], AT_MOST, random) for word in range(len(WORDS))], axis=1)
+        label = np.stack(
+            [
+                kinds_at(time, real, placed_kind),
+                kinds_at(time, labelled, placed_kind),
+                kinds_at(time, real, moves),
+            ],
+            axis=1,
+        )
+        drawn = np.stack(
+            [draw_windows(label[:, word], AT_MOST, random) for word in range(len(WORDS))], axis=1
+        )
         to_onset = real.onset - time
         kept = drawn.any(axis=1) | ((to_onset > 0.0) & (to_onset <= LAST_SECONDS))
         turns = [0, *_first_drawn(list(range(1, ROTATIONS)), turned, random)]
         for turn in turns:
             features = plain["features"] if turn == 0 else example(turn)["features"]
-            parts.append({"time": time[kept], "to_onset": to_onset[kept], "label": label[kept], "drawn": drawn[kept],
-                          "turn": np.full(int(kept.sum()), turn, np.uint8), "spectra": features[kept].reshape(-1, TAXELS, BINS)})
-    return Windows(placed.name, placed.rotational, not math.isnan(real.onset), **{key: np.concatenate([part[key] for part in parts]) for key in parts[0]})
+            parts.append(
+                {
+                    "time": time[kept],
+                    "to_onset": to_onset[kept],
+                    "label": label[kept],
+                    "drawn": drawn[kept],
+                    "turn": np.full(int(kept.sum()), turn, np.uint8),
+                    "spectra": features[kept].reshape(-1, TAXELS, BINS),
+                }
+            )
+    return Windows(
+        placed.name,
+        placed.rotational,
+        not math.isnan(real.onset),
+        **{key: np.concatenate([part[key] for part in parts]) for key in parts[0]},
+    )
 
 
 class Place(NamedTuple):
@@ -185,13 +227,17 @@ def balanced_windows(trials: Sequence[Windows], word: str, late: bool, seed: int
         label = trial.label[:, by]
         taken = (trial.turn == 0) & np.where((label == 0) & late, trial.late, trial.drawn[:, by])
         for kind in range(len(KINDS)):
-            of_class[kind] += [Place(number, int(window)) for window in np.flatnonzero(taken & (label == kind))]
+            of_class[kind] += [
+                Place(number, int(window)) for window in np.flatnonzero(taken & (label == kind))
+            ]
     least = min(map(len, of_class))
     random = RandomStream(seed, 0, "balance")
     return sorted(place for places in of_class for place in _first_drawn(places, least, random))
 
 
-def window_folds(trials: Sequence[Windows], places: Sequence[Place], word: str, split: str, count: int, seed: int) -> list[int]:
+def window_folds(
+    trials: Sequence[Windows], places: Sequence[Place], word: str, split: str, count: int, seed: int
+) -> list[int]:
     """Assigns windows to folds.
 
     Args:
@@ -215,7 +261,10 @@ def window_folds(trials: Sequence[Windows], places: Sequence[Place], word: str, 
             seen[kind] += 1
             fold_of.append(seen[kind] % count)
         return fold_of
-    groups = [trial.object if split == "object" else (trial.object, trial.rotational, trial.slips) for trial in trials]
+    groups = [
+        trial.object if split == "object" else (trial.object, trial.rotational, trial.slips)
+        for trial in trials
+    ]
     numbers = {group: number for number, group in enumerate(dict.fromkeys(groups))}
     of_trial = np.array([numbers[group] for group in groups])
     if split == "trial":
@@ -245,10 +294,19 @@ def told(trial: Windows, chosen: NDArray[Any], what: str) -> Floats:
         first, end = BINS_OF[what]
         return np.ascontiguousarray(spectra[:, :, first:end]).reshape(count, TAXELS * (end - first))
     if what == "load":
-        return np.asarray(spectra[:, :, 0].astype(float).mean(axis=1, keepdims=True), dtype=np.float32)
+        return np.asarray(
+            spectra[:, :, 0].astype(float).mean(axis=1, keepdims=True), dtype=np.float32
+        )
     clock = trial.time[chosen, None].astype(np.float32)
-    placement = np.tile(np.array([trial.rotational, *(trial.object == one for one in OBJECTS)], np.float32), (count, 1))
-    return {"clock": clock, "placement": placement, "clock_placement": np.concatenate([clock, placement], axis=1)}[what]
+    placement = np.tile(
+        np.array([trial.rotational, *(trial.object == one for one in OBJECTS)], np.float32),
+        (count, 1),
+    )
+    return {
+        "clock": clock,
+        "placement": placement,
+        "clock_placement": np.concatenate([clock, placement], axis=1),
+    }[what]
 
 
 @dataclass(frozen=True)
@@ -286,8 +344,14 @@ class Row:
 def network_row(net: int, what: str = "spectra", word: str = "true") -> Row:
     """The paper's net 1, 2 or 3, with its published accuracy."""
     passed = what == "high_pass"
-    return Row(f"net_{net}{'_high_pass' if passed else ''}{'' if word == 'true' else '_' + word}", f"net {net}{', from 62.5 Hz' if passed else ''}", net, what,
-               word, published=PUBLISHED[net][passed])
+    return Row(
+        f"net_{net}{'_high_pass' if passed else ''}{'' if word == 'true' else '_' + word}",
+        f"net {net}{', from 62.5 Hz' if passed else ''}",
+        net,
+        what,
+        word,
+        published=PUBLISHED[net][passed],
+    )
 
 
 def share(counts: NDArray[np.int64], label: int, called: int) -> float:
@@ -312,7 +376,11 @@ def accuracy(counts: NDArray[np.int64]) -> float:
     return mean_sd(recalls[~np.isnan(recalls)])[0]
 
 
-STABLE = ("late", "earlier", "holds")  # stable windows: all of the last half second before the onset; drawn ones: earlier, of trials that hold
+STABLE = (
+    "late",
+    "earlier",
+    "holds",
+)  # stable windows: all of the last half second before the onset; drawn ones: earlier, of trials that hold
 
 
 @dataclass(frozen=True)
@@ -365,9 +433,15 @@ def size_of(options: Options) -> Size:
     Raises:
         InputError: for too few trials
     """
-    size = Size(options.trials or USUAL_DRAWS, PUBLISHED_STEPS if options.full else find_recipe(RECIPE).training.steps, ROTATIONS - 1 if options.full else 0)
+    size = Size(
+        options.trials or USUAL_DRAWS,
+        PUBLISHED_STEPS if options.full else find_recipe(RECIPE).training.steps,
+        ROTATIONS - 1 if options.full else 0,
+    )
     if size.draws < 2:
-        raise InputError("reproduce: --trials 1: one trial of each object and placement leaves no trial for the test; allowed: 2 or more")
+        raise InputError(
+            "reproduce: --trials 1: one trial of each object and placement leaves no trial for the test; allowed: 2 or more"
+        )
     return size
 
 
@@ -385,9 +459,15 @@ def run_trials(options: Options, size: Size) -> list[Windows]:
         InputError: if a trial fails, or if a class has no window
     """
     seed = options.draws_seed
-    trials = run_grid([Cell("trials", SCENE, draws=size.draws)], options, lambda _, trial: windows_of(trial, size.turned, seed))[0]
+    trials = run_grid(
+        [Cell("trials", SCENE, draws=size.draws)],
+        options,
+        lambda _, trial: windows_of(trial, size.turned, seed),
+    )[0]
     if not all(balanced_windows(trials, word, False, seed) for word in WORDS):
-        raise InputError(f"reproduce: {len(trials)} trials have no window of one of stable, translation and rotation; use more --trials")
+        raise InputError(
+            f"reproduce: {len(trials)} trials have no window of one of stable, translation and rotation; use more --trials"
+        )
     return trials
 
 
@@ -419,10 +499,14 @@ class Validations:
             number for figures()
         """
         places = balanced_windows(self._trials, row.word, row.late, self._options.draws_seed)
-        fold_of = window_folds(self._trials, places, row.word, split, count, self._options.draws_seed)
+        fold_of = window_folds(
+            self._trials, places, row.word, split, count, self._options.draws_seed
+        )
         self._plans.append((row, split, places, fold_of))
         # A small set of trials may leave a fold empty.
-        self._tasks += [(len(self._plans) - 1, fold) for fold in sorted(set(fold_of)) if fold < last]
+        self._tasks += [
+            (len(self._plans) - 1, fold) for fold in sorted(set(fold_of)) if fold < last
+        ]
         return len(self._plans) - 1
 
     def run(self, name: str) -> None:
@@ -434,13 +518,33 @@ class Validations:
         Raises:
             InputError: as train_all()
         """
-        self._said = train_all(name, [self._plans[plan][0].text for plan, _ in self._tasks], self._options, lambda index: self._judged(*self._tasks[index]))
+        self._said = train_all(
+            name,
+            [self._plans[plan][0].text for plan, _ in self._tasks],
+            self._options,
+            lambda index: self._judged(*self._tasks[index]),
+        )
 
     def figures(self, validation: int) -> Judged:
         """Results of a validation; call after run()."""
-        of_it = [said for (plan, _), said in zip(self._tasks, self._said, strict=True) if plan == validation]
-        counts = np.array([said["counts"] for said in of_it], dtype=np.int64).reshape(-1, len(KINDS), len(KINDS))
-        return Judged(counts, {which: (sum(said[which][0] for said in of_it), sum(said[which][1] for said in of_it)) for which in STABLE})
+        of_it = [
+            said
+            for (plan, _), said in zip(self._tasks, self._said, strict=True)
+            if plan == validation
+        ]
+        counts = np.array([said["counts"] for said in of_it], dtype=np.int64).reshape(
+            -1, len(KINDS), len(KINDS)
+        )
+        return Judged(
+            counts,
+            {
+                which: (
+                    sum(said[which][0] for said in of_it),
+                    sum(said[which][1] for said in of_it),
+                )
+                for which in STABLE
+            },
+        )
 
     def _judged(self, plan: int, fold: int) -> dict[str, Any]:
         row, split, places, fold_of = self._plans[plan]
@@ -451,25 +555,51 @@ class Validations:
             (judge if of_place == fold else learn).setdefault(place.trial, []).append(place.window)
         if row.told in BINS_OF:
             for number, trial in enumerate(self._trials):
-                copies = (trial.turn != 0) & (trial.label[:, by] != MASKED) & np.isin(trial.time, trial.time[learn.get(number, [])])
+                copies = (
+                    (trial.turn != 0)
+                    & (trial.label[:, by] != MASKED)
+                    & np.isin(trial.time, trial.time[learn.get(number, [])])
+                )
                 if copies.any():
                     learn.setdefault(number, []).extend(np.flatnonzero(copies).tolist())
         drawn = _gathered(self._trials, judge, row)
-        late = {number: np.flatnonzero((self._trials[number].turn == 0) & self._trials[number].late & (self._trials[number].label[:, by] == 0)).tolist()
-                for number in sorted(judge)} if split != "window" else {}
+        late = (
+            {
+                number: np.flatnonzero(
+                    (self._trials[number].turn == 0)
+                    & self._trials[number].late
+                    & (self._trials[number].label[:, by] == 0)
+                ).tolist()
+                for number in sorted(judge)
+            }
+            if split != "window"
+            else {}
+        )
         asked = [drawn, _gathered(self._trials, late, row)]
         learnt = _gathered(self._trials, learn, row)
         inputs = learnt.features.shape[1]
-        training: Training = replace(find_recipe(RECIPE).training, steps=self._size.steps * row.longer)
+        training: Training = replace(
+            find_recipe(RECIPE).training, steps=self._size.steps * row.longer
+        )
         # Each window is a sequence of one frame for a network without state.
-        logits = train_and_answer(partial(row.network, inputs), [(learnt.features, learnt.label)], [one.features for one in asked if len(one.label)], training,
-                                  classes=len(KINDS), seed=self._options.draws_seed)
+        logits = train_and_answer(
+            partial(row.network, inputs),
+            [(learnt.features, learnt.label)],
+            [one.features for one in asked if len(one.label)],
+            training,
+            classes=len(KINDS),
+            seed=self._options.draws_seed,
+        )
         called = [one.argmax(axis=1) for one in logits] + [np.zeros(0, np.int64)] * 2
         counts = np.zeros((len(KINDS), len(KINDS)), dtype=np.int64)
         np.add.at(counts, (drawn.label, called[0]), 1)
         stable = drawn.label == 0
-        return {"counts": counts, "late": _wrong(called[1]), "earlier": _wrong(called[0][stable & (drawn.to_onset > LAST_SECONDS)]),
-                "holds": _wrong(called[0][stable & np.isnan(drawn.to_onset)])}
+        return {
+            "counts": counts,
+            "late": _wrong(called[1]),
+            "earlier": _wrong(called[0][stable & (drawn.to_onset > LAST_SECONDS)]),
+            "holds": _wrong(called[0][stable & np.isnan(drawn.to_onset)]),
+        }
 
 
 class _Gathered(NamedTuple):
@@ -481,10 +611,14 @@ class _Gathered(NamedTuple):
 def _gathered(trials: Sequence[Windows], chosen: dict[int, list[int]], row: Row) -> _Gathered:
     """Windows of some trials, concatenated."""
     by = WORDS.index(row.word)
-    some = [(trials[number], np.array(windows, dtype=np.intp)) for number, windows in chosen.items()] or [(trials[0], np.zeros(0, np.intp))]
-    return _Gathered(np.concatenate([told(trial, windows, row.told) for trial, windows in some]),
-                     np.concatenate([trial.label[windows, by] for trial, windows in some]),
-                     np.concatenate([trial.to_onset[windows] for trial, windows in some]))
+    some = [
+        (trials[number], np.array(windows, dtype=np.intp)) for number, windows in chosen.items()
+    ] or [(trials[0], np.zeros(0, np.intp))]
+    return _Gathered(
+        np.concatenate([told(trial, windows, row.told) for trial, windows in some]),
+        np.concatenate([trial.label[windows, by] for trial, windows in some]),
+        np.concatenate([trial.to_onset[windows] for trial, windows in some]),
+    )
 
 
 def _wrong(called: NDArray[np.int64]) -> tuple[int, int]:
@@ -509,7 +643,11 @@ def setup_of(options: Options, size: Size, trials: Sequence[Windows]) -> list[st
     """
     seed = options.draws_seed
     true, bench, motion = (len(balanced_windows(trials, word, False, seed)) for word in WORDS)
-    turned = f"; {size.turned} rotated copies of each are used for training too" if size.turned else "; images as recorded"
+    turned = (
+        f"; {size.turned} rotated copies of each are used for training too"
+        if size.turned
+        else "; images as recorded"
+    )
     return [
         f"{SCENE}, seed {seed}: {len(trials)} trials (paper: 64), {sum((not trial.slips for trial in trials))} of them held to the end; both arrays.",
         f"Windows of 64 ms at 1 kHz every 8 ms, amplitudes of 12 x 12 x 32, at most 60 per class, trial and array, then equal numbers of each class: {true} by "

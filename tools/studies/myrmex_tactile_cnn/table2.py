@@ -9,12 +9,23 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-
 from slipbench.learning import answers
 from slipbench_studies.grid import check_only, chosen
 from slipbench_studies.myrmex_tactile_cnn.bench import SOURCE
-from slipbench_studies.myrmex_tactile_cnn.networks import (BINS_OF, TAXELS, TRIAL_FOLDS, Judged, Row, Validations, accuracy, network_row, percent, run_trials,
-                                                           setup_of, size_of)
+from slipbench_studies.myrmex_tactile_cnn.networks import (
+    BINS_OF,
+    TAXELS,
+    TRIAL_FOLDS,
+    Judged,
+    Row,
+    Validations,
+    accuracy,
+    network_row,
+    percent,
+    run_trials,
+    setup_of,
+    size_of,
+)
 from slipbench_studies.result import Options, RealFigure, Result, Table
 from slipbench_studies.statistics import mean_sd
 
@@ -32,7 +43,12 @@ def all_rows() -> dict[str, Row]:
         *(network_row(net, word="bench") for net in (1, 2, 3)),
         network_row(3, word="motion"),
         replace(net_3, name="net_3_longer", text="net 3, four times the steps", longer=4),
-        replace(net_3, name="net_3_late", text="net 3, stable windows only from the last half second", late=True),
+        replace(
+            net_3,
+            name="net_3_late",
+            text="net 3, stable windows only from the last half second",
+            late=True,
+        ),
         replace(net_3, name="static", text="the static image alone, net 3", told="static_image"),
         Row("load", "the mean count alone", told="load"),
         Row("clock", "a clock", told="clock"),
@@ -51,7 +67,13 @@ def forward_ms(row: Row) -> float:
     Returns:
         ms, median on one core; NaN for a row that the paper does not time
     """
-    if row.net == 0 or row.told == "static_image" or row.longer > 1 or row.late or row.word != "true":
+    if (
+        row.net == 0
+        or row.told == "static_image"
+        or row.longer > 1
+        or row.late
+        or row.word != "true"
+    ):
         return math.nan
     first, end = BINS_OF[row.told]
     inputs = TAXELS * (end - first)
@@ -66,7 +88,11 @@ def forward_ms(row: Row) -> float:
 
 def figures_of(judged: Judged) -> dict[str, Any]:
     """accuracy of all folds together and of each fold, and windows [true, called]."""
-    return {"accuracy": accuracy(judged.all), "folds": [accuracy(fold) for fold in judged.folds], "windows": judged.all}
+    return {
+        "accuracy": accuracy(judged.all),
+        "folds": [accuracy(fold) for fold in judged.folds],
+        "windows": judged.all,
+    }
 
 
 def study(options: Options) -> Result:
@@ -87,34 +113,83 @@ def study(options: Options) -> Result:
     rows = {name: rows[name] for name in chosen(list(rows), options.only)}
     trials = run_trials(options, size)
     validations = Validations(options, size, trials)
-    asked = {name: (validations.queue(row, "window", WINDOW_SPLITS, 1), validations.queue(row, "trial", TRIAL_FOLDS, TRIAL_FOLDS),
-                    validations.queue(row, "object", 0, 0 if row.longer > 1 else len(trials))) for name, row in rows.items()}
+    asked = {
+        name: (
+            validations.queue(row, "window", WINDOW_SPLITS, 1),
+            validations.queue(row, "trial", TRIAL_FOLDS, TRIAL_FOLDS),
+            validations.queue(row, "object", 0, 0 if row.longer > 1 else len(trials)),
+        )
+        for name, row in rows.items()
+    }
     validations.run(NAME)
 
-    scores = Table("Accuracy in %", ["network or input", "label", "paper, by window", "by window", "by trial", "SD of folds", "object left out",
-                                     "object, least fold", "forward, ms: paper", "ours"],
-                   note="By window: the test set is a fifth of the windows of each class in turn, as in the paper, and its neighbours are in the training "
-                        "set. By trial: five folds. Object left out: cylinder, remote, glass.")
-    mistakes = Table("Stable windows called slip, in %, by trial",
-                     ["network or input", "label", "last half second before the true onset", "earlier", "of trials that hold"],
-                     note="All windows of the last half second, and the drawn ones of the others.")
+    scores = Table(
+        "Accuracy in %",
+        [
+            "network or input",
+            "label",
+            "paper, by window",
+            "by window",
+            "by trial",
+            "SD of folds",
+            "object left out",
+            "object, least fold",
+            "forward, ms: paper",
+            "ours",
+        ],
+        note="By window: the test set is a fifth of the windows of each class in turn, as in the paper, and its neighbours are in the training "
+        "set. By trial: five folds. Object left out: cylinder, remote, glass.",
+    )
+    mistakes = Table(
+        "Stable windows called slip, in %, by trial",
+        [
+            "network or input",
+            "label",
+            "last half second before the true onset",
+            "earlier",
+            "of trials that hold",
+        ],
+        note="All windows of the last half second, and the drawn ones of the others.",
+    )
     figures, real = {}, []
     for name, row in rows.items():
         by_window, by_trial, by_object = (validations.figures(number) for number in asked[name])
-        told = {"by_window": figures_of(by_window), "by_trial": figures_of(by_trial), "object_left_out": figures_of(by_object)}
+        told = {
+            "by_window": figures_of(by_window),
+            "by_trial": figures_of(by_trial),
+            "object_left_out": figures_of(by_object),
+        }
         forward = forward_ms(row)
         timed = not math.isnan(forward)
-        scores.rows.append([row.text, row.word, percent(row.published / 100.0), *(percent(told[by]["accuracy"]) for by in ("by_window", "by_trial")),
-                            percent(mean_sd(told["by_trial"]["folds"])[1]), percent(told["object_left_out"]["accuracy"]),
-                            percent(min(told["object_left_out"]["folds"], default=math.nan)),
-                            f"{PUBLISHED_FORWARD[row.net]:.2f}" if timed else "-", f"{forward:.2f}" if timed else "-"])
-        stable = {"last_half_second": by_trial.called_slip("late"), "earlier": by_trial.called_slip("earlier"),
-                  "trials_that_hold": by_trial.called_slip("holds")}
+        scores.rows.append(
+            [
+                row.text,
+                row.word,
+                percent(row.published / 100.0),
+                *(percent(told[by]["accuracy"]) for by in ("by_window", "by_trial")),
+                percent(mean_sd(told["by_trial"]["folds"])[1]),
+                percent(told["object_left_out"]["accuracy"]),
+                percent(min(told["object_left_out"]["folds"], default=math.nan)),
+                f"{PUBLISHED_FORWARD[row.net]:.2f}" if timed else "-",
+                f"{forward:.2f}" if timed else "-",
+            ]
+        )
+        stable = {
+            "last_half_second": by_trial.called_slip("late"),
+            "earlier": by_trial.called_slip("earlier"),
+            "trials_that_hold": by_trial.called_slip("holds"),
+        }
         mistakes.rows.append([row.text, row.word, *map(percent, stable.values())])
         figures[name] = {**told, "stable_called_slip": stable, "forward_ms": forward}
         if not math.isnan(row.published):
-            real.append(RealFigure(f"{row.text}, windows that are right, %", row.published, 100.0 * told["by_window"]["accuracy"],
-                                   "ours has learnt from simulation"))
+            real.append(
+                RealFigure(
+                    f"{row.text}, windows that are right, %",
+                    row.published,
+                    100.0 * told["by_window"]["accuracy"],
+                    "ours has learnt from simulation",
+                )
+            )
     return Result(
         title="Networks of the Myrmex array: stable, translation or rotation",
         source=f"Table 2 of {SOURCE}",

@@ -5,7 +5,17 @@ from __future__ import annotations
 
 from slipbench_studies.grid import check_only, chosen
 from slipbench_studies.myrmex_tactile_cnn.bench import SOURCE
-from slipbench_studies.myrmex_tactile_cnn.networks import KINDS, TRIAL_FOLDS, Validations, network_row, percent, run_trials, setup_of, share, size_of
+from slipbench_studies.myrmex_tactile_cnn.networks import (
+    KINDS,
+    TRIAL_FOLDS,
+    Validations,
+    network_row,
+    percent,
+    run_trials,
+    setup_of,
+    share,
+    size_of,
+)
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "myrmex-tactile-cnn/table3"
@@ -36,17 +46,33 @@ def study(options: Options) -> Result:
     rows = {name: rows[name] for name in chosen(list(rows), options.only)}
     trials = run_trials(options, size)
     validations = Validations(options, size, trials)
-    asked = {name: (validations.queue(row, "window", WINDOW_FOLDS, WINDOW_FOLDS), validations.queue(row, "trial", TRIAL_FOLDS, TRIAL_FOLDS))
-             for name, row in rows.items()}
+    asked = {
+        name: (
+            validations.queue(row, "window", WINDOW_FOLDS, WINDOW_FOLDS),
+            validations.queue(row, "trial", TRIAL_FOLDS, TRIAL_FOLDS),
+        )
+        for name, row in rows.items()
+    }
     validations.run(NAME)
 
     tables, figures = [], {}
     for name, row in rows.items():
         counts = [validations.figures(number).all for number in asked[name]]
-        table = Table(f"{row.text}: share of the true class in %",
-                      ["true", *(f"{where}: called {kind}" for where in ("paper", "by window", "by trial") for kind in KINDS)])
+        table = Table(
+            f"{row.text}: share of the true class in %",
+            [
+                "true",
+                *(
+                    f"{where}: called {kind}"
+                    for where in ("paper", "by window", "by trial")
+                    for kind in KINDS
+                ),
+            ],
+        )
         for label, kind in enumerate(KINDS):
-            ours = [percent(share(one, label, called)) for one in counts for called in range(len(KINDS))]
+            ours = [
+                percent(share(one, label, called)) for one in counts for called in range(len(KINDS))
+            ]
             table.rows.append([kind, *(f"{one:.1f}" for one in PUBLISHED[row.net][label]), *ours])
         tables.append(table)
         figures[name] = {"by_window": counts[0], "by_trial": counts[1]}
@@ -56,6 +82,8 @@ def study(options: Options) -> Result:
         figures=figures,
         tables=tables,
         setup=setup_of(options, size, trials),
-        remarks=["By window: ten folds, the test set is every tenth window of each class in turn. The ten chunks of the paper are \"stored in an alternating"
-                 " fashion\", and it does not state how its windows are distributed over them."],
+        remarks=[
+            'By window: ten folds, the test set is every tenth window of each class in turn. The ten chunks of the paper are "stored in an alternating'
+            ' fashion", and it does not state how its windows are distributed over them.'
+        ],
     )

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
 from slipbench import InputError, State, Trial
 from slipbench.bin import _core
 
@@ -35,14 +34,18 @@ class Trace:
     def __init__(self, trial: Trial) -> None:
         """Raises InputError for a trial without the lever or with several sensors."""
         if len(trial.sensors) != 1 or "lever" not in trial.bodies:
-            raise InputError(f"trial {trial.trial}: expected one sensor and the body 'lever', found {', '.join([*trial.sensors, *trial.bodies])}")
+            raise InputError(
+                f"trial {trial.trial}: expected one sensor and the body 'lever', found {', '.join([*trial.sensors, *trial.bodies])}"
+            )
         self._trial = trial
         [(self._name, sensor)] = trial.sensors.items()
         self.time: Doubles = np.asarray(sensor.t)
         self.rate = sensor.rate
         self.normal: Doubles = trial.labels[self._name].force[:, :, 2].sum(axis=1, dtype=float)
         self.lever: Doubles = trial.bodies["lever"].pose[:, 1].astype(float)
-        self.linear: Doubles = sensor.channels["fl"][:, 0].astype(float) - sensor.channels["fl"][:, 1]
+        self.linear: Doubles = (
+            sensor.channels["fl"][:, 0].astype(float) - sensor.channels["fl"][:, 1]
+        )
 
     def at(self, time: float) -> int:
         """Index of the first sample at or after `time` [s]; the number of samples if there is
@@ -57,7 +60,9 @@ class Trace:
         there = np.flatnonzero(self.lever[begun:] - self.lever[begun] >= way)
         return begun + int(there[0]) if there.size else None
 
-    def estimates(self, detector: str, parameters: dict[str, str]) -> tuple[NDArray[np.uint8], dict[str, Doubles]]:
+    def estimates(
+        self, detector: str, parameters: dict[str, str]
+    ) -> tuple[NDArray[np.uint8], dict[str, Doubles]]:
         """Runs a detector on the recorded samples.
 
         Args:
@@ -70,7 +75,9 @@ class Trace:
         Raises:
             InputError: for an unknown parameter
         """
-        states, values, names = _core.estimates(self._trial._simulated, self._name, detector, list(parameters.items()))
+        states, values, names = _core.estimates(
+            self._trial._simulated, self._name, detector, list(parameters.items())
+        )
         return states, dict(zip(names, values.T, strict=True))
 
     def detection(self, detector: str, parameters: dict[str, str]) -> int | None:
@@ -153,7 +160,13 @@ def signature_of(trace: Trace, start: float, wavy: bool) -> Signature | None:
     slow = np.arange(1, energy.shape[1] + 1) * trace.rate / WINDOW <= SLOW
     below, above = float(energy[:, slow].sum()), float(energy[:, ~slow].sum())
     scale = 2.0 / (0.3974 * WINDOW**2 * len(energy))
-    return Signature(wavy, below / (below + above), (last - first) / trace.rate, float(np.sqrt(scale * below)), float(np.sqrt(scale * above)))
+    return Signature(
+        wavy,
+        below / (below + above),
+        (last - first) / trace.rate,
+        float(np.sqrt(scale * below)),
+        float(np.sqrt(scale * above)),
+    )
 
 
 def has_waves(params: dict[str, Any]) -> bool:
@@ -182,7 +195,11 @@ def _lean(text: str) -> str:
 
 def _kinetic(text: str) -> str:
     """Coulomb's law, mu_k 0.9 mu_s."""
-    return re.sub(r"static: ([\d.]+), kinetic: [\d.]+", lambda found: f"static: {found[1]}, kinetic: {0.9 * float(found[1])!r}", text)
+    return re.sub(
+        r"static: ([\d.]+), kinetic: [\d.]+",
+        lambda found: f"static: {found[1]}, kinetic: {0.9 * float(found[1])!r}",
+        text,
+    )
 
 
 @dataclass(frozen=True)
@@ -205,6 +222,10 @@ LAWS = {  # by the names of the figures; the scene's own law first
     "patches_0.1": Law("patches 0.1", _patches("0.1")),
     "no_patches": Law("no patches", _no_patches),
     "no_rate": Law("no rate law", _no_rate),
-    "coulomb": Law("Coulomb, mu_k 0.9 mu_s, no patches", lambda text: _kinetic(_no_rate(_no_patches(text)))),
-    "coulomb_patches": Law("Coulomb, mu_k 0.9 mu_s, patches 0.3", lambda text: _kinetic(_no_rate(text))),
+    "coulomb": Law(
+        "Coulomb, mu_k 0.9 mu_s, no patches", lambda text: _kinetic(_no_rate(_no_patches(text)))
+    ),
+    "coulomb_patches": Law(
+        "Coulomb, mu_k 0.9 mu_s, patches 0.3", lambda text: _kinetic(_no_rate(text))
+    ),
 }

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-
 from slipbench import InputError, Trial, describe, parse_quantity
 from slipbench._program import counted
 from slipbench_studies.grid import Cell, run_grid
@@ -24,20 +23,66 @@ KINDS = {"linear slip": "linear", "rotational slip": "rotational", "no slip": "n
 Score = Callable[[pd.DataFrame], "pd.Series[float]"]
 # text, bar, score, kinds of the positives and of the negatives
 QUESTIONS: list[tuple[str, float, Score, tuple[str, ...], tuple[str, ...]]] = [
-    ("rotational against linear by FR/FL", 0.97, lambda runs: runs["fr"] / runs["fl"], ("rotational",), ("linear",)),
-    ("linear against rotational by FL/FR", 0.97, lambda runs: runs["fl"] / runs["fr"], ("linear",), ("rotational",)),
-    ("rotational against linear by curl", 0.97, lambda runs: runs["curl"], ("rotational",), ("linear",)),
-    ("rotational against linear by curl FR/FL", 0.97, lambda runs: runs["curl"] * runs["fr"] / runs["fl"], ("rotational",), ("linear",)),
-    ("slip against none by FL + FR", 0.93, lambda runs: runs["fl"] + runs["fr"], ("linear", "rotational"), ("none",)),
-    ("slip against none by the larger of FL and FR", 0.93, lambda runs: runs[["fl", "fr"]].max(axis=1), ("linear", "rotational"), ("none",)),
+    (
+        "rotational against linear by FR/FL",
+        0.97,
+        lambda runs: runs["fr"] / runs["fl"],
+        ("rotational",),
+        ("linear",),
+    ),
+    (
+        "linear against rotational by FL/FR",
+        0.97,
+        lambda runs: runs["fl"] / runs["fr"],
+        ("linear",),
+        ("rotational",),
+    ),
+    (
+        "rotational against linear by curl",
+        0.97,
+        lambda runs: runs["curl"],
+        ("rotational",),
+        ("linear",),
+    ),
+    (
+        "rotational against linear by curl FR/FL",
+        0.97,
+        lambda runs: runs["curl"] * runs["fr"] / runs["fl"],
+        ("rotational",),
+        ("linear",),
+    ),
+    (
+        "slip against none by FL + FR",
+        0.93,
+        lambda runs: runs["fl"] + runs["fr"],
+        ("linear", "rotational"),
+        ("none",),
+    ),
+    (
+        "slip against none by the larger of FL and FR",
+        0.93,
+        lambda runs: runs[["fl", "fr"]].max(axis=1),
+        ("linear", "rotational"),
+        ("none",),
+    ),
     ("linear slip against none by FL", 0.93, lambda runs: runs["fl"], ("linear",), ("none",)),
-    ("rotational slip against none by FR", 0.93, lambda runs: runs["fr"], ("rotational",), ("none",)),
+    (
+        "rotational slip against none by FR",
+        0.93,
+        lambda runs: runs["fr"],
+        ("rotational",),
+        ("none",),
+    ),
 ]
 
 
 def bounds() -> dict[str, float]:
     """The bounds fl, fr [counts] and curl of the detector nib_slip_kind."""
-    return {one["name"]: parse_quantity(one["default"]) for one in describe("nib_slip_kind")[0]["parameters"] if one["name"] in ("fl", "fr", "curl")}
+    return {
+        one["name"]: parse_quantity(one["default"])
+        for one in describe("nib_slip_kind")[0]["parameters"]
+        if one["name"] in ("fl", "fr", "curl")
+    }
 
 
 def kind_of(fl: float, fr: float, curl: float, bound: dict[str, float]) -> str:
@@ -82,8 +127,14 @@ def run_of(trial: Trial, rotational: bool, bound: dict[str, float]) -> dict[str,
         raise InputError("no window ends within the slip; use a longer duration")
     values = trace.estimates("nib_slip_kind", {})[1]
     fl, fr, curl = (float(values[name][ends].mean()) for name in ("fl_0_6", "fr_0_6", "curl"))
-    return {"material": trial.params["surface.material"], "kind": "none" if moved is None else "rotational" if rotational else "linear",
-            "fl": fl, "fr": fr, "curl": abs(curl), "said": kind_of(fl, fr, curl, bound)}
+    return {
+        "material": trial.params["surface.material"],
+        "kind": "none" if moved is None else "rotational" if rotational else "linear",
+        "fl": fl,
+        "fr": fr,
+        "curl": abs(curl),
+        "said": kind_of(fl, fr, curl, bound),
+    }
 
 
 def _quartiles(values: pd.Series[float], digits: int) -> str:
@@ -106,11 +157,18 @@ def study(options: Options) -> Result:
     trials = options.trials or 1
     scenes = ("scenes/nib_pad/linear.yaml", "scenes/nib_pad/rotational.yaml")
     bound = bounds()
-    found = run_grid([Cell(scene, scene, draws=trials) for scene in scenes], options,
-                     lambda cell, trial: run_of(trial, cell.scene == scenes[1], bound))
+    found = run_grid(
+        [Cell(scene, scene, draws=trials) for scene in scenes],
+        options,
+        lambda cell, trial: run_of(trial, cell.scene == scenes[1], bound),
+    )
     runs = pd.DataFrame(found[0] + found[1])
 
-    told = Table("Separation", ["question", "bar", "AUC", "95 %", "n"], note="Exact, by ranks; intervals after DeLong.")
+    told = Table(
+        "Separation",
+        ["question", "bar", "AUC", "95 %", "n"],
+        note="Exact, by ranks; intervals after DeLong.",
+    )
     figures: list[dict[str, Any]] = []
     for text, bar, score, positive, negative in QUESTIONS:
         above, below = (score(runs[runs["kind"].isin(kinds)]) for kinds in (positive, negative))
@@ -118,17 +176,54 @@ def study(options: Options) -> Result:
             told.rows.append([text, f"{bar:.2f}", "-", "-", f"{len(above)} and {len(below)}"])
             continue
         area = auc(above, below)
-        told.rows.append([text, f"{bar:.2f}", f"{area.value:.3f}", f"{area.interval[0]:.3f} to {area.interval[1]:.3f}",
-                          f"{area.positives} and {area.negatives}"])
-        figures.append({"question": text, "bar": bar, "auc": area.value, "interval_95": area.interval, "positives": area.positives,
-                        "negatives": area.negatives})
-    features = Table("Features, median and quartiles", ["plate", "runs", "n", "FL, counts", "FR, counts", "|curl|", "reported: none", "linear", "rotational"],
-                     note="Result of nib_slip_kind with its assumed bounds for the means in the row.")
+        told.rows.append(
+            [
+                text,
+                f"{bar:.2f}",
+                f"{area.value:.3f}",
+                f"{area.interval[0]:.3f} to {area.interval[1]:.3f}",
+                f"{area.positives} and {area.negatives}",
+            ]
+        )
+        figures.append(
+            {
+                "question": text,
+                "bar": bar,
+                "auc": area.value,
+                "interval_95": area.interval,
+                "positives": area.positives,
+                "negatives": area.negatives,
+            }
+        )
+    features = Table(
+        "Features, median and quartiles",
+        [
+            "plate",
+            "runs",
+            "n",
+            "FL, counts",
+            "FR, counts",
+            "|curl|",
+            "reported: none",
+            "linear",
+            "rotational",
+        ],
+        note="Result of nib_slip_kind with its assumed bounds for the means in the row.",
+    )
     for material in MATERIALS:
         for name, kind in KINDS.items():
             some = runs[(runs["material"] == material) & (runs["kind"] == kind)]
-            features.rows.append([material, name, str(len(some)), _quartiles(some["fl"], 0), _quartiles(some["fr"], 0), _quartiles(some["curl"], 2),
-                                  *(str(int((some["said"] == said).sum())) for said in SAID)])
+            features.rows.append(
+                [
+                    material,
+                    name,
+                    str(len(some)),
+                    _quartiles(some["fl"], 0),
+                    _quartiles(some["fr"], 0),
+                    _quartiles(some["curl"], 2),
+                    *(str(int((some["said"] == said).sum())) for said in SAID),
+                ]
+            )
     areas = [(one["auc"], *one["interval_95"]) for one in figures]
     return Result(
         title="No slip, linear and rotational slip of the nib pad",
@@ -140,6 +235,15 @@ def study(options: Options) -> Result:
             "Means over the windows that end within 0.5 s after these 2 mm; for runs without slip over those that end between 0.5 s after the beginning of "
             "the pull and 0.5 s after its end.",
         ],
-        charts=[Chart("Separation", "", "area under the ROC curve, with 95 % interval", [one["question"] for one in figures], [Curve("AUC", areas)], joined=False)],
+        charts=[
+            Chart(
+                "Separation",
+                "",
+                "area under the ROC curve, with 95 % interval",
+                [one["question"] for one in figures],
+                [Curve("AUC", areas)],
+                joined=False,
+            )
+        ],
         tables=[told, features],
     )

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
-
 from slipbench import RandomStream, Trial, describe, parse_quantity
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
@@ -21,17 +20,27 @@ Doubles = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 FIT, CHOOSE, TEST = 3000, 1000, 1000  # rows; the paper: 4000 train, 1000 test
-SCENES = {"uniform": "scenes/nib_pad/calibrate_uniform.yaml", "end face": "scenes/nib_pad/calibrate_end_face.yaml",
-          "lying": "scenes/nib_pad/calibrate_lying.yaml"}
-CASES = {"uniform": ["uniform"], "uniform + end face": ["uniform", "end face"], "uniform + lying": ["uniform", "lying"],
-         "uniform + both": ["uniform", "end face", "lying"]}  # loads for training and test, in equal parts
+SCENES = {
+    "uniform": "scenes/nib_pad/calibrate_uniform.yaml",
+    "end face": "scenes/nib_pad/calibrate_end_face.yaml",
+    "lying": "scenes/nib_pad/calibrate_lying.yaml",
+}
+CASES = {
+    "uniform": ["uniform"],
+    "uniform + end face": ["uniform", "end face"],
+    "uniform + lying": ["uniform", "lying"],
+    "uniform + both": ["uniform", "end face", "lying"],
+}  # loads for training and test, in equal parts
 AVERAGED = 5  # images averaged in si, and in the reference
 RIDGES = [10.0**k for k in range(-8, 1)]
 COMPONENTS = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 HEAD = ["", "Fx, N", "Fy, N", "Fz, N", "Mx, mNm", "My, mNm", "Mz, mNm"]
 UNITS = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])  # of the tables: N and mN m
 DIGITS = [2, 2, 2, 1, 1, 1]
-PUBLISHED = {"paper: uniform": [0.12, 0.11, 0.56, 3.0, 3.1, 1.3], "paper: uniform + partial": [0.15, 0.12, 1.2, 5.1, 6.7, 1.5]}
+PUBLISHED = {
+    "paper: uniform": [0.12, 0.11, 0.56, 3.0, 3.1, 1.3],
+    "paper: uniform + partial": [0.15, 0.12, 1.2, 5.1, 6.7, 1.5],
+}
 
 
 @dataclass(frozen=True)
@@ -65,7 +74,11 @@ VARIANTS = {  # unchanged scenes first
     "nibs that lean (P-delta), images 0.3 s apart": Variant(LEAN, apart=10),
 }
 # Splits of the rows of the main table: variant, and True to divide rows in order of time.
-SPLITS = {"random split": ("as it is", False), "chronological split": ("as it is", True), "images 0.3 s apart": ("as it is, images 0.3 s apart", False)}
+SPLITS = {
+    "random split": ("as it is", False),
+    "chronological split": ("as it is", True),
+    "images 0.3 s apart": ("as it is, images 0.3 s apart", False),
+}
 
 
 def wrench_on_pad(tips: ArrayLike, force: ArrayLike, displacement: ArrayLike) -> Doubles:
@@ -103,7 +116,12 @@ class Recording:
 def joined(recordings: Iterable[Recording]) -> Recording:
     """Concatenates recordings."""
     parts = list(recordings)
-    return Recording(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("si", "wrench", "averaged")))
+    return Recording(
+        *(
+            np.concatenate([getattr(part, name) for part in parts])
+            for name in ("si", "wrench", "averaged")
+        )
+    )
 
 
 def running_mean(rows: Doubles, count: int) -> Doubles:
@@ -128,12 +146,16 @@ def recording_of(trial: Trial, start: float, every: int = 1) -> Recording:
     """
     sensor, contact = trial.sensors["pad"], trial.contacts["pad"]
     si = sensor.channels["si"].reshape(-1, 36).astype(float)
-    complete = np.arange(1, len(si) + 1) * (len(sensor.t) // len(si)) - 1  # last sample of each image
+    complete = (
+        np.arange(1, len(si) + 1) * (len(sensor.t) // len(si)) - 1
+    )  # last sample of each image
     tips = np.column_stack([trial.labels["pad"].unit_positions, trial.labels["pad"].unit_heights])
     wrench = wrench_on_pad(tips, contact.force[complete], contact.displacement[complete])
     untouched = int(np.searchsorted(sensor.t[complete], start))
     kept = slice(untouched, None, every)
-    return Recording((si - si[:untouched].mean(axis=0))[kept], wrench[kept], running_mean(wrench, AVERAGED)[kept])
+    return Recording(
+        (si - si[:untouched].mean(axis=0))[kept], wrench[kept], running_mean(wrench, AVERAGED)[kept]
+    )
 
 
 @dataclass(frozen=True)
@@ -156,7 +178,9 @@ def _draw(rows: Rows, count: int, stream: RandomStream) -> Rows:
     return np.array(left[:count], dtype=np.int64)
 
 
-def split_rows(rows: int, fit: int, choose: int, test: int, in_time: bool, stream: RandomStream) -> Split:
+def split_rows(
+    rows: int, fit: int, choose: int, test: int, in_time: bool, stream: RandomStream
+) -> Split:
     """Draws rows of a recording without replacement.
 
     Args:
@@ -178,7 +202,11 @@ def split_rows(rows: int, fit: int, choose: int, test: int, in_time: bool, strea
     if in_time:
         judged = rows - rows // 5
         chosen = judged - judged // 4
-        return Split(_draw(everything[:chosen], fit, stream), _draw(everything[chosen:judged], choose, stream), _draw(everything[judged:], test, stream))
+        return Split(
+            _draw(everything[:chosen], fit, stream),
+            _draw(everything[chosen:judged], choose, stream),
+            _draw(everything[judged:], test, stream),
+        )
     return Split(*np.split(_draw(everything, fit + choose + test, stream), [fit, fit + choose]))
 
 
@@ -197,9 +225,19 @@ def split_of(sizes: Sequence[int], in_time: bool, stream: RandomStream) -> Split
         ValueError: for too few rows of a load
     """
     parts = len(sizes)
-    splits = [split_rows(rows, FIT // parts, CHOOSE // parts, TEST // parts, in_time, stream) for rows in sizes]
+    splits = [
+        split_rows(rows, FIT // parts, CHOOSE // parts, TEST // parts, in_time, stream)
+        for rows in sizes
+    ]
     firsts = np.concatenate([[0], np.cumsum(sizes)])
-    return Split(*(np.concatenate([first + getattr(one, name) for first, one in zip(firsts, splits, strict=False)]) for name in ("fit", "choose", "test")))
+    return Split(
+        *(
+            np.concatenate(
+                [first + getattr(one, name) for first, one in zip(firsts, splits, strict=False)]
+            )
+            for name in ("fit", "choose", "test")
+        )
+    )
 
 
 class QuadraticFit:
@@ -237,7 +275,9 @@ class QuadraticFit:
     def _learn(self, x: Doubles, y: Doubles) -> Any:
         """Scales the columns of these rows; returns a function from a ridge to the coefficients
         [columns, components]."""
-        self._columns = make_pipeline(StandardScaler(), PolynomialFeatures(2, include_bias=False), StandardScaler())
+        self._columns = make_pipeline(
+            StandardScaler(), PolynomialFeatures(2, include_bias=False), StandardScaler()
+        )
         terms = self._columns.fit_transform(x)
         self._mean = y.mean(axis=0)
         gram, right = terms.T @ terms / len(x), terms.T @ (y - self._mean) / len(x)
@@ -256,7 +296,9 @@ def rms(error: Doubles) -> Doubles:
 def error_of(loads: Sequence[Recording], in_time: bool, seed: int) -> Doubles:
     """RMS error [6] of a fit to loads, in equal parts, on the test rows."""
     data = joined(loads)
-    split = split_of([len(load.si) for load in loads], in_time, RandomStream(seed, 0, "nib_table1.split"))
+    split = split_of(
+        [len(load.si) for load in loads], in_time, RandomStream(seed, 0, "nib_table1.split")
+    )
     fit = QuadraticFit(data.si, data.averaged, split.fit, split.choose)
     return rms(fit.predict(data.si[split.test]) - data.averaged[split.test])
 
@@ -286,18 +328,31 @@ def _figures(values: Iterable[float]) -> dict[str, Any]:
 def record_loads(options: Options) -> dict[str, dict[str, Recording]]:
     """The recordings of each variant and load. Raises InputError and KeyboardInterrupt as
     run_grid()."""
-    start = next(parse_quantity(one["default"]) for one in describe("wander")[0]["parameters"] if one["name"] == "start")
+    start = next(
+        parse_quantity(one["default"])
+        for one in describe("wander")[0]["parameters"]
+        if one["name"] == "start"
+    )
     places, cells = [], []
     for variant, changes in VARIANTS.items():
         for load, scene in SCENES.items():
             cell = Cell(variant, scene, changes.overrides)
             cells.append(replace(cell, draws=changes.apart * cell.load().trials()))
             places.append((variant, load))
-    found = run_grid(cells, options, lambda cell, trial: recording_of(trial, start, VARIANTS[cell.name].apart), record="contact")
+    found = run_grid(
+        cells,
+        options,
+        lambda cell, trial: recording_of(trial, start, VARIANTS[cell.name].apart),
+        record="contact",
+    )
     recordings: dict[str, dict[str, Recording]] = {variant: {} for variant in VARIANTS}
     for (variant, load), parts in zip(places, found, strict=True):
         recording = joined(parts)
-        recordings[variant][load] = recording if VARIANTS[variant].averaged else replace(recording, averaged=recording.wrench)
+        recordings[variant][load] = (
+            recording
+            if VARIANTS[variant].averaged
+            else replace(recording, averaged=recording.wrench)
+        )
     return recordings
 
 
@@ -315,10 +370,14 @@ def study(options: Options) -> Result:
     options.say("fits")
     figures: dict[str, Any] = {"rms": {}, "of_uniform": {}, "loads": {}, "causes": {}}
 
-    main = Table("RMS error of a second-order polynomial of the 36 capacitances", HEAD, [_row(name, values) for name, values in PUBLISHED.items()],
-                 "Random: test rows are drawn from all rows, so the training set may contain their neighbours, which are 30 ms away and share four of the "
-                 "five averaged images. Chronological: the test set is the last fifth of each load, for a cylinder the last two of its ten positions. 0.3 s"
-                 " apart: a calibration ten times as long, of which every tenth image is kept, so that no test row has such a neighbour; random split.")
+    main = Table(
+        "RMS error of a second-order polynomial of the 36 capacitances",
+        HEAD,
+        [_row(name, values) for name, values in PUBLISHED.items()],
+        "Random: test rows are drawn from all rows, so the training set may contain their neighbours, which are 30 ms away and share four of the "
+        "five averaged images. Chronological: the test set is the last fifth of each load, for a cylinder the last two of its ten positions. 0.3 s"
+        " apart: a calibration ten times as long, of which every tenth image is kept, so that no test row has such a neighbour; random split.",
+    )
     for how, (variant, in_time) in SPLITS.items():
         figures["rms"][how] = {}
         for case, loads in CASES.items():
@@ -326,27 +385,69 @@ def study(options: Options) -> Result:
             main.rows.append(_row(f"{case}, {how}", error))
             figures["rms"][how][case] = _figures(error)
 
-    asked = Table("A fit to uniform loads, tested on other loads: RMS error, and mean error of Fz", [*HEAD, "Fz too high by, N"])
+    asked = Table(
+        "A fit to uniform loads, tested on other loads: RMS error, and mean error of Fz",
+        [*HEAD, "Fz too high by, N"],
+    )
     for load, (error, bias) in transfer(recordings["as it is"], seed).items():
         asked.rows.append([*_row(load, UNITS * error), f"{bias[2]:.2f}"])
         figures["of_uniform"][load] = {**_figures(UNITS * error), "Fz_bias": bias[2]}
 
-    ranges = Table("Loads of the recordings: 1st and 99th percentile", HEAD, [["paper, range", "+-3.5", "+-3.5", "0 to 15", "+-50", "+-50", "+-50"]])
+    ranges = Table(
+        "Loads of the recordings: 1st and 99th percentile",
+        HEAD,
+        [["paper, range", "+-3.5", "+-3.5", "0 to 15", "+-50", "+-50", "+-50"]],
+    )
     for load, recording in recordings["as it is"].items():
         ends = np.quantile(UNITS * recording.wrench, [0.01, 0.99], axis=0).T
-        ranges.rows.append([load, *(f"{low:.{digits}f} to {high:.{digits}f}" for (low, high), digits in zip(ends, [1, 1, 1, 0, 0, 0], strict=True))])
+        ranges.rows.append(
+            [
+                load,
+                *(
+                    f"{low:.{digits}f} to {high:.{digits}f}"
+                    for (low, high), digits in zip(ends, [1, 1, 1, 0, 0, 0], strict=True)
+                ),
+            ]
+        )
         figures["loads"][load] = _figures(ends.tolist())
 
-    causes = Table("Influences, with one change at a time:  random split, RMS error of Fz in N and of Mx and My in mNm",
-                   ["", "Fz: uniform", "+ end face", "+ lying", "Mx: uniform", "+ end face", "+ lying", "My: uniform", "+ end face", "+ lying"])
+    causes = Table(
+        "Influences, with one change at a time:  random split, RMS error of Fz in N and of Mx and My in mNm",
+        [
+            "",
+            "Fz: uniform",
+            "+ end face",
+            "+ lying",
+            "Mx: uniform",
+            "+ end face",
+            "+ lying",
+            "My: uniform",
+            "+ end face",
+            "+ lying",
+        ],
+    )
     for variant, of_variant in recordings.items():
-        errors = {case: UNITS * error_of([of_variant[load] for load in CASES[case]], False, seed) for case in list(CASES)[:3]}
-        causes.rows.append([variant, *(f"{error[k]:.{DIGITS[k]}f}" for k in (2, 3, 4) for error in errors.values())])
+        errors = {
+            case: UNITS * error_of([of_variant[load] for load in CASES[case]], False, seed)
+            for case in list(CASES)[:3]
+        }
+        causes.rows.append(
+            [
+                variant,
+                *(f"{error[k]:.{DIGITS[k]}f}" for k in (2, 3, 4) for error in errors.values()),
+            ]
+        )
         figures["causes"][variant] = {case: _figures(error) for case, error in errors.items()}
 
     first = figures["rms"]["random split"]["uniform"]
-    fz = [(value, value, value) for value in (of["uniform"]["Fz"] for of in figures["causes"].values())]
-    lying = [(value, value, value) for value in (of["uniform + lying"]["Fz"] for of in figures["causes"].values())]
+    fz = [
+        (value, value, value)
+        for value in (of["uniform"]["Fz"] for of in figures["causes"].values())
+    ]
+    lying = [
+        (value, value, value)
+        for value in (of["uniform + lying"]["Fz"] for of in figures["causes"].values())
+    ]
     return Result(
         title="Calibration of the nib pad",
         source='Table I and section IV-A of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation", IEEE RA-L 2020',
@@ -358,10 +459,24 @@ def study(options: Options) -> Result:
             "does not state how it limited 703 coefficients.",
             "Reference: the true forces on all nibs and their moments about the pad's origin, through the same mean of five images as si.",
         ],
-        charts=[Chart("What decides the error of Fz", "", "RMS error of Fz, N",
-                      [name.replace("k_tangential", "tangential stiffness") for name in VARIANTS],
-                      [Curve("fit of uniform loads", fz), Curve("fit of uniform and lying loads", lying)], joined=False)],
+        charts=[
+            Chart(
+                "What decides the error of Fz",
+                "",
+                "RMS error of Fz, N",
+                [name.replace("k_tangential", "tangential stiffness") for name in VARIANTS],
+                [Curve("fit of uniform loads", fz), Curve("fit of uniform and lying loads", lying)],
+                joined=False,
+            )
+        ],
         tables=[main, asked, ranges, causes],
-        real=[RealFigure(f"calibrated {name}, rms error, {'N' if k < 3 else 'N mm'}", PUBLISHED["paper: uniform"][k], first[name],
-                         "electronics assumed; random split of one recording") for k, name in enumerate(COMPONENTS)],
+        real=[
+            RealFigure(
+                f"calibrated {name}, rms error, {'N' if k < 3 else 'N mm'}",
+                PUBLISHED["paper: uniform"][k],
+                first[name],
+                "electronics assumed; random split of one recording",
+            )
+            for k, name in enumerate(COMPONENTS)
+        ],
     )

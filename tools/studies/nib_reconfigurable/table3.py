@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
-
 from slipbench import Trial, describe, parse_quantity
 from slipbench._program import counted
 from slipbench_studies.grid import Cell, check_only, chosen, run_grid
@@ -62,26 +61,52 @@ def boxes() -> dict[str, Box]:
     With 118 g in the middle of the box and 200 g at y, the common centre of mass is 200/318 y from
     the middle; a sixth of 155 mm requires 41.08 mm.
     """
+
     def surface(material: str, friction: str) -> dict[str, str]:
-        return {"surface.material": material, "friction.static": friction, "friction.kinetic": friction}
+        return {
+            "surface.material": material,
+            "friction.static": friction,
+            "friction.kinetic": friction,
+        }
 
     rows = {
         "200g": Box("200 g in the middle, paper", 10),
         "100g": Box("100 g in the middle, paper", 9, {"box.weight": "100 g"}),
         "300g": Box("300 g in the middle, paper", 7, {"box.weight": "300 g"}),
-        "com_low": Box("200 g, centre of mass at L/3 from its foot", 11, {"box.weight_place": "[0 mm, 41.08 mm, 0 mm]"}),
-        "com_high": Box("200 g, centre of mass at 2L/3", 3, {"box.weight_place": "[0 mm, -41.08 mm, 0 mm]"}),
+        "com_low": Box(
+            "200 g, centre of mass at L/3 from its foot",
+            11,
+            {"box.weight_place": "[0 mm, 41.08 mm, 0 mm]"},
+        ),
+        "com_high": Box(
+            "200 g, centre of mass at 2L/3", 3, {"box.weight_place": "[0 mm, -41.08 mm, 0 mm]"}
+        ),
         "masonite": Box("200 g in the middle, masonite", 10, surface("masonite", "0.5")),
-        "wavy": Box("200 g in the middle, friction of wavy acrylic, without its waves", 10, surface("wavy_acrylic", "0.55")),
+        "wavy": Box(
+            "200 g in the middle, friction of wavy acrylic, without its waves",
+            10,
+            surface("wavy_acrylic", "0.55"),
+        ),
     }
     usual = defaults()
-    thresholds = {"fl_slip": ("FL of slip", ""), "fr_slip": ("FR of slip", ""), "fr_quiet": ("quiet time", " s"), "fr_upright": ("FR when upright", ""),
-                  "released_normal": ("normal force of release", " N")}
+    thresholds = {
+        "fl_slip": ("FL of slip", ""),
+        "fr_slip": ("FR of slip", ""),
+        "fr_quiet": ("quiet time", " s"),
+        "fr_upright": ("FR when upright", ""),
+        "released_normal": ("normal force of release", " N"),
+    }
     for name, (text, unit) in thresholds.items():
         for factor in ("0.5", "2"):
             value = float(factor) * parse_quantity(usual[name])
-            rows[f"{name}_x{factor}"] = Box(f"200 g, {text} {factor} times, {value:g}{unit or ' counts'}", None, {f"controller.{name}": f"{value:g}{unit}"})
-    rows["stick_slip"] = Box("200 g, kinetic friction 0.9 times the static one", None, {"friction.kinetic": "0.585"})
+            rows[f"{name}_x{factor}"] = Box(
+                f"200 g, {text} {factor} times, {value:g}{unit or ' counts'}",
+                None,
+                {f"controller.{name}": f"{value:g}{unit}"},
+            )
+    rows["stick_slip"] = Box(
+        "200 g, kinetic friction 0.9 times the static one", None, {"friction.kinetic": "0.585"}
+    )
     return rows
 
 
@@ -107,7 +132,14 @@ class Turn(NamedTuple):
     force: float
 
 
-def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_height: ArrayLike, box_pose: ArrayLike, target: float) -> Turn:
+def turn_of(
+    outcome: dict[str, Any],
+    arm: ArrayLike,
+    grip_force: ArrayLike,
+    arm_height: ArrayLike,
+    box_pose: ArrayLike,
+    target: float,
+) -> Turn:
     """Determines the outcome of a trial.
 
     Args:
@@ -124,16 +156,26 @@ def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_
     Raises:
         ValueError: the arrays have no rows, or different numbers of rows
     """
-    sideways, up = np.asarray(arm, dtype=float).T if np.ndim(arm) == 2 else (np.empty(0), np.empty(0))
-    force, height, pose = (np.asarray(one, dtype=float) for one in (grip_force, arm_height, box_pose))
+    sideways, up = (
+        np.asarray(arm, dtype=float).T if np.ndim(arm) == 2 else (np.empty(0), np.empty(0))
+    )
+    force, height, pose = (
+        np.asarray(one, dtype=float) for one in (grip_force, arm_height, box_pose)
+    )
     rows = len(sideways)
     if rows == 0 or not len(force) == len(height) == len(pose) == rows:
-        raise ValueError(f"turn_of: {rows} rows of the arm, {len(force)} of force, {len(height)} and {len(pose)} of poses; the numbers must be equal")
+        raise ValueError(
+            f"turn_of: {rows} rows of the arm, {len(force)} of force, {len(height)} and {len(pose)} of poses; the numbers must be equal"
+        )
     begun = np.flatnonzero(sideways != 0.0)
     released = int(begun[0]) if begun.size else rows
     rising = np.logical_or.accumulate(up[:released] > 0.0)
     lost = bool((rising & (force[:released] == 0.0)).any())
-    tilt, held = (float(tilt_of(pose[released])), float(force[released])) if released < rows else (math.nan, math.nan)
+    tilt, held = (
+        (float(tilt_of(pose[released])), float(force[released]))
+        if released < rows
+        else (math.nan, math.nan)
+    )
     if outcome["standing"]:
         end = "standing"
     elif lost:
@@ -161,9 +203,24 @@ def run_of(trial: Trial, target: float) -> dict[str, Any]:
     """
     outcome, control = trial.outcome, trial.control
     assert control is not None  # the scene has a controller
-    turn = turn_of(outcome, control.arm, control.grip_force, trial.bodies["arm"].pose[:, 2], trial.bodies["box"].pose, target)
-    return {"standing": outcome["standing"], "dropped": outcome["dropped"], "tilt": outcome["tilt_rad"], "least_tilt": outcome["least_tilt_rad"],
-            "most_force": outcome["max_grip_force_N"], "end": turn.end, "released_tilt": turn.tilt, "held_by": turn.force}
+    turn = turn_of(
+        outcome,
+        control.arm,
+        control.grip_force,
+        trial.bodies["arm"].pose[:, 2],
+        trial.bodies["box"].pose,
+        target,
+    )
+    return {
+        "standing": outcome["standing"],
+        "dropped": outcome["dropped"],
+        "tilt": outcome["tilt_rad"],
+        "least_tilt": outcome["least_tilt_rad"],
+        "most_force": outcome["max_grip_force_N"],
+        "end": turn.end,
+        "released_tilt": turn.tilt,
+        "held_by": turn.force,
+    }
 
 
 def summary_of(runs: pd.DataFrame) -> dict[str, Any]:
@@ -182,7 +239,10 @@ def summary_of(runs: pd.DataFrame) -> dict[str, Any]:
         "turned_up": int((runs["least_tilt"] < TURNED_UP).sum()),
         "dropped": int(runs["dropped"].sum()),
         "ends": {end: int((runs["end"] == end).sum()) for end in ENDS},
-        **{name: median(runs[name]) for name in ("tilt", "least_tilt", "most_force", "released_tilt", "held_by")},
+        **{
+            name: median(runs[name])
+            for name in ("tilt", "least_tilt", "most_force", "released_tilt", "held_by")
+        },
     }
 
 
@@ -214,27 +274,78 @@ def study(options: Options) -> Result:
     cells = [Cell(name, SCENE, row.overrides, trials) for name, row in rows.items()]
     runs = run_grid(cells, options, lambda _, trial: run_of(trial, target))
 
-    success = Table("Success, by cell", ["cell", "published", "here (95 %)", "turned up", "dropped", "tilt at the end, median", "least tilt, median",
-                                         "peak grip force, median"], note="Rows without a published figure differ from the first cell, 200 g on paper, in "
-                                                                          "one number.")
-    ends = Table("What became of the boxes, by cell", ["cell", *ENDS.values(), "tilt when released, median", "grip force then, median"])
+    success = Table(
+        "Success, by cell",
+        [
+            "cell",
+            "published",
+            "here (95 %)",
+            "turned up",
+            "dropped",
+            "tilt at the end, median",
+            "least tilt, median",
+            "peak grip force, median",
+        ],
+        note="Rows without a published figure differ from the first cell, 200 g on paper, in "
+        "one number.",
+    )
+    ends = Table(
+        "What became of the boxes, by cell",
+        ["cell", *ENDS.values(), "tilt when released, median", "grip force then, median"],
+    )
     figures, real, ours, theirs = [], [], [], []
     for cell, (name, row), of_cell in zip(cells, rows.items(), runs, strict=True):
         s = summary_of(pd.DataFrame(of_cell))
         n, standing = s["runs"], s["standing"]
         low, high = clopper_pearson(standing, n)
-        success.rows.append([row.text, "" if row.published is None else f"{row.published} of {PUBLISHED_RUNS}",
-                             f"{standing} of {n} ({100 * low:.0f} to {100 * high:.0f} %)", f"{s['turned_up']} of {n}", f"{s['dropped']} of {n}",
-                             _degrees(s["tilt"]), _degrees(s["least_tilt"]), _newtons(s["most_force"])])
-        ends.rows.append([row.text, *map(str, s["ends"].values()), _degrees(s["released_tilt"]), _newtons(s["held_by"])])
-        figures.append({"name": name, "command": cell.command(seed), "published": row.published, "trials": n, "standing": standing,
-                        "standing_share_95": [low, high], "turned_up": s["turned_up"], "dropped": s["dropped"], "ends": s["ends"],
-                        "median_tilt_rad": s["tilt"], "median_least_tilt_rad": s["least_tilt"], "median_max_grip_force_N": s["most_force"]})
+        success.rows.append(
+            [
+                row.text,
+                "" if row.published is None else f"{row.published} of {PUBLISHED_RUNS}",
+                f"{standing} of {n} ({100 * low:.0f} to {100 * high:.0f} %)",
+                f"{s['turned_up']} of {n}",
+                f"{s['dropped']} of {n}",
+                _degrees(s["tilt"]),
+                _degrees(s["least_tilt"]),
+                _newtons(s["most_force"]),
+            ]
+        )
+        ends.rows.append(
+            [
+                row.text,
+                *map(str, s["ends"].values()),
+                _degrees(s["released_tilt"]),
+                _newtons(s["held_by"]),
+            ]
+        )
+        figures.append(
+            {
+                "name": name,
+                "command": cell.command(seed),
+                "published": row.published,
+                "trials": n,
+                "standing": standing,
+                "standing_share_95": [low, high],
+                "turned_up": s["turned_up"],
+                "dropped": s["dropped"],
+                "ends": s["ends"],
+                "median_tilt_rad": s["tilt"],
+                "median_least_tilt_rad": s["least_tilt"],
+                "median_max_grip_force_N": s["most_force"],
+            }
+        )
         ours.append((100.0 * standing / n, 100.0 * low, 100.0 * high))
         published = math.nan if row.published is None else 100.0 * row.published / PUBLISHED_RUNS
         theirs.append((published, published, published))
         if row.published is not None:
-            real.append(RealFigure(f"boxes turned up and released, {row.text}, %", published, ours[-1][0], "thresholds assumed, with these runs in view"))
+            real.append(
+                RealFigure(
+                    f"boxes turned up and released, {row.text}, %",
+                    published,
+                    ours[-1][0],
+                    "thresholds assumed, with these runs in view",
+                )
+            )
     return Result(
         title="Reorientation of a box by rotational slip, and its release",
         source='Table III and section VI of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation", IEEE RA-L 2020',
@@ -246,8 +357,16 @@ def study(options: Options) -> Result:
             "The paper's rows of weights, of centres of mass and of surfaces share one cell, 200 g in the middle on paper: 10 of 11.",
             "Intervals: 95 %, exact (Clopper and Pearson).",
         ],
-        charts=[Chart("Success, by cell", "", "boxes turned up and released, %", [row.text for row in rows.values()], [Curve("here (95 %)", ours), Curve("paper", theirs)],
-                      joined=False)],
+        charts=[
+            Chart(
+                "Success, by cell",
+                "",
+                "boxes turned up and released, %",
+                [row.text for row in rows.values()],
+                [Curve("here (95 %)", ours), Curve("paper", theirs)],
+                joined=False,
+            )
+        ],
         tables=[success, ends],
         remarks=[
             "The height of the grip above the edge is l sin(theta). It stops growing at theta = 90 degrees, when a box of 54 mm, held in its middle 137.5 "

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-
 import slipbench
+from numpy.typing import NDArray
 from slipbench import InputError, StoredTrial, Trial
 from slipbench.learning import Frames, Input, find_recipe
 from slipbench_studies.grid import Cell, run_grid
@@ -21,7 +20,10 @@ from slipbench_studies.result import Options
 
 BENCH_LEVEL = 2.0  # level of the motors' vibration in SCENE
 NON_SLIP = 1  # code of a pad's state; greater codes are slip
-RULES = {"paper": "position", "micro": "true"}  # labels by their name in `slipbench train --labels`: name in the tables
+RULES = {
+    "paper": "position",
+    "micro": "true",
+}  # labels by their name in `slipbench train --labels`: name in the tables
 
 PUBLISHED_SPECTRA = find_recipe("piezo_fft_gru").input
 SIGNAL_AT_100_HZ = find_recipe("piezo_raw_gru").input
@@ -75,8 +77,11 @@ class Recording:
 def tip_of(params: Mapping[str, Any]) -> str:
     """Describes the swept values except the motion, as "friction.static=0.6 ...". `params`: of a
     trial."""
-    return " ".join(f"{path}={json.dumps(value, separators=(',', ':'), ensure_ascii=False)}"
-                    for path, value in params.items() if not path.startswith("motion."))
+    return " ".join(
+        f"{path}={json.dumps(value, separators=(',', ':'), ensure_ascii=False)}"
+        for path, value in params.items()
+        if not path.startswith("motion.")
+    )
 
 
 def recording_of(trial: Trial | StoredTrial, inputs: Sequence[Input]) -> Recording:
@@ -112,11 +117,19 @@ def recording_of(trial: Trial | StoredTrial, inputs: Sequence[Input]) -> Recordi
     for one in inputs:
         shapes = {name: values.shape[1:] for name, values in sensor.channels.items()}
         features, last = Frames(one, sensor.type, sensor.rate, shapes).all(sensor.channels)
-        frames.append(LabelledFrames(features, {rule: states[last].astype(np.uint8) for rule, states in slips.items()}))
+        frames.append(
+            LabelledFrames(
+                features, {rule: states[last].astype(np.uint8) for rule, states in slips.items()}
+            )
+        )
         ends.append(last)
     at = time[ends[0]]
-    idle_speed, idle_start = (_number(trial.params.get(f"motion.idle_{what}")) for what in ("speed", "start"))
-    motors = speed_of_bodies(trial, at) + np.where(at >= idle_start, idle_speed, 0.0)  # never if it is NaN
+    idle_speed, idle_start = (
+        _number(trial.params.get(f"motion.idle_{what}")) for what in ("speed", "start")
+    )
+    motors = speed_of_bodies(trial, at) + np.where(
+        at >= idle_start, idle_speed, 0.0
+    )  # never if it is NaN
     onsets = np.asarray(labels.micro_onset_time)
     return Recording(
         level=_number(trial.params.get("motion.vibration")),
@@ -149,12 +162,19 @@ def speed_of_bodies(trial: Trial | StoredTrial, time: NDArray[np.float64]) -> ND
     speed = np.zeros(len(time))
     for body in trial.bodies.values():
         row = np.searchsorted(np.asarray(body.t), time, "right") - 1
-        speed += np.where(row < 0, 0.0, np.abs(np.asarray(body.velocity)[row, :3].astype(float)).sum(axis=1))
+        speed += np.where(
+            row < 0, 0.0, np.abs(np.asarray(body.velocity)[row, :3].astype(float)).sum(axis=1)
+        )
     return speed
 
 
-def run_recordings(levels: Iterable[float], count: int, inputs: Sequence[Input], options: Options,
-                   others_too: bool = True) -> list[Recording]:
+def run_recordings(
+    levels: Iterable[float],
+    count: int,
+    inputs: Sequence[Input],
+    options: Options,
+    others_too: bool = True,
+) -> list[Recording]:
     """Simulates the published bench.
 
     Args:
@@ -175,8 +195,11 @@ def run_recordings(levels: Iterable[float], count: int, inputs: Sequence[Input],
     if not others_too:
         overrides["sweep.motion.idle_speed"] = "[0 mm/s]"
     name = "recordings" if others_too else "recordings, no motor but the tip's"
-    return run_grid([Cell(name, SCENE, overrides, count // 2)], options,
-                    lambda _, trial: recording_of(trial, inputs))[0]
+    return run_grid(
+        [Cell(name, SCENE, overrides, count // 2)],
+        options,
+        lambda _, trial: recording_of(trial, inputs),
+    )[0]
 
 
 def read_recordings(path: str, inputs: Sequence[Input]) -> list[Recording]:

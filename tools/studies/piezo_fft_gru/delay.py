@@ -10,10 +10,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, Recording
-from slipbench_studies.piezo_fft_gru.networks import (GRU_32, SOURCE, USUAL_RECORDINGS, Validations, cell, figures_of,
-                                                      motors_right, on_all, on_slip, recordings_for, setup_of, size_of)
+from slipbench_studies.piezo_fft_gru.networks import (
+    GRU_32,
+    SOURCE,
+    USUAL_RECORDINGS,
+    Validations,
+    cell,
+    figures_of,
+    motors_right,
+    on_all,
+    on_slip,
+    recordings_for,
+    setup_of,
+    size_of,
+)
 from slipbench_studies.result import Options, Result, Table
 from slipbench_studies.statistics import mean_sd, quantile
 
@@ -36,7 +47,9 @@ def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
         s; NaN: no active or later alarm
     """
     at, alarm = np.asarray(time), np.asarray(called) == 1
-    frame = int(np.searchsorted(at, onset, "right"))  # the last complete frame determines the answer at the onset
+    frame = int(
+        np.searchsorted(at, onset, "right")
+    )  # the last complete frame determines the answer at the onset
     if frame > 0 and alarm[frame - 1]:
         silent = np.flatnonzero(~alarm[:frame])
         return float(at[silent[-1] + 1 if silent.size else 0] - onset)
@@ -98,16 +111,26 @@ class Alarms:
     def figures(self) -> dict[str, Any]:
         """Figures for the JSON of the study."""
         return {
-            "first": spread_of(self.delay).json(), "early": self.early, "missed": self.missed,
-            "slipping": self.slipping, "false_alarms": self.false_alarms, "near": spread_of(self.near).json(),
-            "silent": self.silent
+            "first": spread_of(self.delay).json(),
+            "early": self.early,
+            "missed": self.missed,
+            "slipping": self.slipping,
+            "false_alarms": self.false_alarms,
+            "near": spread_of(self.near).json(),
+            "silent": self.silent,
         }
 
     def cells(self) -> list[str]:
         """The last six columns of the table of delays."""
         near = spread_of(self.near)
-        mean = f"{1e3 * near.mean:.1f} +- {1e3 * near.sd:.1f}, {1e3 * near.greatest:.0f}" if self.near else "-"
-        early, missed, silent = (share(part, self.slipping) for part in (self.early, self.missed, self.silent))
+        mean = (
+            f"{1e3 * near.mean:.1f} +- {1e3 * near.sd:.1f}, {1e3 * near.greatest:.0f}"
+            if self.near
+            else "-"
+        )
+        early, missed, silent = (
+            share(part, self.slipping) for part in (self.early, self.missed, self.silent)
+        )
         return [spread_of(self.delay).cell(), early, missed, near.cell(), mean, silent]
 
 
@@ -133,8 +156,13 @@ class Spread(NamedTuple):
 
 def spread_of(times: Sequence[float]) -> Spread:
     """Statistics of times, s."""
-    return Spread(*mean_sd(times), quantile(times, 0.5), quantile(times, 0.1), quantile(times, 0.9),
-                  max(times, default=math.nan))
+    return Spread(
+        *mean_sd(times),
+        quantile(times, 0.5),
+        quantile(times, 0.1),
+        quantile(times, 0.9),
+        max(times, default=math.nan),
+    )
 
 
 def share(part: int, whole: int) -> str:
@@ -152,17 +180,23 @@ def label_table(recordings: Iterable[Recording]) -> tuple[Table, dict[str, Any]]
         the table and its figures
     """
     times = [(one.label_time, one.slip_time) for one in recordings]
-    early = [slip - label for label, slip in times if not math.isnan(label) and not math.isnan(slip)]
+    early = [
+        slip - label for label, slip in times if not math.isnan(label) and not math.isnan(slip)
+    ]
     no_slip = sum(math.isnan(slip) and not math.isnan(label) for label, slip in times)
     no_label = sum(math.isnan(label) and not math.isnan(slip) for label, slip in times)
     spread = spread_of(early)
     mean = f"{1e3 * spread.mean:.1f} +- {1e3 * spread.sd:.1f}" if early else "-"
-    table = Table("The position label itself: how long before the true first slip it begins, ms",
-                  ["median (10 to 90 %)", "mean +- sd", "labelled, no slip", "slip, not labelled"],
-                  [[spread.cell(), mean, str(no_slip), str(no_label)]])
+    table = Table(
+        "The position label itself: how long before the true first slip it begins, ms",
+        ["median (10 to 90 %)", "mean +- sd", "labelled, no slip", "slip, not labelled"],
+        [[spread.cell(), mean, str(no_slip), str(no_label)]],
+    )
     return table, {
-        "early": spread.json(), "recordings": len(early), "labelled_without_slip": no_slip,
-        "slip_without_label": no_label
+        "early": spread.json(),
+        "recordings": len(early),
+        "labelled_without_slip": no_slip,
+        "slip_without_label": no_label,
     }
 
 
@@ -186,28 +220,72 @@ def study(options: Options) -> Result:
 
     delays = Table(
         "Delay, ms: median (10 to 90 %)",
-        ["learnt by", "counted from", "first alarm", "early", "missed", "alarm at or after", "mean +- sd, greatest",
-         "none"],
-        [["paper", "position label", "-", "-", "-", "-", "8.5 +- 23.7, 58", "7 of 3,200 recordings"]],
+        [
+            "learnt by",
+            "counted from",
+            "first alarm",
+            "early",
+            "missed",
+            "alarm at or after",
+            "mean +- sd, greatest",
+            "none",
+        ],
+        [
+            [
+                "paper",
+                "position label",
+                "-",
+                "-",
+                "-",
+                "-",
+                "8.5 +- 23.7, 58",
+                "7 of 3,200 recordings",
+            ]
+        ],
         note="First alarm: the first frame of a recording that is classified as slip decides. If it is before the instant from which the delay counts, it "
-             "is early and has no delay. Alarm at or after: the beginning of the alarm that is active at that instant, which gives a negative delay, or of "
-             "the first alarm after it.",
+        "is early and has no delay. Alarm at or after: the beginning of the alarm that is active at that instant, which gives a negative delay, or of "
+        "the first alarm after it.",
     )
-    frames = Table("The same networks by frame", [
-        "learnt and judged by", "all recordings", "with contact", "motors alone, % right", "motors alone, false alarms"
-    ], [["paper, position label", "98.7, -", "98.2, 0.978", "99.9", "-"]])
+    frames = Table(
+        "The same networks by frame",
+        [
+            "learnt and judged by",
+            "all recordings",
+            "with contact",
+            "motors alone, % right",
+            "motors alone, false alarms",
+        ],
+        [["paper, position label", "98.7, -", "98.2, 0.978", "99.9", "-"]],
+    )
     figures: dict[str, Any] = {}
     for rule, number in asked.items():
-        name, calls, counts = f"{RULES[rule]} label", validations.calls(number), validations.counts(number)
+        name, calls, counts = (
+            f"{RULES[rule]} label",
+            validations.calls(number),
+            validations.counts(number),
+        )
         labelled, true = Alarms(), Alarms()
         for one, called in zip(recordings, calls, strict=True):
             labelled.add(one.time, called, one.label_time)
             true.add(one.time, called, one.slip_time)
-        delays.rows += [[name, "position label", *labelled.cells()], [name, "true first slip", *true.cells()]]
+        delays.rows += [
+            [name, "position label", *labelled.cells()],
+            [name, "true first slip", *true.cells()],
+        ]
         alarms = share(true.false_alarms, true.recordings - true.slipping)
-        frames.rows.append([name, on_all(counts).cell(), on_slip(counts).cell(), cell(motors_right(counts)), alarms])
+        frames.rows.append(
+            [
+                name,
+                on_all(counts).cell(),
+                on_slip(counts).cell(),
+                cell(motors_right(counts)),
+                alarms,
+            ]
+        )
         figures[RULES[rule]] = {
-            "from_position_label": labelled.figures(), "from_true_slip": true.figures(), "frames": figures_of(counts)
+            "from_position_label": labelled.figures(),
+            "from_true_slip": true.figures(),
+            "frames": figures_of(counts),
         }
     label, figures["label"] = label_table(recordings)
     return Result(

@@ -10,26 +10,30 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
 from slipbench import InputError, RandomStream
 from slipbench._program import counted
 from slipbench.learning import MASKED, Input, Training, find_recipe
 from slipbench.learning._fit import history_of
-from slipbench_studies.network_training import Floats, Labels, folds, train_and_answer, train_all
+from slipbench_studies.network_training import Floats, Labels, folds, train_all, train_and_answer
 from slipbench_studies.piezo_fft_gru import SCENE
 from slipbench_studies.piezo_fft_gru.bench import RULES, Recording, read_recordings, run_recordings
 from slipbench_studies.result import Options
 from slipbench_studies.statistics import mean_sd
 from torch import nn
 
-SOURCE = ('"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor". '
-          "Cells are balanced accuracy in % and F1 of slip.")
+SOURCE = (
+    '"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor". '
+    "Cells are balanced accuracy in % and F1 of slip."
+)
 PUBLISHED_RECORDINGS, USUAL_RECORDINGS = 3200, 200
 FOLDS = 5
 CLASSES = 2  # hold, slip
 WITH_SLIP, MOTORS_ALONE = 0, 1  # groups of recordings
 EPOCHS = 200  # published
-SHOWN, KEPT = 0.8, 0.8  # shares: recordings in the training set, and those of them that are not for validation
+SHOWN, KEPT = (
+    0.8,
+    0.8,
+)  # shares: recordings in the training set, and those of them that are not for validation
 # The number of steps depends on the number of recordings.
 PUBLISHED_TRAINING = Training(batch=32, clip=128, learning_rate=8e-4, optimiser="rmsprop")
 SHORTCUTS = ("time", "contact", "motors", "kind")  # kind: True for a recording of motors only
@@ -67,7 +71,10 @@ class Row:
             return recording.inputs[self.input].features
         kind = np.full(len(recording.time), recording.motors_only)
         columns: dict[str, NDArray[Any]] = {
-            "time": recording.time, "contact": recording.contact, "motors": recording.motors, "kind": kind
+            "time": recording.time,
+            "contact": recording.contact,
+            "motors": recording.motors,
+            "kind": kind,
         }
         return np.stack([columns[one] for one in self.told], axis=1).astype(np.float32)
 
@@ -141,17 +148,25 @@ def size_of(options: Options, usual: int) -> Size:
         InputError: --trials with --data, an odd number of recordings, or too few for the folds
     """
     if options.data and options.trials:
-        raise InputError("reproduce: --trials applies to simulated recordings; use --data without --trials")
+        raise InputError(
+            "reproduce: --trials applies to simulated recordings; use --data without --trials"
+        )
     size = Size(options.trials or (PUBLISHED_RECORDINGS if options.full else usual), options.full)
     if size.recordings < 2 * FOLDS or size.recordings % 2:
         raise InputError(
             f"reproduce: --trials {size.recordings}: half of the recordings of a level have contact, and {FOLDS} folds "
-            f"need one each; allowed: even numbers, {2 * FOLDS} or more")
+            f"need one each; allowed: even numbers, {2 * FOLDS} or more"
+        )
     return size
 
 
-def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs: Sequence[Input],
-                   others_too: bool = True) -> list[Recording]:
+def recordings_for(
+    options: Options,
+    size: Size,
+    levels: Iterable[float],
+    inputs: Sequence[Input],
+    others_too: bool = True,
+) -> list[Recording]:
     """Reads the recordings of --data, or simulates the bench.
 
     Args:
@@ -175,10 +190,13 @@ def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs
     counts = {"with contact": sum(not one.motors_only for one in recordings)}
     for rule in ("micro", "paper"):
         counts[f"that slip by the {RULES[rule]} label"] = sum(
-            bool(one.inputs[0].labels[rule].any()) for one in recordings)
+            bool(one.inputs[0].labels[rule].any()) for one in recordings
+        )
     for what, count in counts.items():
         if count < FOLDS:
-            raise InputError(f"{count} recordings {what} are too few for {FOLDS} folds; allowed: {FOLDS} or more")
+            raise InputError(
+                f"{count} recordings {what} are too few for {FOLDS} folds; allowed: {FOLDS} or more"
+            )
     return recordings
 
 
@@ -244,8 +262,10 @@ class Figures(NamedTuple):
     def json(self) -> dict[str, float]:
         """balanced_accuracy (0 to 1) and f1, with their deviations."""
         return {
-            "balanced_accuracy": self.accuracy[0] / 100.0, "balanced_accuracy_sd": self.accuracy[1] / 100.0,
-            "f1": self.f1[0], "f1_sd": self.f1[1]
+            "balanced_accuracy": self.accuracy[0] / 100.0,
+            "balanced_accuracy_sd": self.accuracy[1] / 100.0,
+            "f1": self.f1[0],
+            "f1_sd": self.f1[1],
         }
 
     def cell(self) -> str:
@@ -256,7 +276,9 @@ class Figures(NamedTuple):
 def cell(percent: MeanSd) -> str:
     """As "96.2 +- 0.8", for one fold "96.2"; "-" for NaN."""
     mean, sd = percent
-    return "-" if math.isnan(mean) else f"{mean:.1f}" if math.isnan(sd) else f"{mean:.1f} +- {sd:.1f}"
+    return (
+        "-" if math.isnan(mean) else f"{mean:.1f}" if math.isnan(sd) else f"{mean:.1f} +- {sd:.1f}"
+    )
 
 
 def _share(part: int, whole: int) -> float:
@@ -284,14 +306,17 @@ def on_all(counts: Counts) -> Figures:
 
 def motors_right(counts: Counts) -> MeanSd:
     """Share of the frames of motors only that are called hold, %."""
-    return mean_sd([100.0 * _share(held, held + alarmed) for held, alarmed in counts[:, MOTORS_ALONE, 0]])
+    return mean_sd(
+        [100.0 * _share(held, held + alarmed) for held, alarmed in counts[:, MOTORS_ALONE, 0]]
+    )
 
 
 def figures_of(counts: Counts) -> dict[str, Any]:
     """on_slip_and_noise, on_slip and motors_right for the JSON of a study."""
     return {
-        "on_slip_and_noise": on_all(counts).json(), "on_slip": on_slip(counts).json(),
-        "motors_right": motors_right(counts)[0] / 100.0
+        "on_slip_and_noise": on_all(counts).json(),
+        "on_slip": on_slip(counts).json(),
+        "motors_right": motors_right(counts)[0] / 100.0,
     }
 
 
@@ -311,14 +336,21 @@ class Validations:
         options: seed, jobs, output, resume
         size: size of the study
     """
+
     def __init__(self, options: Options, size: Size) -> None:
         self._options, self._size = options, size
         self._plans: list[_Plan] = []
         self._tasks: list[tuple[int, int]] = []  # index of the plan, fold
         self._called: list[list[Labels]] = []  # per task: for each recording in the fold
 
-    def queue(self, recordings: Sequence[Recording], fold_of: ArrayLike, row: Row, rule: str,
-              slip_alone: bool = False) -> int:
+    def queue(
+        self,
+        recordings: Sequence[Recording],
+        fold_of: ArrayLike,
+        row: Row,
+        rule: str,
+        slip_alone: bool = False,
+    ) -> int:
         """Queues one network per fold, trained on the other folds.
 
         Args:
@@ -336,11 +368,18 @@ class Validations:
         self._plans.append(plan)
         return len(self._plans) - 1
 
-    def queue_folds(self, recordings: Sequence[Recording], row: Row, rule: str, slip_alone: bool = False) -> int:
+    def queue_folds(
+        self, recordings: Sequence[Recording], row: Row, rule: str, slip_alone: bool = False
+    ) -> int:
         """As queue() with FOLDS folds, over which recordings with contact and of motors only are
         distributed separately."""
-        return self.queue(recordings, folds(groups_of(recordings), FOLDS, self._options.draws_seed), row, rule,
-                          slip_alone)
+        return self.queue(
+            recordings,
+            folds(groups_of(recordings), FOLDS, self._options.draws_seed),
+            row,
+            rule,
+            slip_alone,
+        )
 
     def run(self, name: str) -> None:
         """Trains all queued networks.
@@ -352,9 +391,12 @@ class Validations:
             InputError: as train_all()
         """
         subjects = [
-            f"{self._plans[number].row.text}, {RULES[self._plans[number].rule]} label" for number, _ in self._tasks
+            f"{self._plans[number].row.text}, {RULES[self._plans[number].rule]} label"
+            for number, _ in self._tasks
         ]
-        said = train_all(name, subjects, self._options, lambda index: self._judge(*self._tasks[index]))
+        said = train_all(
+            name, subjects, self._options, lambda index: self._judge(*self._tasks[index])
+        )
         self._called = [[np.array(one, dtype=np.uint8) for one in of_fold] for of_fold in said]
 
     def counts(self, validation: int) -> Counts:
@@ -381,8 +423,12 @@ class Validations:
     def _judge(self, number: int, fold: int) -> list[Labels]:
         plan = self._plans[number]
         trained_on, judged = [], []
-        for one, group, of_it in zip(padded(plan.recordings, plan.row, plan.rule), groups_of(plan.recordings),
-                                     plan.fold_of, strict=True):
+        for one, group, of_it in zip(
+            padded(plan.recordings, plan.row, plan.rule),
+            groups_of(plan.recordings),
+            plan.fold_of,
+            strict=True,
+        ):
             if of_it == fold:
                 judged.append(one.features)
             elif group == WITH_SLIP or not plan.slip_alone:
@@ -392,8 +438,15 @@ class Validations:
         for _ in range(int(self._size.validated * len(trained_on))):
             validating.append(trained_on.pop(random.integer(len(trained_on))))
         inputs = judged[0].shape[1]
-        logits = train_and_answer(partial(plan.row.network, inputs, CLASSES), trained_on, judged,
-                                  self._size.training(plan.row), classes=CLASSES, seed=seed, validating=validating)
+        logits = train_and_answer(
+            partial(plan.row.network, inputs, CLASSES),
+            trained_on,
+            judged,
+            self._size.training(plan.row),
+            classes=CLASSES,
+            seed=seed,
+            validating=validating,
+        )
         return [one.argmax(axis=1).astype(np.uint8) for one in logits]
 
 
@@ -408,11 +461,12 @@ def setup_of(options: Options, size: Size, recordings: int) -> list[str]:
     Returns:
         one sentence per line
     """
-    source = options.data or (f"{SCENE} (paper: {PUBLISHED_RECORDINGS}), half with contact, "
-                              f"seed {options.draws_seed}")
+    source = options.data or (
+        f"{SCENE} (paper: {PUBLISHED_RECORDINGS}), half with contact, seed {options.draws_seed}"
+    )
     trained = "Training as in the recipes (`slipbench describe piezo_fft_gru`); the last state is evaluated."
     if size.full:
-        trained = ("200 epochs of 32 clips of 128 frames per step by RMSProp; a fifth of the training recordings selects the state.")
+        trained = "200 epochs of 32 clips of 128 frames per step by RMSProp; a fifth of the training recordings selects the state."
     return [
         f"{counted(recordings, 'recording')} of {source}.",
         "Frames of 20 ms every 10 ms, log power in bins of 50 Hz, standardised on the training recordings.",

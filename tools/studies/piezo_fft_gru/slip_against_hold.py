@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.signal.windows import hann
-
 from slipbench import InputError, Trial
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.piezo_fft_gru import SCENE
@@ -35,9 +34,16 @@ SPECTRA = ("plain", "detrended", "hann")
 
 # Benches that differ in one setting, without motors: text and overrides.
 BENCHES = {
-    "deaf_direction": ("slides along 135 deg, whose shear generates no charge", {"motion.direction": "135 deg"}),
-    "fast_press": ("pressed on at 2 mm/s instead of 0.7", {
-        "sweep.motion": "[{clearance: 0 mm, approach_speed: 2 mm/s}, {clearance: 5 mm, approach_speed: 20 mm/s, strokes: 10}]"}),
+    "deaf_direction": (
+        "slides along 135 deg, whose shear generates no charge",
+        {"motion.direction": "135 deg"},
+    ),
+    "fast_press": (
+        "pressed on at 2 mm/s instead of 0.7",
+        {
+            "sweep.motion": "[{clearance: 0 mm, approach_speed: 2 mm/s}, {clearance: 5 mm, approach_speed: 20 mm/s, strokes: 10}]"
+        },
+    ),
 }
 
 
@@ -63,7 +69,9 @@ class Reading:
 
     def counts(self, frames: pd.DataFrame) -> NDArray[np.bool_]:
         """[F] True for each frame that counts."""
-        return frames["one_label"].to_numpy() if self.one_label else np.ones(len(frames), dtype=bool)
+        return (
+            frames["one_label"].to_numpy() if self.one_label else np.ones(len(frames), dtype=bool)
+        )
 
 
 # The paper's spectrum first, then the others in SPECTRA, then other labels.
@@ -74,21 +82,40 @@ READINGS = {
     "one_label": Reading("mean off; frames of one label only", one_label=True),
     "hann_one_label": Reading("Hann's taper; frames of one label only", "hann", one_label=True),
     "position": Reading("as in the paper, label by the 100 Hz position", by_position=True),
-    "detrended_position": Reading("straight line subtracted, label by the 100 Hz position", "detrended", by_position=True),
-    "hann_position": Reading("Hann's taper, label by the 100 Hz position", "hann", by_position=True),
+    "detrended_position": Reading(
+        "straight line subtracted, label by the 100 Hz position", "detrended", by_position=True
+    ),
+    "hann_position": Reading(
+        "Hann's taper, label by the 100 Hz position", "hann", by_position=True
+    ),
 }
 
 # A frame has the first cause in the list that applies.
 HOLD_CAUSES = {
-    "stick_between_slips": ("a part slipped within the frame, all sticks at its end", lambda frames: frames["slipped"]),
+    "stick_between_slips": (
+        "a part slipped within the frame, all sticks at its end",
+        lambda frames: frames["slipped"],
+    ),
     "press": ("the tip is pressed on", lambda frames: frames["pressed"]),
-    "shear": ("the bench moves, and shear builds up before the slip", lambda frames: frames["slid"]),
-    "settling": ("at rest for less than 159 ms, while the amplifier settles", lambda frames: frames["still"] < SETTLING_TIME),
+    "shear": (
+        "the bench moves, and shear builds up before the slip",
+        lambda frames: frames["slid"],
+    ),
+    "settling": (
+        "at rest for less than 159 ms, while the amplifier settles",
+        lambda frames: frames["still"] < SETTLING_TIME,
+    ),
     "rest": ("at rest for longer", lambda frames: frames["still"] > -1.0),
 }
 SLIP_CAUSES = {
-    "starts_or_stops": ("the bench accelerates, brakes or stands (below 0.9 of its speed)", lambda frames: ~frames["at_speed"]),
-    "slow_and_light": ("slower than 10 mm/s and below 4 N", lambda frames: (frames["speed"] < SLOW_SLIDE) & (frames["force"] < LIGHT_PRESS)),
+    "starts_or_stops": (
+        "the bench accelerates, brakes or stands (below 0.9 of its speed)",
+        lambda frames: ~frames["at_speed"],
+    ),
+    "slow_and_light": (
+        "slower than 10 mm/s and below 4 N",
+        lambda frames: (frames["speed"] < SLOW_SLIDE) & (frames["force"] < LIGHT_PRESS),
+    ),
     "slow": ("slower than 10 mm/s", lambda frames: frames["speed"] < SLOW_SLIDE),
     "light": ("below 4 N", lambda frames: frames["force"] < LIGHT_PRESS),
     "other": ("faster and heavier", lambda frames: frames["speed"] > -1.0),
@@ -109,7 +136,7 @@ def band_power(windows: NDArray[Any], tapered: bool) -> NDArray[np.float64]:
     values = windows.astype(float)
     spectrum = np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * taper, axis=1)
     width = RATE / WINDOW
-    kept = spectrum[:, round(LOW / width):round(HIGH / width) + 1]
+    kept = spectrum[:, round(LOW / width) : round(HIGH / width) + 1]
     return np.asarray(2.0 * (np.abs(kept) ** 2).sum(axis=1) / (RATE * (taper @ taper)) * width)
 
 
@@ -125,7 +152,9 @@ def without_trend(windows: NDArray[Any]) -> NDArray[np.float32]:
     t = np.arange(windows.shape[1]) - 0.5 * (windows.shape[1] - 1)
     values = windows.astype(float)
     slope = values @ t / (t @ t)
-    return np.asarray(values - values.mean(axis=1, keepdims=True) - slope[:, None] * t, dtype=np.float32)
+    return np.asarray(
+        values - values.mean(axis=1, keepdims=True) - slope[:, None] * t, dtype=np.float32
+    )
 
 
 def frames_of(trial: Trial) -> pd.DataFrame:
@@ -148,22 +177,40 @@ def frames_of(trial: Trial) -> pd.DataFrame:
     force, speed = STIFFNESS * trial.params["motion.compression"], trial.params["motion.speed"]
     velocity = [body.velocity for body in trial.bodies.values()]
     normal = np.max([np.abs(one[:, 2].astype(float)) for one in velocity], axis=0)
-    sideways = np.max([np.hypot(one[:, 0].astype(float), one[:, 1].astype(float)) for one in velocity], axis=0)
+    sideways = np.max(
+        [np.hypot(one[:, 0].astype(float), one[:, 1].astype(float)) for one in velocity], axis=0
+    )
     ends = np.arange(WINDOW, len(signal) + 1, HOP)
     last = ends - 1
     rows = ends[:, None] - WINDOW + np.arange(WINDOW)
     windows, touches, slips = signal[rows], micro > 0, micro > 1
     moves = np.where(np.maximum(normal, sideways) > STILL_SPEED, np.arange(len(normal)), -1)
     moved = np.maximum.accumulate(moves)[last]
-    return pd.DataFrame({
-        "plain": band_power(windows, False), "detrended": band_power(without_trend(windows), False), "hann": band_power(windows, True),
-        "contact": touches[last], "slips": slips[last], "slips_by_position": paper[last] > 1, "at_speed": sideways[last] >= 0.9 * speed,
-        "one_label": ((touches[rows] == touches[last][:, None]) & (slips[rows] == slips[last][:, None])).all(axis=1), "slipped": slips[rows].any(axis=1),
-        "pressed": (normal > STILL_SPEED)[rows].any(axis=1), "slid": (sideways > STILL_SPEED)[rows].any(axis=1),
-        "still": np.where(moved < 0, math.inf, time[last] - time[np.maximum(moved, 0)]), "force": force, "speed": speed})
+    return pd.DataFrame(
+        {
+            "plain": band_power(windows, False),
+            "detrended": band_power(without_trend(windows), False),
+            "hann": band_power(windows, True),
+            "contact": touches[last],
+            "slips": slips[last],
+            "slips_by_position": paper[last] > 1,
+            "at_speed": sideways[last] >= 0.9 * speed,
+            "one_label": (
+                (touches[rows] == touches[last][:, None]) & (slips[rows] == slips[last][:, None])
+            ).all(axis=1),
+            "slipped": slips[rows].any(axis=1),
+            "pressed": (normal > STILL_SPEED)[rows].any(axis=1),
+            "slid": (sideways > STILL_SPEED)[rows].any(axis=1),
+            "still": np.where(moved < 0, math.inf, time[last] - time[np.maximum(moved, 0)]),
+            "force": force,
+            "speed": speed,
+        }
+    )
 
 
-def separation(frames: pd.DataFrame, spectrum: str, slip: NDArray[np.bool_], hold: NDArray[np.bool_]) -> Auc | None:
+def separation(
+    frames: pd.DataFrame, spectrum: str, slip: NDArray[np.bool_], hold: NDArray[np.bool_]
+) -> Auc | None:
     """Separation of frames of slip and of hold by loudness.
 
     Args:
@@ -190,12 +237,31 @@ class Separations(NamedTuple):
 
     def figures(self) -> dict[str, Any]:
         """Figures by name; None if one kind has no frames."""
-        return {name: None if one is None else {"auc": one.value, "interval_95": one.interval, "slip_frames": one.positives, "hold_frames": one.negatives}
-                for name, one in zip(self._fields, self, strict=True)}
+        return {
+            name: None
+            if one is None
+            else {
+                "auc": one.value,
+                "interval_95": one.interval,
+                "slip_frames": one.positives,
+                "hold_frames": one.negatives,
+            }
+            for name, one in zip(self._fields, self, strict=True)
+        }
 
     def row(self, name: str) -> list[str]:
         """A row of area_table()."""
-        return [name, *(cell for one in self for cell in (area_cell(one), "-" if one is None else f"{one.interval[0]:.3f} to {one.interval[1]:.3f}"))]
+        return [
+            name,
+            *(
+                cell
+                for one in self
+                for cell in (
+                    area_cell(one),
+                    "-" if one is None else f"{one.interval[0]:.3f} to {one.interval[1]:.3f}",
+                )
+            ),
+        ]
 
 
 def separations(frames: pd.DataFrame, reading: Reading) -> Separations:
@@ -208,9 +274,18 @@ def separations(frames: pd.DataFrame, reading: Reading) -> Separations:
     Returns:
         the three areas
     """
-    counts, slips, contact = reading.counts(frames), reading.slips(frames), frames["contact"].to_numpy()
+    counts, slips, contact = (
+        reading.counts(frames),
+        reading.slips(frames),
+        frames["contact"].to_numpy(),
+    )
     hold = counts & ~slips
-    return Separations(*(separation(frames, reading.spectrum, counts & slips, some) for some in (hold, hold & contact, hold & ~contact)))
+    return Separations(
+        *(
+            separation(frames, reading.spectrum, counts & slips, some)
+            for some in (hold, hold & contact, hold & ~contact)
+        )
+    )
 
 
 class CauseFigures(NamedTuple):
@@ -232,7 +307,9 @@ class CauseFigures(NamedTuple):
     missing: dict[str, float]
 
 
-def cause_figures(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) -> dict[str, CauseFigures]:
+def cause_figures(
+    frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool
+) -> dict[str, CauseFigures]:
     """Computes the figures of each cause.
 
     Args:
@@ -245,10 +322,16 @@ def cause_figures(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool
     """
     contact, slips = frames["contact"].to_numpy(), frames["slips"].to_numpy()
     asked, other = contact & (slips == of_slip), contact & (slips != of_slip)
-    cause = np.select([fits(frames).to_numpy() for _, fits in causes.values()], list(range(len(causes))), -1)
+    cause = np.select(
+        [fits(frames).to_numpy() for _, fits in causes.values()], list(range(len(causes))), -1
+    )
 
     def area(some: NDArray[np.bool_], spectrum: str) -> Auc | None:
-        return separation(frames, spectrum, some, other) if of_slip else separation(frames, spectrum, other, some)
+        return (
+            separation(frames, spectrum, some, other)
+            if of_slip
+            else separation(frames, spectrum, other, some)
+        )
 
     whole = {spectrum: area(asked, spectrum) for spectrum in SPECTRA}
     figures = {}
@@ -260,8 +343,16 @@ def cause_figures(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool
         for spectrum, one in found.items():
             all_of_it = whole[spectrum]
             lacks = 0.0 if all_of_it is None else 1.0 - all_of_it.value
-            missing[spectrum] = share * (1.0 - one.value) / lacks if one is not None and lacks > 0.0 else 0.0
-        figures[name] = CauseFigures(int(own.sum()), share, math.sqrt(quantile(frames["plain"].to_numpy()[own], 0.5)) if own.any() else math.nan, found, missing)
+            missing[spectrum] = (
+                share * (1.0 - one.value) / lacks if one is not None and lacks > 0.0 else 0.0
+            )
+        figures[name] = CauseFigures(
+            int(own.sum()),
+            share,
+            math.sqrt(quantile(frames["plain"].to_numpy()[own], 0.5)) if own.any() else math.nan,
+            found,
+            missing,
+        )
     return figures
 
 
@@ -272,7 +363,19 @@ def area_cell(found: Auc | None) -> str:
 
 def area_table(title: str, first: str, note: str = "") -> Table:
     """A table for the rows of Separations.row()."""
-    return Table(title, [first, "all hold", "95 %", "hold in contact alone", "95 %", "hold in the air alone", "95 %"], note=note)
+    return Table(
+        title,
+        [
+            first,
+            "all hold",
+            "95 %",
+            "hold in contact alone",
+            "95 %",
+            "hold in the air alone",
+            "95 %",
+        ],
+        note=note,
+    )
 
 
 def _reading_names() -> dict[str, str]:
@@ -280,7 +383,9 @@ def _reading_names() -> dict[str, str]:
     return dict(zip(SPECTRA, READINGS, strict=False))
 
 
-def cause_table(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) -> tuple[Table, dict[str, Any]]:
+def cause_table(
+    frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool
+) -> tuple[Table, dict[str, Any]]:
     """Table of causes, and its figures.
 
     Args:
@@ -291,19 +396,53 @@ def cause_table(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) 
     Returns:
         both
     """
-    table = Table("Slip that is classified as hold in contact, without motors" if of_slip else "Hold in contact that is classified as slip, without motors",
-                  ["frames in which", "frames", "share", "rms, counts, median", "AUC", "of what is missing from 1", "line off: AUC", "of what is missing",
-                   "Hann: AUC", "of what is missing"],
-                  note="" if of_slip else "A frame has the first cause that applies. The area is a mean over frames, so the contributions of the causes to "
-                                          "its deficit from 1 add up. In the published ranges no slide is without a signal, because all slides are along X.")
+    table = Table(
+        "Slip that is classified as hold in contact, without motors"
+        if of_slip
+        else "Hold in contact that is classified as slip, without motors",
+        [
+            "frames in which",
+            "frames",
+            "share",
+            "rms, counts, median",
+            "AUC",
+            "of what is missing from 1",
+            "line off: AUC",
+            "of what is missing",
+            "Hann: AUC",
+            "of what is missing",
+        ],
+        note=""
+        if of_slip
+        else "A frame has the first cause that applies. The area is a mean over frames, so the contributions of the causes to "
+        "its deficit from 1 add up. In the published ranges no slide is without a signal, because all slides are along X.",
+    )
     figures = {}
     for name, cause in cause_figures(frames, causes, of_slip).items():
-        cells = [cell for spectrum in SPECTRA for cell in (area_cell(cause.area[spectrum]), f"{100.0 * cause.missing[spectrum]:.0f} %")]
-        table.rows.append([causes[name][0], str(cause.frames), f"{100.0 * cause.share:.1f} %", "-" if math.isnan(cause.rms) else f"{cause.rms:.1f}", *cells])
+        cells = [
+            cell
+            for spectrum in SPECTRA
+            for cell in (
+                area_cell(cause.area[spectrum]),
+                f"{100.0 * cause.missing[spectrum]:.0f} %",
+            )
+        ]
+        table.rows.append(
+            [
+                causes[name][0],
+                str(cause.frames),
+                f"{100.0 * cause.share:.1f} %",
+                "-" if math.isnan(cause.rms) else f"{cause.rms:.1f}",
+                *cells,
+            ]
+        )
         areas = {}
         for spectrum, reading in _reading_names().items():
             found = cause.area[spectrum]
-            areas[reading] = {"auc": None if found is None else found.value, "share_of_missing": cause.missing[spectrum]}
+            areas[reading] = {
+                "auc": None if found is None else found.value,
+                "share_of_missing": cause.missing[spectrum],
+            }
         figures[name] = {"frames": cause.frames, "share": cause.share, **areas}
     return table, figures
 
@@ -318,17 +457,22 @@ def remarks_on(curve: Mapping[str, Any], causes: Mapping[str, Any]) -> list[str]
     Returns:
         one or two sentences each
     """
+
     def text(value: float | None) -> str:
         return "-" if value is None else f"{value:.3f}"
 
     def along(against: str) -> str:
-        return ", ".join(text(None if one[against] is None else one[against]["auc"]) for one in curve.values())
+        return ", ".join(
+            text(None if one[against] is None else one[against]["auc"]) for one in curve.values()
+        )
 
     def missing(cause: str) -> float:
         return 100.0 * float(causes[cause]["paper"]["share_of_missing"])
 
     def areas(cause: str) -> str:
-        return ", ".join(text(causes[cause][reading]["auc"]) for reading in _reading_names().values())
+        return ", ".join(
+            text(causes[cause][reading]["auc"]) for reading in _reading_names().values()
+        )
 
     return [
         "The motors run while the tip slides. In half of the recordings another motor, which does not move the tip, runs from a random instant on. From "
@@ -348,7 +492,10 @@ def point_of(found: Auc | None) -> tuple[float, float, float]:
 
 def joined(recordings: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Concatenates the frames of recordings, with the number of each `recording`."""
-    return pd.concat([frames.assign(recording=number) for number, frames in enumerate(recordings)], ignore_index=True)
+    return pd.concat(
+        [frames.assign(recording=number) for number, frames in enumerate(recordings)],
+        ignore_index=True,
+    )
 
 
 def study(options: Options) -> Result:
@@ -365,43 +512,85 @@ def study(options: Options) -> Result:
     """
     count = options.trials or USUAL_RECORDINGS
     if count < 4 or count % 2:
-        raise InputError(f"reproduce: --trials {count}: half of the recordings of a level have contact, and an interval needs two; allowed: even numbers, "
-                         "4 or more")
-    cells = [Cell(f"motor level {level:g}", SCENE, {"motion.vibration": f"{level:g}"}, count // 2) for level in LEVELS]
-    cells += [Cell(text, SCENE, {"motion.vibration": "0", **overrides}, count // 2) for text, overrides in BENCHES.values()]
-    runs = [joined(recordings) for recordings in run_grid(cells, options, lambda _, trial: frames_of(trial))]
+        raise InputError(
+            f"reproduce: --trials {count}: half of the recordings of a level have contact, and an interval needs two; allowed: even numbers, "
+            "4 or more"
+        )
+    cells = [
+        Cell(f"motor level {level:g}", SCENE, {"motion.vibration": f"{level:g}"}, count // 2)
+        for level in LEVELS
+    ]
+    cells += [
+        Cell(text, SCENE, {"motion.vibration": "0", **overrides}, count // 2)
+        for text, overrides in BENCHES.values()
+    ]
+    runs = [
+        joined(recordings)
+        for recordings in run_grid(cells, options, lambda _, trial: frames_of(trial))
+    ]
     silent = runs[0]
 
-    areas = {reading: {f"{level:g}": separations(frames, one) for level, frames in zip(LEVELS, runs, strict=False)} for reading, one in READINGS.items()}
-    curve = area_table("Area under the curve against the motors' level", "motor level",
-                       f"The line is at {WANTED_AREA}, the required area at level 0. Intervals are by recording (Obuchowski), because the frames of one recording "
-                       "depend on each other.")
+    areas = {
+        reading: {
+            f"{level:g}": separations(frames, one)
+            for level, frames in zip(LEVELS, runs, strict=False)
+        }
+        for reading, one in READINGS.items()
+    }
+    curve = area_table(
+        "Area under the curve against the motors' level",
+        "motor level",
+        f"The line is at {WANTED_AREA}, the required area at level 0. Intervals are by recording (Obuchowski), because the frames of one recording "
+        "depend on each other.",
+    )
     curve.rows = [one.row(level) for level, one in areas["paper"].items()]
-    chart = Chart("Slip against hold by one frame", "level of the motors' vibration (motion.vibration, without a unit)", "area under the ROC curve", list(areas["paper"]),
-                  [Curve(name, [point_of(one[k]) for one in areas["paper"].values()])
-                   for k, name in enumerate(("all hold", "in contact alone", "in the air alone"))], bar=WANTED_AREA, bar_name="bar at level 0")
-    readings = area_table("Other readings of the paper, no motors", "reading of a frame",
-                          "The curve shows the first row: the spectrum of the paper, which states that the mean is subtracted and names no taper, with the "
-                          "true label. The row with the position label is the reading of the paper. The others are alternatives. \"Frames of one label\" "
-                          "omits frames within which contact or slip begins or ends.")
+    chart = Chart(
+        "Slip against hold by one frame",
+        "level of the motors' vibration (motion.vibration, without a unit)",
+        "area under the ROC curve",
+        list(areas["paper"]),
+        [
+            Curve(name, [point_of(one[k]) for one in areas["paper"].values()])
+            for k, name in enumerate(("all hold", "in contact alone", "in the air alone"))
+        ],
+        bar=WANTED_AREA,
+        bar_name="bar at level 0",
+    )
+    readings = area_table(
+        "Other readings of the paper, no motors",
+        "reading of a frame",
+        "The curve shows the first row: the spectrum of the paper, which states that the mean is subtracted and names no taper, with the "
+        'true label. The row with the position label is the reading of the paper. The others are alternatives. "Frames of one label" '
+        "omits frames within which contact or slip begins or ends.",
+    )
     readings.rows = [areas[name]["0"].row(one.text) for name, one in READINGS.items()]
     hold, hold_figures = cause_table(silent, HOLD_CAUSES, False)
     slip, slip_figures = cause_table(silent, SLIP_CAUSES, True)
     benches = area_table("What the bench decides, no motors", "bench")
     benches.rows.append(areas["paper"]["0"].row("as above"))
     bench_figures: dict[str, dict[str, Any]] = {}
-    for (name, (text, _)), frames in zip(BENCHES.items(), runs[len(LEVELS):], strict=True):
+    for (name, (text, _)), frames in zip(BENCHES.items(), runs[len(LEVELS) :], strict=True):
         bench_figures[name] = {}
-        for (spectrum, reading), suffix in zip(_reading_names().items(), ("", "; line off", "; Hann's taper"), strict=True):
+        for (spectrum, reading), suffix in zip(
+            _reading_names().items(), ("", "; line off", "; Hann's taper"), strict=True
+        ):
             found = separations(frames, Reading("", spectrum))
             bench_figures[name][reading] = found.figures()
             benches.rows.append(found.row(text + suffix))
-    curves = {reading: {level: one.figures() for level, one in by_level.items()} for reading, by_level in areas.items()}
+    curves = {
+        reading: {level: one.figures() for level, one in by_level.items()}
+        for reading, by_level in areas.items()
+    }
     return Result(
         title="Slip against hold by the power of one frame of the piezoelectric skin",
         source='The frames of "Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor", section IV-A: 20 ms '
         "every 10 ms at 10 kHz, 50 to 600 Hz. The paper prints no such curve.",
-        figures={"curve": curves, "hold_causes": hold_figures, "slip_causes": slip_figures, "bench": bench_figures},
+        figures={
+            "curve": curves,
+            "hold_causes": hold_figures,
+            "slip_causes": slip_figures,
+            "bench": bench_figures,
+        },
         charts=[chart],
         tables=[curve, readings, hold, slip, benches],
         setup=[

@@ -11,10 +11,29 @@ from typing import Any
 
 from slipbench.learning import networks
 from slipbench_studies.grid import check_only
-from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, SIGNAL_AT_100_HZ
-from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, USUAL_RECORDINGS, Row, Validations, cell,
-                                                      figures_of, motors_right, on_all, on_slip, recipe_row,
-                                                      recordings_for, setup_of, size_of)
+from slipbench_studies.piezo_fft_gru.bench import (
+    BENCH_LEVEL,
+    PUBLISHED_SPECTRA,
+    RULES,
+    SIGNAL_AT_100_HZ,
+)
+from slipbench_studies.piezo_fft_gru.networks import (
+    GRU_32,
+    MLP_32,
+    SOURCE,
+    USUAL_RECORDINGS,
+    Row,
+    Validations,
+    cell,
+    figures_of,
+    motors_right,
+    on_all,
+    on_slip,
+    recipe_row,
+    recordings_for,
+    setup_of,
+    size_of,
+)
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 NAME = "piezo-fft-gru/table1"
@@ -37,7 +56,10 @@ def network_rows(full: bool) -> dict[str, Row]:
         the rows
     """
     rows = [
-        replace(recipe_row("raw_gru_32", "signal at 100 Hz, GRU 32", "piezo_raw_gru", 0.9157, 94.71), input=SIGNAL),
+        replace(
+            recipe_row("raw_gru_32", "signal at 100 Hz, GRU 32", "piezo_raw_gru", 0.9157, 94.71),
+            input=SIGNAL,
+        ),
         GRU_32,
         MLP_32,
         recipe_row("mlp_128", "FFT, MLP 128", "piezo_mlp_128", 0.7941, 89.39),
@@ -46,14 +68,37 @@ def network_rows(full: bool) -> dict[str, Row]:
     if full:
         wide = partial(networks.PiezoTcn, kernel=32)
         rows += [
-            Row("gru_128", "FFT, GRU 128", partial(networks.PiezoGru, units=128), f1=0.9787, accuracy=98.73),
-            Row("tcn_128_1", "FFT, TCN 128, kernel 1", partial(networks.PiezoTcn, kernel=1), f1=0.8051, accuracy=88.97),
+            Row(
+                "gru_128",
+                "FFT, GRU 128",
+                partial(networks.PiezoGru, units=128),
+                f1=0.9787,
+                accuracy=98.73,
+            ),
+            Row(
+                "tcn_128_1",
+                "FFT, TCN 128, kernel 1",
+                partial(networks.PiezoTcn, kernel=1),
+                f1=0.8051,
+                accuracy=88.97,
+            ),
             Row("tcn_128_32", "FFT, TCN 128, kernel 32", wide, f1=0.9694, accuracy=98.26),
-            Row("tcn_128_32_later", "the same, not causal", wide, later=HALF, f1=0.9836, accuracy=99.21),
+            Row(
+                "tcn_128_32_later",
+                "the same, not causal",
+                wide,
+                later=HALF,
+                f1=0.9836,
+                accuracy=99.21,
+            ),
         ]
     else:
         training = replace(MLP_32.training, steps=2 * MLP_32.training.steps)
-        rows.append(replace(MLP_32, name="mlp_32_longer", text="FFT, MLP 32, twice the steps", training=training))
+        rows.append(
+            replace(
+                MLP_32, name="mlp_32_longer", text="FFT, MLP 32, twice the steps", training=training
+            )
+        )
     return {row.name: row for row in rows}
 
 
@@ -69,14 +114,26 @@ def shortcut_rows() -> dict[str, Row]:
     }
     training = replace(MLP_32.training, steps=SHORTCUT_STEPS)
     return {
-        name: replace(MLP_32, name=name, text=f"{text}, MLP 32", training=training, told=told, f1=math.nan,
-                      accuracy=math.nan)
+        name: replace(
+            MLP_32,
+            name=name,
+            text=f"{text}, MLP 32",
+            training=training,
+            told=told,
+            f1=math.nan,
+            accuracy=math.nan,
+        )
         for name, (text, told) in shortcuts.items()
     }
 
 
-def table_of(title: str, rows: Mapping[str, Row], inputs: Mapping[str, int], asked: Mapping[str, Mapping[str, int]],
-             validations: Validations) -> tuple[Table, dict[str, dict[str, Any]]]:
+def table_of(
+    title: str,
+    rows: Mapping[str, Row],
+    inputs: Mapping[str, int],
+    asked: Mapping[str, Mapping[str, int]],
+    validations: Validations,
+) -> tuple[Table, dict[str, dict[str, Any]]]:
     """A table of rows, and its figures.
 
     Args:
@@ -90,10 +147,20 @@ def table_of(title: str, rows: Mapping[str, Row], inputs: Mapping[str, int], ask
     Returns:
         both
     """
-    table = Table(title, [
-        "input, network", "parameters", "paper", "position label: all", "with contact", "motors alone, % right",
-        "true label: all", "with contact", "motors alone, % right"
-    ])
+    table = Table(
+        title,
+        [
+            "input, network",
+            "parameters",
+            "paper",
+            "position label: all",
+            "with contact",
+            "motors alone, % right",
+            "true label: all",
+            "with contact",
+            "motors alone, % right",
+        ],
+    )
     figures: dict[str, dict[str, Any]] = {}
     for name, row in rows.items():
         cells = []
@@ -141,9 +208,14 @@ def study(options: Options) -> Result:
     validations.run(NAME)
 
     tables, figures = [], {}
-    inputs = {name: row.features(recordings[0]).shape[1] for name, row in {**architectures, **shortcuts}.items()}
-    for part, title, rows in (("networks", "Table I: architectures", architectures),
-                              ("shortcuts", "What needs no slip signal", shortcuts)):
+    inputs = {
+        name: row.features(recordings[0]).shape[1]
+        for name, row in {**architectures, **shortcuts}.items()
+    }
+    for part, title, rows in (
+        ("networks", "Table I: architectures", architectures),
+        ("shortcuts", "What needs no slip signal", shortcuts),
+    ):
         if rows:
             table, figures[part] = table_of(title, rows, inputs, asked, validations)
             tables.append(table)
@@ -151,13 +223,16 @@ def study(options: Options) -> Result:
         tables[-1].note = (
             "The network receives only this input, not the signal. Speed of the motors: the sum over all running motors, including those that do not move "
             "the tip. If a motor moves a touching tip, the bench slips except for the shear before it: so contact and motors together are a definition "
-            "rather than a shortcut.")
+            "rather than a shortcut."
+        )
     setup = [
         *setup_of(options, size, len(recordings)),
-        "Before the beginning of a recording, a convolution gets copies of its first frame, so that all frames are evaluated. The paper pads, too."
+        "Before the beginning of a recording, a convolution gets copies of its first frame, so that all frames are evaluated. The paper pads, too.",
     ]
     if not options.full:
-        setup.append("With the true label GRU 32, MLP 32 and the shortcuts are trained; with `--full` all networks.")
+        setup.append(
+            "With the true label GRU 32, MLP 32 and the shortcuts are trained; with `--full` all networks."
+        )
     return Result(
         title="Networks that distinguish slip and hold on the piezoelectric skin",
         source=f"Table I of {SOURCE}",
@@ -169,8 +244,13 @@ def study(options: Options) -> Result:
             "The paper states neither the vibration of its motors nor the size of its signal: level 2 is assumed. table4 has the others.",
         ],
         real=[
-            RealFigure(f"{row.text}, balanced accuracy of frames, %", row.accuracy,
-                       on_all(validations.counts(asked["paper"][name])).accuracy[0], "ours has learnt from simulation")
-            for name, row in architectures.items() if not math.isnan(row.accuracy)
+            RealFigure(
+                f"{row.text}, balanced accuracy of frames, %",
+                row.accuracy,
+                on_all(validations.counts(asked["paper"][name])).accuracy[0],
+                "ours has learnt from simulation",
+            )
+            for name, row in architectures.items()
+            if not math.isnan(row.accuracy)
         ],
     )

@@ -11,8 +11,19 @@ from typing import Any
 from slipbench import InputError
 from slipbench_studies.grid import check_only
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, Recording
-from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, Row, Validations, figures_of, on_all,
-                                                      on_slip, recordings_for, setup_of, size_of)
+from slipbench_studies.piezo_fft_gru.networks import (
+    GRU_32,
+    MLP_32,
+    SOURCE,
+    Row,
+    Validations,
+    figures_of,
+    on_all,
+    on_slip,
+    recordings_for,
+    setup_of,
+    size_of,
+)
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "piezo-fft-gru/table4"
@@ -69,10 +80,18 @@ class Point:
 
 def begun_table(title: str, first: str) -> Table:
     """A table whose first column is named `first`."""
-    return Table(title, [
-        first, "label", "learnt slip + noise: on slip + noise", "on slip", "learnt slip: on slip + noise", "on slip",
-        "slip to slip + noise"
-    ])
+    return Table(
+        title,
+        [
+            first,
+            "label",
+            "learnt slip + noise: on slip + noise",
+            "on slip",
+            "learnt slip: on slip + noise",
+            "on slip",
+            "slip to slip + noise",
+        ],
+    )
 
 
 def study(options: Options) -> Result:
@@ -91,7 +110,9 @@ def study(options: Options) -> Result:
     size = size_of(options, USUAL_RECORDINGS)
     check_only(options.only, [GRU_32_TIP.name, GRU_32.name, MLP_32.name])
     if options.data and GRU_32_TIP.name in options.only:
-        raise InputError(f"reproduce: --only {GRU_32_TIP.name} needs its own recordings; leave --data out")
+        raise InputError(
+            f"reproduce: --only {GRU_32_TIP.name} needs its own recordings; leave --data out"
+        )
 
     def wanted(row: Row) -> bool:
         return not options.only or row.name in options.only
@@ -107,7 +128,15 @@ def study(options: Options) -> Result:
 
     def queue(row: Row, rule: str, level: str, recordings: list[Recording]) -> None:
         both = validations.queue_folds(recordings, row, rule)
-        points.append(Point(row, rule, level, both, validations.queue_folds(recordings, row, rule, slip_alone=True)))
+        points.append(
+            Point(
+                row,
+                rule,
+                level,
+                both,
+                validations.queue_folds(recordings, row, rule, slip_alone=True),
+            )
+        )
 
     for row, recordings in ((GRU_32_TIP, tip), (GRU_32, levels[bench])):
         for rule in RULES if recordings and wanted(row) else ():
@@ -120,7 +149,16 @@ def study(options: Options) -> Result:
 
     table = begun_table(f"Table IV: motor level {bench}", "network")
     table.rows.append(
-        ["paper, GRU 32", "position", "98.5, 0.974", "98.2, 0.977", "86.5, 0.678", "98.6, 0.983", "-12.1"])
+        [
+            "paper, GRU 32",
+            "position",
+            "98.5, 0.974",
+            "98.2, 0.977",
+            "86.5, 0.678",
+            "98.6, 0.983",
+            "-12.1",
+        ]
+    )
     curve = begun_table("MLP 32 against the motors' level", "motor level")
     figures: dict[str, dict[str, dict[str, Any]]] = {}
     for point in points:
@@ -129,12 +167,15 @@ def study(options: Options) -> Result:
             table.rows.append([point.row.text, *cells])
         if point.row.name == MLP_32.name:
             curve.rows.append([point.level, *cells])
-        both, alone = (figures_of(validations.counts(number)) for number in (point.both, point.slip_alone))
+        both, alone = (
+            figures_of(validations.counts(number)) for number in (point.both, point.slip_alone)
+        )
         of_row = figures.setdefault(RULES[point.rule], {}).setdefault(point.row.name, {})
         of_row[point.level] = {"slip_and_noise": both, "slip": alone}
     heard = (
         "In half of the recordings with contact a motor runs that does not move the tip, so the training set of a network trained only on slip also "
-        "contains motors without a slip.")
+        "contains motors without a slip."
+    )
     return Result(
         title="Networks of the piezoelectric skin trained with and without recordings of motors alone",
         source=f"Table IV of {SOURCE}",
@@ -143,10 +184,16 @@ def study(options: Options) -> Result:
         setup=[
             *setup_of(options, size, len(levels[bench])),
             f"The number of recordings is that of each level; the MLP has {STEPS} steps.",
-            *([] if options.full else ["With the true label it is trained at one level; with `--full` at all levels."])
+            *(
+                []
+                if options.full
+                else [
+                    "With the true label it is trained at one level; with `--full` at all levels."
+                ]
+            ),
         ],
         remarks=[
             "As here, the noise in the paper comes from the motors that move its tip. It does not state their level; the curve shows its effect.",
-            heard + (' The row "no motor but the tip\'s" does not contain it.' if tip else "")
+            heard + (' The row "no motor but the tip\'s" does not contain it.' if tip else ""),
         ],
     )

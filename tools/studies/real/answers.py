@@ -10,13 +10,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
 from slipbench.bin import _core
 
 Doubles = NDArray[np.float64]
 Codes = NDArray[np.uint8]
 
-STATES = {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3, None: _core.unknown_state}  # None: nobody knows
+STATES = {
+    "no_contact": 0,
+    "non_slip": 1,
+    "incipient": 2,
+    "gross": 3,
+    None: _core.unknown_state,
+}  # None: nobody knows
 NO_CONTACT, NON_SLIP, GROSS, UNKNOWN = 0, 1, 3, _core.unknown_state
 FEWEST = 10  # groups of a bootstrap interval (tools/eval)
 STEADY = 0.5  # s
@@ -64,9 +69,19 @@ def answers_of(detected: Mapping[str, Any]) -> list[Answer]:
             row = int(np.searchsorted(time, alarm["begin_s"]))
             if row < len(time):
                 since[row] = alarm["begin_s"]
-        answers.append(Answer(int(trial["trial"]), time, np.array([STATES[word] for word in samples["label"] or ()], dtype=np.uint8),
-                              np.array([STATES[word] for word in samples["state"]], dtype=np.uint8), since,
-                              np.array([math.nan if value is None else value for value in samples["probability"]], dtype=float)))
+        answers.append(
+            Answer(
+                int(trial["trial"]),
+                time,
+                np.array([STATES[word] for word in samples["label"] or ()], dtype=np.uint8),
+                np.array([STATES[word] for word in samples["state"]], dtype=np.uint8),
+                since,
+                np.array(
+                    [math.nan if value is None else value for value in samples["probability"]],
+                    dtype=float,
+                ),
+            )
+        )
     return answers
 
 
@@ -75,7 +90,12 @@ def steady(answer: Answer) -> Answer:
     reads a window of this length then has read a single state."""
     first = np.append(True, np.diff(answer.labels) != 0)
     since = answer.time[np.maximum.accumulate(np.where(first, np.arange(len(first)), 0))]
-    return replace(answer, labels=np.where(answer.time - since >= STEADY - 1e-9, answer.labels, UNKNOWN).astype(np.uint8))
+    return replace(
+        answer,
+        labels=np.where(answer.time - since >= STEADY - 1e-9, answer.labels, UNKNOWN).astype(
+            np.uint8
+        ),
+    )
 
 
 def best_threshold(answers: Sequence[Answer]) -> float:
@@ -88,16 +108,22 @@ def best_threshold(answers: Sequence[Answer]) -> float:
         return math.nan
     order = np.argsort(-values, kind="stable")
     values, slips = values[order], slips[order]
-    gain = np.cumsum(slips / slips.sum() - ~slips / (~slips).sum())  # recall of slip less share of false reports
+    gain = np.cumsum(
+        slips / slips.sum() - ~slips / (~slips).sum()
+    )  # recall of slip less share of false reports
     ends = np.append(np.flatnonzero(np.diff(values)), len(values) - 1)  # of equal values
     best = int(ends[np.argmax(gain[ends])])
-    return float(values[best] if best + 1 == len(values) else 0.5 * (values[best] + values[best + 1]))
+    return float(
+        values[best] if best + 1 == len(values) else 0.5 * (values[best] + values[best + 1])
+    )
 
 
 def at_threshold(answer: Answer, threshold: float) -> Answer:
     """The answer of a detector that reports gross slip from this probability on."""
     held = ~np.isnan(answer.probability)
-    seen = np.where(held, np.where(answer.probability >= threshold, GROSS, NON_SLIP), NO_CONTACT).astype(np.uint8)
+    seen = np.where(
+        held, np.where(answer.probability >= threshold, GROSS, NON_SLIP), NO_CONTACT
+    ).astype(np.uint8)
     return replace(answer, seen=seen, since=answer.time)
 
 
@@ -114,10 +140,16 @@ def left_out(answers: Sequence[Answer], groups: Sequence[str]) -> tuple[list[Ans
     """
     chosen, thresholds = [], []
     for name in dict.fromkeys(groups):
-        threshold = best_threshold([one for one, group in zip(answers, groups, strict=True) if group != name])
+        threshold = best_threshold(
+            [one for one, group in zip(answers, groups, strict=True) if group != name]
+        )
         thresholds.append(threshold)
         if not math.isnan(threshold):
-            chosen += [at_threshold(one, threshold) for one, group in zip(answers, groups, strict=True) if group == name]
+            chosen += [
+                at_threshold(one, threshold)
+                for one, group in zip(answers, groups, strict=True)
+                if group == name
+            ]
     return chosen, thresholds
 
 

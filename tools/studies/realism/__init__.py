@@ -8,12 +8,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import h5py
-
 import slipbench
 from slipbench import InputError
 from slipbench_studies.__main__ import run
 from slipbench_studies.grid import check_only
-from slipbench_studies.realism import biotac_19, fabric, hexapod, myrmex, papillarray, piezo_skin, uskin
+from slipbench_studies.realism import (
+    biotac_19,
+    fabric,
+    hexapod,
+    myrmex,
+    papillarray,
+    piezo_skin,
+    uskin,
+)
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
 GRASPS_A_BOX = 40  # the median of so many grasps scatters by some 10 %
@@ -69,14 +76,18 @@ SOURCES = {
     "biotac_19": Source(True),
     "myrmex": Source(True),
     "hd-papillarray/table1": Source(True),
-    "hd-papillarray/table2": Source(True, ("as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"), GRASPS_A_BOX),
+    "hd-papillarray/table2": Source(
+        True, ("as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"), GRASPS_A_BOX
+    ),
     "nib-reconfigurable/table1": Source(True),
     "nib-reconfigurable/table2": Source(True),
     "nib-reconfigurable/table3": Source(True),
     "piezo-fft-gru/table1": Source(False),
     "myrmex-tactile-cnn/table2": Source(False),
     "biotac-stability-slip/table2": Source(False, recordings="bts3v2"),
-    "biotac-stability-slip/table3": Source(False, ("sd_trend_no_site", "sorted_sd_no_site"), recordings="biotacsp-dos"),
+    "biotac-stability-slip/table3": Source(
+        False, ("sd_trend_no_site", "sorted_sd_no_site"), recordings="biotacsp-dos"
+    ),
 }
 
 
@@ -96,8 +107,14 @@ def figures_of(name: str, options: Options) -> tuple[list[RealFigure], list[str]
     if name in OWN:
         return OWN[name].figures(options), [OWN[name].setup]
     source = SOURCES[name]
-    its = replace(options, only=source.only, trials=options.trials or source.trials, full=False, output="",
-                  real=options.real if source.recordings else "")
+    its = replace(
+        options,
+        only=source.only,
+        trials=options.trials or source.trials,
+        full=False,
+        output="",
+        real=options.real if source.recordings else "",
+    )
     result = run(name, its)
     return result.real, result.setup
 
@@ -125,7 +142,9 @@ def asked_for(options: Options, truth: str) -> tuple[list[str], list[str]]:
 
     asked = [name for name in names if not left(SOURCES[name])]
     if not asked or (options.real and not any(SOURCES[name].recordings for name in asked)):
-        raise InputError("reproduce: realism: no selected study uses these recordings; expected --real with bts3v2, biotacsp-dos")
+        raise InputError(
+            "reproduce: realism: no selected study uses these recordings; expected --real with bts3v2, biotacsp-dos"
+        )
     return asked, [name for name in names if name not in asked]
 
 
@@ -151,11 +170,17 @@ def study(options: Options) -> Result:
         with h5py.File(options.real) as file:
             truth = str(file.attrs.get("truth", ""))
     asked, left_out = asked_for(options, truth)
-    table = Table("Real and simulated", ["row", "study", "figure", "real", "ours", "ours/real", "note"])
+    table = Table(
+        "Real and simulated", ["row", "study", "figure", "real", "ours", "ours/real", "note"]
+    )
     figures: list[dict[str, Any]] = []
     charts = []
-    setup = ["Seed 1; hexapod and uskin use the seeds of their scenes." if options.seed is None else f"Seed {options.seed}.",
-             f"Table II of hd-papillarray with {GRASPS_A_BOX} grasps per box, unless --trials sets another number."]
+    setup = [
+        "Seed 1; hexapod and uskin use the seeds of their scenes."
+        if options.seed is None
+        else f"Seed {options.seed}.",
+        f"Table II of hd-papillarray with {GRASPS_A_BOX} grasps per box, unless --trials sets another number.",
+    ]
     for name in asked:
         options.say(name)
         places, points = list[str](), list[tuple[float, float, float]]()
@@ -163,14 +188,35 @@ def study(options: Options) -> Result:
         setup += [f"{name}: {line}" for line in lines]
         for one in real:
             ratio, row = one.ours / one.real, str(len(table.rows) + 1)
-            table.rows.append([row, name, one.what, _text(one.real), _text(one.ours), _text(ratio), one.note])
-            figures.append({"study": name, "what": one.what, "real": one.real, "ours": one.ours, "ratio": ratio, "note": one.note})
+            table.rows.append(
+                [row, name, one.what, _text(one.real), _text(one.ours), _text(ratio), one.note]
+            )
+            figures.append(
+                {
+                    "study": name,
+                    "what": one.what,
+                    "real": one.real,
+                    "ours": one.ours,
+                    "ratio": ratio,
+                    "note": one.note,
+                }
+            )
             if not math.isnan(ratio):
                 places.append(one.what)
                 points.append((ratio, ratio, ratio))
         if len(places) > 1:
-            charts.append(Chart(f"{name}, ours over the real figure", "", "our figure over the real one", places, [Curve("ours/real", points)], 1.0, "as real",
-                                joined=False))
+            charts.append(
+                Chart(
+                    f"{name}, ours over the real figure",
+                    "",
+                    "our figure over the real one",
+                    places,
+                    [Curve("ours/real", points)],
+                    1.0,
+                    "as real",
+                    joined=False,
+                )
+            )
     return Result(
         title="The bench compared with real devices",
         source="Published figures of real devices compared with figures of slipbench's studies.",
@@ -178,5 +224,9 @@ def study(options: Options) -> Result:
         setup=setup,
         tables=[table],
         charts=charts,
-        remarks=[f"Omitted: {', '.join(left_out)}. --full runs the studies that train for a quarter of an hour, --real FILE the study that needs these recordings."] if left_out else [],
+        remarks=[
+            f"Omitted: {', '.join(left_out)}. --full runs the studies that train for a quarter of an hour, --real FILE the study that needs these recordings."
+        ]
+        if left_out
+        else [],
     )

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
-
 from slipbench import InputError, Trial
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.result import Options, RealFigure
@@ -32,9 +31,11 @@ REAL_SPECTRUM = np.array([
     -16.2])  # fmt: skip
 REAL_MATERIALS = 2.6  # dB, rms difference of a slide's log spectrum from that mean, averaged over the 20 slides; range 0.8 to 4.5
 REAL_PAC_SD, REAL_PDC_SD = 92.0, 24.0  # counts, median of the slides
-SETUP = ("Real: a BioTac with 19 electrodes, two slides at 25 mm/s over each of ten materials, pac at 2.2 kHz, pdc at 100 Hz, rectified about an unknown "
-         f"value at rest. Ours: {SCENE}, a slide of 8 s, pac at 2.2 kHz, pdc at 100 Hz, rectified about the known value at rest. Fitted: roughness, the exponent"
-         " of its waves, unevenness of the board. Assumed: laws and stiffness of the BioTac SP, counts at rest, friction, depth.")
+SETUP = (
+    "Real: a BioTac with 19 electrodes, two slides at 25 mm/s over each of ten materials, pac at 2.2 kHz, pdc at 100 Hz, rectified about an unknown "
+    f"value at rest. Ours: {SCENE}, a slide of 8 s, pac at 2.2 kHz, pdc at 100 Hz, rectified about the known value at rest. Fitted: roughness, the exponent"
+    " of its waves, unevenness of the board. Assumed: laws and stiffness of the BioTac SP, counts at rest, friction, depth."
+)
 FITTED = "roughness, its exponent and the board's unevenness are fitted"
 
 
@@ -65,7 +66,11 @@ def slide_of(pac: Floats, pdc: Floats) -> Slide:
     """
     rectified = np.abs(pac - PAC_MIDDLE)
     spectrum = welch(rectified, PAC_RATE, nperseg=SEGMENT)[1]
-    return Slide(10.0 * np.log10(spectrum[FIRST_BIN : FIRST_BIN + len(REAL_SPECTRUM)]), float(rectified.std()), float(pdc.std()))
+    return Slide(
+        10.0 * np.log10(spectrum[FIRST_BIN : FIRST_BIN + len(REAL_SPECTRUM)]),
+        float(rectified.std()),
+        float(pdc.std()),
+    )
 
 
 def rms_difference(spectrum: Floats) -> float:
@@ -83,9 +88,14 @@ def rms_difference(spectrum: Floats) -> float:
 def _read(trial: Trial) -> Slide:
     [(name, pad)] = trial.sensors.items()
     if pad.type != "biotac_19":
-        raise InputError(f"reproduce: realism: expected a biotac_19 in {SCENE}, found {pad.type} '{name}'")
+        raise InputError(
+            f"reproduce: realism: expected a biotac_19 in {SCENE}, found {pad.type} '{name}'"
+        )
     slides = (pad.t > SLIDES_FROM) & (pad.t <= SLIDES_TO)
-    return slide_of(pad.channels["pac"][slides].astype(float).ravel(), pad.channels["pdc"][slides].astype(float).ravel())
+    return slide_of(
+        pad.channels["pac"][slides].astype(float).ravel(),
+        pad.channels["pdc"][slides].astype(float).ravel(),
+    )
 
 
 def figures(options: Options) -> list[RealFigure]:
@@ -102,8 +112,12 @@ def figures(options: Options) -> list[RealFigure]:
     """
     [[slide]] = run_grid([Cell("slide.yaml", SCENE)], options, lambda _, trial: _read(trial))
     return [
-        RealFigure("log spectrum of pac, 17 to 1,048 Hz: rms difference, dB", REAL_MATERIALS, rms_difference(slide.spectrum),
-                   f"from the mean of ten materials; {FITTED}; the real figure is that of a single material"),
+        RealFigure(
+            "log spectrum of pac, 17 to 1,048 Hz: rms difference, dB",
+            REAL_MATERIALS,
+            rms_difference(slide.spectrum),
+            f"from the mean of ten materials; {FITTED}; the real figure is that of a single material",
+        ),
         RealFigure("sd of pac, rectified, counts", REAL_PAC_SD, slide.pac_sd, FITTED),
         RealFigure("sd of pdc, counts", REAL_PDC_SD, slide.pdc_sd, FITTED),
     ]

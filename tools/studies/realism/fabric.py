@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
 from slipbench import InputError, Trial
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.result import Options, RealFigure
@@ -24,9 +23,11 @@ HARMONICS = 6
 HALF_WIDTH = 0.35  # of a harmonic's band, in frequencies of the pattern
 SCENE = "scenes/soft_skin/board.yaml"
 
-SETUP = ("Real: a capacitive finger of 16 taxels at 35.6 Hz over a printed board with bars 20 mm apart, one recording at each of 5, 10, 20 and 30 mm/s. "
-         f"Ours: {SCENE} at the same speeds and 36 Hz. Fitted: height, duty and edge of the bars, waviness. Assumed: stiffness, curve and noise of the taxels, "
-         "friction, depth.")
+SETUP = (
+    "Real: a capacitive finger of 16 taxels at 35.6 Hz over a printed board with bars 20 mm apart, one recording at each of 5, 10, 20 and 30 mm/s. "
+    f"Ours: {SCENE} at the same speeds and 36 Hz. Fitted: height, duty and edge of the bars, waviness. Assumed: stiffness, curve and noise of the taxels, "
+    "friction, depth."
+)
 LEVEL, HARMONIC, SLOW, FREQUENCY = 0.57, 0.063, 0.22, 1.0
 
 
@@ -59,7 +60,12 @@ def waves_of(counts: Doubles, rate: float, speed: float) -> Waves:
     Returns:
         the figures
     """
-    power = np.abs(np.fft.rfft((counts - counts.mean(axis=0)) * np.hanning(len(counts))[:, None], axis=0)) ** 2
+    power = (
+        np.abs(
+            np.fft.rfft((counts - counts.mean(axis=0)) * np.hanning(len(counts))[:, None], axis=0)
+        )
+        ** 2
+    )
     turns = np.fft.rfftfreq(len(counts), 1.0 / rate) * PATTERN / speed
 
     def band(low: float, high: float) -> Doubles:
@@ -68,8 +74,12 @@ def waves_of(counts: Doubles, rate: float, speed: float) -> Waves:
     bands = [band(n - HALF_WIDTH, n + HALF_WIDTH) for n in range(1, HARMONICS + 1)]
     near = (turns > 1.0 - HALF_WIDTH) & (turns < 1.0 + HALF_WIDTH)
     of_all = power[near].sum(axis=1)
-    return Waves(float((counts.std(axis=0) / counts.mean(axis=0)).mean()), float(np.median(np.sum(bands[1:], axis=0) / bands[0])),
-                 float(np.median(band(0.0, 1.0 - HALF_WIDTH) / power[1:].sum(axis=0))), float((turns[near] * of_all).sum() / of_all.sum()))
+    return Waves(
+        float((counts.std(axis=0) / counts.mean(axis=0)).mean()),
+        float(np.median(np.sum(bands[1:], axis=0) / bands[0])),
+        float(np.median(band(0.0, 1.0 - HALF_WIDTH) / power[1:].sum(axis=0))),
+        float((turns[near] * of_all).sum() / of_all.sum()),
+    )
 
 
 def waves_of_trial(trial: Trial) -> Waves:
@@ -101,12 +111,28 @@ def figures(options: Options) -> list[RealFigure]:
     Raises:
         InputError: a trial fails
     """
-    [trials] = run_grid([Cell("board.yaml", SCENE)], options, lambda _, trial: waves_of_trial(trial))
-    mean = {name: float(np.mean([getattr(one, name) for one in trials])) for name in ("level_sd", "harmonics", "slow", "frequency")}
+    [trials] = run_grid(
+        [Cell("board.yaml", SCENE)], options, lambda _, trial: waves_of_trial(trial)
+    )
+    mean = {
+        name: float(np.mean([getattr(one, name) for one in trials]))
+        for name in ("level_sd", "harmonics", "slow", "frequency")
+    }
     fitted = "fitted with this in view: "
     return [
-        RealFigure("sd of a taxel over its level", LEVEL, mean["level_sd"], f"{fitted}height of the bars"),
-        RealFigure("power of harmonics over that of the pattern", HARMONIC, mean["harmonics"], f"{fitted}duty and edge"),
-        RealFigure("share of power slower than the pattern", SLOW, mean["slow"], f"{fitted}waviness"),
-        RealFigure("frequency of the pattern, in speed/20 mm", FREQUENCY, mean["frequency"], "not fitted"),
+        RealFigure(
+            "sd of a taxel over its level", LEVEL, mean["level_sd"], f"{fitted}height of the bars"
+        ),
+        RealFigure(
+            "power of harmonics over that of the pattern",
+            HARMONIC,
+            mean["harmonics"],
+            f"{fitted}duty and edge",
+        ),
+        RealFigure(
+            "share of power slower than the pattern", SLOW, mean["slow"], f"{fitted}waviness"
+        ),
+        RealFigure(
+            "frequency of the pattern, in speed/20 mm", FREQUENCY, mean["frequency"], "not fitted"
+        ),
     ]

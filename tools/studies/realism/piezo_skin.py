@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-
 from slipbench import Trial
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.result import Options, RealFigure
@@ -16,15 +15,22 @@ Floats = NDArray[np.float64]
 
 RATE, WINDOW, HOP = 10e3, 256, 100  # Hz, samples: 129 bins, a frame every 10 ms
 TRIALS = 12
-SCENES = {"scenes/piezo_skin/slide.yaml": "typical", "scenes/piezo_skin/humming.yaml": "motors hum at rest, too"}
-SETUP = (f"Real: a piezoelectric skin at 10 kHz, mean and sd over frames of {WINDOW} samples, slip and hold together, of 129 bins in dB with an unknown offset. "
-         f"Ours: {' and '.join(SCENES)}, {TRIALS} trials each at 10 kHz, a frame every 10 ms. Fitted: the noise, by its ratio to slip. Assumed: the amplitude of slip in newtons; "
-         "for the bounds on slip, that half of the frames slip.")
+SCENES = {
+    "scenes/piezo_skin/slide.yaml": "typical",
+    "scenes/piezo_skin/humming.yaml": "motors hum at rest, too",
+}
+SETUP = (
+    f"Real: a piezoelectric skin at 10 kHz, mean and sd over frames of {WINDOW} samples, slip and hold together, of 129 bins in dB with an unknown offset. "
+    f"Ours: {' and '.join(SCENES)}, {TRIALS} trials each at 10 kHz, a frame every 10 ms. Fitted: the noise, by its ratio to slip. Assumed: the amplitude of slip in newtons; "
+    "for the bounds on slip, that half of the frames slip."
+)
 # dB, standard deviation over frames of slip and hold together, mean over the bins from the first to before the second: thayral/tactile-slip-demo,
 # by an author of the paper, whose levels carry an unknown offset.
 REAL_SD = {(1, 17): 8.01, (17, 65): 6.10, (65, 128): 5.90}
 REAL_BIN_SD = {2: 9.53, 16: 6.74, 64: 5.81}  # dB: the same of single bins
-NOISE_SD = 10.0 / math.log(10.0) * math.pi / math.sqrt(6.0)  # dB, of a bin of white noise: the logarithm of an exponential distribution
+NOISE_SD = (
+    10.0 / math.log(10.0) * math.pi / math.sqrt(6.0)
+)  # dB, of a bin of white noise: the logarithm of an exponential distribution
 
 
 def log_spectra(signal: Floats) -> Floats:
@@ -39,7 +45,9 @@ def log_spectra(signal: Floats) -> Floats:
     taper = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(WINDOW) / WINDOW)
     frames = np.lib.stride_tricks.sliding_window_view(signal, WINDOW)[::HOP]
     spectra = np.fft.rfft((frames - frames.mean(axis=1, keepdims=True)) * taper, axis=1)
-    return np.asarray(10.0 * np.log10(2.0 * np.abs(spectra) ** 2 / (RATE * (taper**2).sum()) + 1e-12))
+    return np.asarray(
+        10.0 * np.log10(2.0 * np.abs(spectra) ** 2 / (RATE * (taper**2).sum()) + 1e-12)
+    )
 
 
 def bound_on_slip(sd: float) -> float:
@@ -90,10 +98,24 @@ def figures_of(kinds: Sequence[tuple[Floats, Floats]], text: str) -> list[RealFi
     above = slip.mean(axis=0) - hold.mean(axis=0)
     fitted = f"{text}; the noise is fitted"
     return [
-        *(RealFigure(f"{text}: sd over frames of slip and hold, bins {low} to {end - 1}, dB", real, float(sd[low:end].mean()), fitted)
-          for (low, end), real in REAL_SD.items()),
-        *(RealFigure(f"{text}: slip over hold in contact, bin {b}, dB", bound_on_slip(real), float(above[b]), f"{text}; the real figure is an upper bound")
-          for b, real in REAL_BIN_SD.items()),
+        *(
+            RealFigure(
+                f"{text}: sd over frames of slip and hold, bins {low} to {end - 1}, dB",
+                real,
+                float(sd[low:end].mean()),
+                fitted,
+            )
+            for (low, end), real in REAL_SD.items()
+        ),
+        *(
+            RealFigure(
+                f"{text}: slip over hold in contact, bin {b}, dB",
+                bound_on_slip(real),
+                float(above[b]),
+                f"{text}; the real figure is an upper bound",
+            )
+            for b, real in REAL_BIN_SD.items()
+        ),
     ]
 
 
@@ -108,4 +130,8 @@ def figures(options: Options) -> list[RealFigure]:
     """
     cells = [Cell(text, scene, draws=TRIALS) for scene, text in SCENES.items()]
     recordings = run_grid(cells, options, lambda _, trial: slip_and_hold(trial))
-    return [one for kinds, text in zip(recordings, SCENES.values(), strict=True) for one in figures_of(kinds, text)]
+    return [
+        one
+        for kinds, text in zip(recordings, SCENES.values(), strict=True)
+        for one in figures_of(kinds, text)
+    ]

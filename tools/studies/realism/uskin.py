@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-
 from slipbench import InputError, Trial
 from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.result import Options, RealFigure
@@ -24,15 +23,20 @@ BEFORE_THE_END = (1.5, 0.5)  # s, before the end of the hold, which the release 
 GROSS = 3  # label of a pad that slips as a whole
 SCENE = "scenes/magnetic_skin/creep.yaml"
 SCENE_SEED = 3  # of creep.yaml; determines the device
-REST = {"sensors": "{skin: {type: magnetic_skin, rate: 40 Hz, noise: 2.2, noise_ratio: 2.2}}", "motion": "{kind: stage, gap: 100 mm, speed: 0, start: 30 s}",
-        "duration": "20 s"}  # the pad would touch after 25 s
+REST = {
+    "sensors": "{skin: {type: magnetic_skin, rate: 40 Hz, noise: 2.2, noise_ratio: 2.2}}",
+    "motion": "{kind: stage, gap: 100 mm, speed: 0, start: 30 s}",
+    "duration": "20 s",
+}  # the pad would touch after 25 s
 
 RATIO, SHARE, LEVEL, PEAK = 6.9, 0.88, 0.10, 1.15
 NOISE = (0.9, 0.9, 2.0)  # counts; of each axis
-SETUP = ("Real: a Xela uSkin of 4 x 4 x 3 on a gripper at 38 Hz, 11 recordings of boxes, running means of 6 samples. "
-         f"Ours: {SCENE}, 24 lifts at 38 Hz, and scenes/magnetic_skin/uskin.yaml at rest for 20 s at 40 Hz, smoothed alike. "
-         "Fitted: noise, places of the magnets, drift of the grip. Assumed: a coefficient of friction of 0.2, from which k_t/k_n = 2.3 follows, and boxes, magnets "
-         "and thickness.")
+SETUP = (
+    "Real: a Xela uSkin of 4 x 4 x 3 on a gripper at 38 Hz, 11 recordings of boxes, running means of 6 samples. "
+    f"Ours: {SCENE}, 24 lifts at 38 Hz, and scenes/magnetic_skin/uskin.yaml at rest for 20 s at 40 Hz, smoothed alike. "
+    "Fitted: noise, places of the magnets, drift of the grip. Assumed: a coefficient of friction of 0.2, from which k_t/k_n = 2.3 follows, and boxes, magnets "
+    "and thickness."
+)
 SPREAD = {"ratio": "6.2 to 8.6", "level": "0.04 to 0.35", "peak": "1.03 to 2.3"}
 
 
@@ -61,7 +65,9 @@ def smoothed(values: Doubles, samples: int = SMOOTHED) -> Doubles:
     Returns:
         [T - samples + 1, ...]
     """
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(values, samples, axis=0).mean(axis=-1))
+    return np.asarray(
+        np.lib.stride_tricks.sliding_window_view(values, samples, axis=0).mean(axis=-1)
+    )
 
 
 def held(recording: Recording) -> NDArray[np.bool_]:
@@ -85,7 +91,9 @@ def normal_over_shear(recording: Recording) -> float:
 
 def common_share(recordings: Sequence[Recording]) -> float:
     """Share of the strongest common pattern in the power of all shear channels while held: the square of the first singular value."""
-    shear = np.concatenate([one.counts[held(one)][:, :, :2].reshape(-1, 2 * TAXELS) for one in recordings])
+    shear = np.concatenate(
+        [one.counts[held(one)][:, :, :2].reshape(-1, 2 * TAXELS) for one in recordings]
+    )
     powers = np.linalg.svd(shear, compute_uv=False) ** 2
     return float(powers[0] / powers.sum())
 
@@ -119,7 +127,9 @@ def counts_of(trial: Trial) -> Doubles:
     [skin] = trial.sensors.values()
     counts = skin.channels.get("counts")
     if counts is None or counts.shape[1:] != (TAXELS, AXES):
-        raise InputError("reproduce: realism: the scene has no magnetic skin with counts of 4 x 4 x 3")
+        raise InputError(
+            "reproduce: realism: the scene has no magnetic skin with counts of 4 x 4 x 3"
+        )
     return counts.astype(float)
 
 
@@ -129,8 +139,12 @@ def recording_of(trial: Trial) -> Recording | None:
         return None
     counts, [skin], [labels] = counts_of(trial), trial.sensors.values(), trial.labels.values()
     touch = max(int(np.argmax(labels.state > 0)), 1)
-    recording = Recording(np.asarray(skin.t, float)[SMOOTHED - 1:], smoothed(counts - counts[:touch].mean(axis=0)), False)
-    slipping = labels.state[SMOOTHED - 1:][last_second(recording)] == GROSS
+    recording = Recording(
+        np.asarray(skin.t, float)[SMOOTHED - 1 :],
+        smoothed(counts - counts[:touch].mean(axis=0)),
+        False,
+    )
+    slipping = labels.state[SMOOTHED - 1 :][last_second(recording)] == GROSS
     return Recording(recording.time, recording.counts, bool(slipping.mean() > 0.5))
 
 
@@ -149,17 +163,45 @@ def figures(options: Options) -> list[RealFigure]:
     options = replace(options, seed=SCENE_SEED if options.seed is None else options.seed)
     [trials] = run_grid([Cell("creep.yaml", SCENE)], options, lambda _, trial: recording_of(trial))
     recordings = [one for one in trials if one is not None]
-    [[rest]] = run_grid([Cell("at rest", "scenes/magnetic_skin/uskin.yaml", REST)], options, lambda _, trial: noise_of(smoothed(counts_of(trial))))
+    [[rest]] = run_grid(
+        [Cell("at rest", "scenes/magnetic_skin/uskin.yaml", REST)],
+        options,
+        lambda _, trial: noise_of(smoothed(counts_of(trial))),
+    )
     slipping = [normal_over_shear(one) for one in recordings if one.slips]
     fitted = "fitted with this in view: "
     return [
-        RealFigure("sum of z over sum of shear while it slips, median", RATIO, float(np.median(slipping)) if slipping else float("nan"),
-                   f"{fitted}k_t/k_n; real {SPREAD['ratio']}, four recordings"),
-        RealFigure("share of shear's power in the pattern common to all recordings", SHARE, common_share(recordings), f"{fitted}place of the magnets"),
-        RealFigure("sd of the sum of z over its level, held, median", LEVEL, float(np.median([level_sd(one) for one in recordings])),
-                   f"{fitted}drift of the grip; real {SPREAD['level']}"),
-        RealFigure("greatest sum of z over its level, median", PEAK, float(np.median([peak_over_level(one) for one in recordings])),
-                   f"real {SPREAD['peak']}: some grippers overshoot as they close, ours does not"),
-        *(RealFigure(f"noise at rest along {axis}, smoothed, counts", real, float(ours), "measured; set as measured")
-          for axis, real, ours in zip("xyz", NOISE, rest, strict=True)),
+        RealFigure(
+            "sum of z over sum of shear while it slips, median",
+            RATIO,
+            float(np.median(slipping)) if slipping else float("nan"),
+            f"{fitted}k_t/k_n; real {SPREAD['ratio']}, four recordings",
+        ),
+        RealFigure(
+            "share of shear's power in the pattern common to all recordings",
+            SHARE,
+            common_share(recordings),
+            f"{fitted}place of the magnets",
+        ),
+        RealFigure(
+            "sd of the sum of z over its level, held, median",
+            LEVEL,
+            float(np.median([level_sd(one) for one in recordings])),
+            f"{fitted}drift of the grip; real {SPREAD['level']}",
+        ),
+        RealFigure(
+            "greatest sum of z over its level, median",
+            PEAK,
+            float(np.median([peak_over_level(one) for one in recordings])),
+            f"real {SPREAD['peak']}: some grippers overshoot as they close, ours does not",
+        ),
+        *(
+            RealFigure(
+                f"noise at rest along {axis}, smoothed, counts",
+                real,
+                float(ours),
+                "measured; set as measured",
+            )
+            for axis, real, ours in zip("xyz", NOISE, rest, strict=True)
+        ),
     ]

@@ -25,7 +25,9 @@ def real(name, shape):
 
 
 def write(name, graph, opset, ir_version, about):
-    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", opset)], ir_version=ir_version)
+    model = helper.make_model(
+        graph, opset_imports=[helper.make_opsetid("", opset)], ir_version=ir_version
+    )
     entry = model.metadata_props.add()
     entry.key, entry.value = "slipbench", json.dumps(about)
     onnx.checker.check_model(model, full_check=True)
@@ -33,7 +35,11 @@ def write(name, graph, opset, ir_version, about):
 
 
 classes = [{"name": "hold", "state": "non_slip"}, {"name": "slip", "state": "gross"}]
-force = {"sensor": "papillarray", "rate": 1000, "channels": [{"name": "force", "values": [0, 1, 2]}]}
+force = {
+    "sensor": "papillarray",
+    "rate": 1000,
+    "channels": [{"name": "force", "values": [0, 1, 2]}],
+}
 
 # Two frames of three values -> 4, ReLU -> 2 logits.
 write(
@@ -48,11 +54,20 @@ write(
         "mlp",
         [real("frames", ["N", 2, 3])],
         [real("logits", ["N", 2])],
-        [weights("W1", [4, 6], 0), weights("B1", [4], 24), weights("W2", [2, 4], 28), weights("B2", [2], 36)],
+        [
+            weights("W1", [4, 6], 0),
+            weights("B1", [4], 24),
+            weights("W2", [2, 4], 28),
+            weights("B2", [2], 36),
+        ],
     ),
     13,
     7,
-    {"format": 1, "input": force | {"stride": 5, "history": 2, "offset": [0.5], "scale": [2.0]}, "classes": classes},
+    {
+        "format": 1,
+        "input": force | {"stride": 5, "history": 2, "offset": [0.5], "scale": [2.0]},
+        "classes": classes,
+    },
 )
 
 # A frame of three values -> GRU of 2 as PyTorch has it (linear_before_reset), its state carried ->
@@ -62,7 +77,13 @@ write(
     helper.make_graph(
         [
             helper.make_node("Unsqueeze", ["frame", "zero"], ["sequence"]),
-            helper.make_node("GRU", ["sequence", "W", "R", "B", "", "h"], ["", "h_next"], hidden_size=2, linear_before_reset=1),
+            helper.make_node(
+                "GRU",
+                ["sequence", "W", "R", "B", "", "h"],
+                ["", "h_next"],
+                hidden_size=2,
+                linear_before_reset=1,
+            ),
             helper.make_node("Squeeze", ["h_next", "zero"], ["hidden"]),
             helper.make_node("Gemm", ["hidden", "W2", "B2"], ["logits"], transB=1),
             helper.make_node("Softmax", ["logits"], ["probabilities"], axis=-1),

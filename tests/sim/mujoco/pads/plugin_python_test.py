@@ -24,14 +24,27 @@ STEPS = 5000  # 5 s at 1 ms
 
 
 def rows(n=3, pitch=0.007, k_n=1000, k_t=200):
-    return str([[pitch * (i - (n - 1) / 2), pitch * (j - (n - 1) / 2), 0, k_n, k_t] for i in range(n) for j in range(n)])
+    return str(
+        [
+            [pitch * (i - (n - 1) / 2), pitch * (j - (n - 1) / 2), 0, k_n, k_t]
+            for i in range(n)
+            for j in range(n)
+        ]
+    )
 
 
 def grip(left=None, right=None, integrator="implicitfast"):
     """A box of 100 g, moved and turned a little, between a fixed pad and one that ctrl[0]
     closes."""
+
     def instance(name, attributes):
-        every = {"pad": name, "touch": "box", "friction": "{static: 0.5, kinetic: 0.45}", "truth": "true", **attributes}
+        every = {
+            "pad": name,
+            "touch": "box",
+            "friction": "{static: 0.5, kinetic: 0.45}",
+            "truth": "true",
+            **attributes,
+        }
         configs = "".join(f'<config key="{key}" value="{value}"/>' for key, value in every.items())
         return f'<instance name="{name}">{configs}</instance>'
 
@@ -85,14 +98,23 @@ class SameBits(unittest.TestCase):
                     readings[tick] = data.sensordata
                 with open(out, "rb") as file:
                     self.assertEqual(file.read(), readings.tobytes())
-                states = readings[:, 54:63]  # of the left pad's nine elements, after 27 forces and 27 displacements
-                self.assertEqual(set(np.unique(states)), {0.0, 1.0, 2.0}, "the run must detach, stick and slip")
+                states = readings[
+                    :, 54:63
+                ]  # of the left pad's nine elements, after 27 forces and 27 displacements
+                self.assertEqual(
+                    set(np.unique(states)), {0.0, 1.0, 2.0}, "the run must detach, stick and slip"
+                )
 
     def test_copies_of_data_go_on_alike(self):
-        electronics = {"sensor": "{type: papillarray, electronics: typical}", "effects": "[ageing, viscoelastic]"}
+        electronics = {
+            "sensor": "{type: papillarray, electronics: typical}",
+            "effects": "[ageing, viscoelastic]",
+        }
         for integrator in INTEGRATORS:
             with self.subTest(integrator):
-                model = mujoco.MjModel.from_xml_string(grip(left=electronics, integrator=integrator))
+                model = mujoco.MjModel.from_xml_string(
+                    grip(left=electronics, integrator=integrator)
+                )
                 model.opt.timestep = 0.0005
                 data = mujoco.MjData(model)
                 for tick in range(1001):
@@ -101,22 +123,32 @@ class SameBits(unittest.TestCase):
                 for tick in range(1001, 1701):
                     step(model, data, tick)
                     step(model, twin, tick)
-                    self.assertEqual(data.sensordata.tobytes(), twin.sensordata.tobytes(), f"step {tick}")
+                    self.assertEqual(
+                        data.sensordata.tobytes(), twin.sensordata.tobytes(), f"step {tick}"
+                    )
                 self.assertEqual(data.plugin_state.tobytes(), twin.plugin_state.tobytes())
 
 
 class Refusals(unittest.TestCase):
     def test_mistake_in_a_model_is_an_exception_with_its_text(self):
-        with self.assertRaisesRegex(ValueError, "plugin 'left'.*effects='\\[agein\\]'.*'agein'.*'ageing'"):
+        with self.assertRaisesRegex(
+            ValueError, "plugin 'left'.*effects='\\[agein\\]'.*'agein'.*'ageing'"
+        ):
             mujoco.MjModel.from_xml_string(grip(left={"elements": rows(), "effects": "[agein]"}))
 
     def test_error_in_a_step_is_an_exception_and_a_reset_mends_it(self):
         model = mujoco.MjModel.from_xml_string(grip())
         data = mujoco.MjData(model)
         mujoco.mj_step(model, data)
-        for _ in range(1000):  # each jumps out of mj_step: neither memory nor MuJoCo's stack may be exhausted
-            model.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
-            with self.assertRaisesRegex(mujoco.FatalError, "the flags spring and damper are both disabled"):
+        for _ in range(
+            1000
+        ):  # each jumps out of mj_step: neither memory nor MuJoCo's stack may be exhausted
+            model.opt.disableflags = (
+                mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+            )
+            with self.assertRaisesRegex(
+                mujoco.FatalError, "the flags spring and damper are both disabled"
+            ):
                 mujoco.mj_step(model, data)
             model.opt.disableflags = 0
             mujoco.mj_resetData(model, data)
@@ -144,7 +176,9 @@ class Scenes(unittest.TestCase):
         data = run_scene("hold", "grasped", 2.0)
         self.assertGreater(data.body("box").xpos[2], 0.0999)  # hung on springs, from 0.1
         self.assertAlmostEqual(data.sensordata[2:27:3].sum(), 4.0, places=3)  # the keyframe's 4 N
-        self.assertEqual(set(data.sensordata[54:63]), {0.0, 1.0})  # the corners do not touch, the rest stick
+        self.assertEqual(
+            set(data.sensordata[54:63]), {0.0, 1.0}
+        )  # the corners do not touch, the rest stick
 
     def test_pad_on_a_slider_sticks_when_pressed_and_slips_when_pulled(self):
         self.assertEqual(set(run_scene("slide", "press", 1.0).sensordata[54:63]), {1.0})
@@ -154,13 +188,23 @@ class Scenes(unittest.TestCase):
         self.assertAlmostEqual(slid.body("carriage").cvel[3], 0.004, delta=0.01 * 0.004)
 
     def test_arm_lifts_a_box(self):
-        self.assertLess(run_scene("arm", "grasp", 2.0).body("box").xpos[2], 0.0301)  # it stands on its table, half of 60 mm high
+        self.assertLess(
+            run_scene("arm", "grasp", 2.0).body("box").xpos[2], 0.0301
+        )  # it stands on its table, half of 60 mm high
         lifted = run_scene("arm", "lift", 2.0)
         self.assertGreater(lifted.body("box").xpos[2], 0.07)
         self.assertEqual(set(lifted.sensordata[54:63]), {0.0, 1.0})
 
 
-def touching(attributes="", geom="", option="", site="", more="", start=0.001, collide="contype='0' conaffinity='0'"):
+def touching(
+    attributes="",
+    geom="",
+    option="",
+    site="",
+    more="",
+    start=0.001,
+    collide="contype='0' conaffinity='0'",
+):
     """A block of 1 kg on a vertical slider, with a pad of 3 x 3 elements of 1 kN/m below it, over a
     plate with its top at z = 0.
     """
@@ -200,19 +244,37 @@ class Misuse(unittest.TestCase):
 
     def test_contact_of_mujoco_beside_a_pad(self):
         both = touching(collide="")
-        self.refused(both, "plugin 'left': MuJoCo's own contact between geom 'block', which moves with the pad, and the touched geom "
-                           "'plate' .*<exclude body1=\"block\" body2=\"plate\"/>")
-        self.accepted(both.replace("<sensor>", '<contact><exclude body1="block" body2="plate"/></contact><sensor>'))
+        self.refused(
+            both,
+            "plugin 'left': MuJoCo's own contact between geom 'block', which moves with the pad, and the touched geom "
+            '\'plate\' .*<exclude body1="block" body2="plate"/>',
+        )
+        self.accepted(
+            both.replace(
+                "<sensor>", '<contact><exclude body1="block" body2="plate"/></contact><sensor>'
+            )
+        )
         self.accepted(touching(collide="", geom="contype='2' conaffinity='2'"))
-        self.refused(touching().replace("<sensor>", '<contact><pair geom1="block" geom2="plate"/></contact><sensor>'), "own contact between")
+        self.refused(
+            touching().replace(
+                "<sensor>", '<contact><pair geom1="block" geom2="plate"/></contact><sensor>'
+            ),
+            "own contact between",
+        )
 
     def test_contact_of_what_is_welded_to_the_pads_body(self):
         nail = '<body name="nail"><geom name="nail" size="0.001" pos="0 0 0.02" mass="0.001"/></body><site name="pad"'
-        self.refused(touching(geom="contype='1'").replace('<site name="pad"', nail), "between geom 'nail', .*<exclude body1=\"nail\" body2=\"plate\"/>")
+        self.refused(
+            touching(geom="contype='1'").replace('<site name="pad"', nail),
+            'between geom \'nail\', .*<exclude body1="nail" body2="plate"/>',
+        )
 
     def test_a_site_that_looks_the_wrong_way(self):
-        self.refused(touching(site='zaxis="0 0 -1"'), "plugin 'left': tips of the pad at site 'pad' are inside the touched geom 'plate' and point "
-                                                      "out of it: the site points the wrong way")
+        self.refused(
+            touching(site='zaxis="0 0 -1"'),
+            "plugin 'left': tips of the pad at site 'pad' are inside the touched geom 'plate' and point "
+            "out of it: the site points the wrong way",
+        )
 
     def test_a_site_that_begins_inside(self):
         # The pad's radius is 9.9 mm: its corner is 7 mm away along both axes.
@@ -221,22 +283,32 @@ class Misuse(unittest.TestCase):
 
     def test_two_pads_on_one_site(self):
         second = f'<instance name="right">{key("pad", "pad")}{key("touch", "plate")}{key("elements", rows())}</instance>'
-        self.refused(touching(more=second), "plugin 'right': it is on the same site 'pad' as plugin 'left'")
+        self.refused(
+            touching(more=second), "plugin 'right': it is on the same site 'pad' as plugin 'left'"
+        )
 
     def test_material_and_friction(self):
-        self.refused(touching(key("material", "acrylic") + key("friction", "{static: 0.5}")), "plugin 'left': material and friction are both given")
+        self.refused(
+            touching(key("material", "acrylic") + key("friction", "{static: 0.5}")),
+            "plugin 'left': material and friction are both given",
+        )
 
     def test_all_that_implicit_lacks_in_one_message(self):
         old = not hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
-        self.refused(touching(key("solver", "implicit"), option='noslip_iterations="3" iterations="5"'),
-                     f"solver='implicit' needs the integrator discrete, which MuJoCo {mujoco.__version__} does not have" if old else
-                     "solver='implicit' needs integrator=\"discrete\"; noslip_iterations=\"0\".*; iterations=\"20\" or more, found 5; a tendon between a site "
-                     "on body block and a site on body plate")
+        self.refused(
+            touching(key("solver", "implicit"), option='noslip_iterations="3" iterations="5"'),
+            f"solver='implicit' needs the integrator discrete, which MuJoCo {mujoco.__version__} does not have"
+            if old
+            else 'solver=\'implicit\' needs integrator="discrete"; noslip_iterations="0".*; iterations="20" or more, found 5; a tendon between a site '
+            "on body block and a site on body plate",
+        )
 
     def test_a_step_too_long_names_the_limit_with_all_elements(self):
         # 1 kg on 9 kN/m: omega 94.9 rad/s; a step of 1/omega, 10.5 ms, is stable.
-        self.refused(touching().replace('timestep="0.001"', 'timestep="0.0123456"'),
-                     "time step 12.3 ms.* [0-9.]{1,5} m?s.*94.9 rad/s.*10.5 ms.*10.5 ms.*solver='implicit'")
+        self.refused(
+            touching().replace('timestep="0.001"', 'timestep="0.0123456"'),
+            "time step 12.3 ms.* [0-9.]{1,5} m?s.*94.9 rad/s.*10.5 ms.*10.5 ms.*solver='implicit'",
+        )
 
     def test_check_warn_makes_warnings(self):
         with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes its warnings to a file there
@@ -282,10 +354,18 @@ class Pickle(unittest.TestCase):
             path = os.path.join(folder, "data")
             with open(path, "wb") as file:
                 pickle.dump(data, file)
-            script = (f"import mujoco, pickle; mujoco.mj_loadPluginLibrary({LIBRARY!r}); data = pickle.load(open({path!r}, 'rb'))\n"
-                      "for _ in range(100): mujoco.mj_step(data.model, data)\n"
-                      "print(float(data.qpos[0]).hex())")
-            said = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True).stdout
+            script = (
+                f"import mujoco, pickle; mujoco.mj_loadPluginLibrary({LIBRARY!r}); data = pickle.load(open({path!r}, 'rb'))\n"
+                "for _ in range(100): mujoco.mj_step(data.model, data)\n"
+                "print(float(data.qpos[0]).hex())"
+            )
+            said = subprocess.run(
+                [sys.executable, "-c", script],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
         for _ in range(100):
             mujoco.mj_step(model, data)
         self.assertEqual(said.strip(), float(data.qpos[0]).hex())
@@ -301,7 +381,9 @@ class Unloaded(unittest.TestCase):
         data = mujoco.MjData(model)
         mujoco.mj_step(model, data)
         for _ in range(2):
-            self.assertTrue(np.isfinite(data.sensordata).all() and np.isfinite(data.plugin_state).all())
+            self.assertTrue(
+                np.isfinite(data.sensordata).all() and np.isfinite(data.plugin_state).all()
+            )
             self.assertEqual(set(data.sensordata[90:99]), {1.0})
             self.assertEqual(data.sensordata[-1], 1.0)
             mujoco.mj_resetData(model, data)
@@ -311,7 +393,9 @@ class Unloaded(unittest.TestCase):
         self.assertTrue(np.isfinite(a).all() and np.isfinite(c).all())
 
     def test_nan_where_it_is_asked_for(self):
-        model = mujoco.MjModel.from_xml_string(touching(key("truth", "true") + key("unloaded", "nan"), start=0.005))
+        model = mujoco.MjModel.from_xml_string(
+            touching(key("truth", "true") + key("unloaded", "nan"), start=0.005)
+        )
         data = mujoco.MjData(model)
         mujoco.mj_step(model, data)
         self.assertTrue(np.isnan(data.sensordata[90:99]).all() and np.isnan(data.sensordata[-1]))
@@ -320,19 +404,32 @@ class Unloaded(unittest.TestCase):
 
 class Library(unittest.TestCase):
     def test_asks_the_loader_for_one_version_wherever_it_is(self):
-        dynamic = subprocess.run(["readelf", "-d", LIBRARY], check=True, capture_output=True, text=True).stdout
+        dynamic = subprocess.run(
+            ["readelf", "-d", LIBRARY], check=True, capture_output=True, text=True
+        ).stdout
         needed = re.findall(r"\(NEEDED\).*\[(libmujoco[^]]*)\]", dynamic)
         self.assertEqual(needed, [f"libmujoco.so.{mujoco.__version__}"])
         self.assertNotRegex(dynamic, "RPATH|RUNPATH")
-        self.assertNotRegex(dynamic, "yaml|fmt|stdc", "these are inside, whatever the process holds")
+        self.assertNotRegex(
+            dynamic, "yaml|fmt|stdc", "these are inside, whatever the process holds"
+        )
 
     def test_another_version_is_refused_with_the_one_it_needs(self):
-        script = (f"import mujoco; mujoco.mj_loadPluginLibrary({LIBRARY!r})\n"
-                  f"try: mujoco.MjModel.from_xml_string({grip()!r})\n"
-                  "except ValueError as error: print(error)")
-        with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes its warnings to a file there as well
-            result = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True,
-                                    env={**os.environ, "LD_PRELOAD": ANOTHER_VERSION})
+        script = (
+            f"import mujoco; mujoco.mj_loadPluginLibrary({LIBRARY!r})\n"
+            f"try: mujoco.MjModel.from_xml_string({grip()!r})\n"
+            "except ValueError as error: print(error)"
+        )
+        with (
+            tempfile.TemporaryDirectory() as folder
+        ):  # MuJoCo writes its warnings to a file there as well
+            result = subprocess.run(
+                [sys.executable, "-c", script],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                env={**os.environ, "LD_PRELOAD": ANOTHER_VERSION},
+            )
         said = result.stdout + result.stderr
         self.assertEqual(result.returncode, 0, said)
         self.assertIn(f"slipbench.field was built for MuJoCo {mujoco.__version__}, but ", said)

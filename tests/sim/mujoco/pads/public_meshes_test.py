@@ -34,7 +34,9 @@ def outcome(mesh):
         mujoco.MjData(model(mesh, True))
         return "touched", ""
     except (ValueError, mujoco.FatalError) as error:
-        return next((word for word, start in REFUSALS.items() if start in str(error)), "another refusal"), str(error)
+        return next(
+            (word for word, start in REFUSALS.items() if start in str(error)), "another refusal"
+        ), str(error)
 
 
 class PublicMeshes(unittest.TestCase):
@@ -47,7 +49,9 @@ class PublicMeshes(unittest.TestCase):
 
     def test_meshes_that_are_here(self):
         if not FOLDER:
-            self.skipTest("SLIPBENCH_MESHES names no folder with copies of the repositories of public_meshes.csv")
+            self.skipTest(
+                "SLIPBENCH_MESHES names no folder with copies of the repositories of public_meshes.csv"
+            )
         mujoco.mj_loadPluginLibrary(LIBRARY)
         with TABLE.open(encoding="utf-8", newline="") as file:
             rows = {row["sha256"]: row for row in csv.DictReader(file)}
@@ -61,11 +65,15 @@ class PublicMeshes(unittest.TestCase):
             found += 1
             with self.subTest(row["path"]):
                 plain = model(path, False)
-                self.assertEqual((plain.nmeshvert, plain.nmeshface), (int(row["vertices"]), int(row["faces"])))
+                self.assertEqual(
+                    (plain.nmeshvert, plain.nmeshface), (int(row["vertices"]), int(row["faces"]))
+                )
                 word, message = outcome(path)
                 self.assertEqual(word, row["outcome"], message)
                 if message:
-                    self.assertIn("geom 'object' of the mesh 'mesh' cannot be touched by a pad: ", message)
+                    self.assertIn(
+                        "geom 'object' of the mesh 'mesh' cannot be touched by a pad: ", message
+                    )
                     self.assertRegex(message, "mesh editor")
         self.assertGreater(found, 0, f"{FOLDER} holds none of the meshes of {TABLE.name}")
         print(f"{found} meshes tried, {len(rows)} of {TABLE.name} not found")

@@ -126,7 +126,14 @@ class Completion(unittest.TestCase):
 
             def offered(line):
                 command = ["fish", "--no-config", "-c", f"source ./script; complete -C '{line}'"]
-                found = subprocess.run(command, cwd=folder, env=os.environ | {"HOME": folder}, check=True, capture_output=True, text=True)
+                found = subprocess.run(
+                    command,
+                    cwd=folder,
+                    env=os.environ | {"HOME": folder},
+                    check=True,
+                    capture_output=True,
+                    text=True,
+                )
                 self.assertEqual(found.stderr, "")
                 return [word.split("\t")[0] for word in found.stdout.splitlines()]
 
@@ -139,13 +146,21 @@ class Completion(unittest.TestCase):
 
     def test_scripts_name_every_option(self):
         """The help is written by CLI11 and the scripts by us: both name the same."""
-        commands = [line.split()[0] for line in made("--help").split("Subcommands:")[1].splitlines() if line.startswith("  ")]
+        commands = [
+            line.split()[0]
+            for line in made("--help").split("Subcommands:")[1].splitlines()
+            if line.startswith("  ")
+        ]
         self.assertGreater(len(commands), 20)
         for shell in ("bash", "zsh"):
             script = made("completion", shell)
             for command in commands:
-                options = [word for line in made(command, "--help").splitlines() if line.startswith("  -")
-                           for word in line.split()[0].split(",")]
+                options = [
+                    word
+                    for line in made(command, "--help").splitlines()
+                    if line.startswith("  -")
+                    for word in line.split()[0].split(",")
+                ]
                 self.assertIn("--json", options)
                 for option in options:
                     self.assertIn(option, script, f"{shell}: {command}")
@@ -158,7 +173,13 @@ class Manual(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".1", encoding="utf-8") as page:
             page.write(made("man"))
             page.flush()
-            found = subprocess.run([*words, page.name], env=os.environ | {"LC_ALL": "C.UTF-8"}, check=False, capture_output=True, text=True)
+            found = subprocess.run(
+                [*words, page.name],
+                env=os.environ | {"LC_ALL": "C.UTF-8"},
+                check=False,
+                capture_output=True,
+                text=True,
+            )
         self.assertEqual(found.stderr, "")
         return found.stdout
 

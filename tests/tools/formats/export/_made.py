@@ -23,7 +23,11 @@ if QUICK:
     del sys.argv[1]
 # Scenes and overrides that shorten them. The first has three trials, the others two each.
 SCENES = {
-    "papillarray/stage.yaml": {"duration": "1.5 s", "motion.start": "1 s", "sweep": {"motion.speed": ["8 mm/s", "4 mm/s", "2 mm/s"]}},
+    "papillarray/stage.yaml": {
+        "duration": "1.5 s",
+        "motion.start": "1 s",
+        "sweep": {"motion.speed": ["8 mm/s", "4 mm/s", "2 mm/s"]},
+    },
     "nib_pad/linear.yaml": {"duration": "300 ms"},
     "piezo_skin/slide.yaml": {"duration": "1.6 s"},
     "myrmex/slip.yaml": {"duration": "100 ms"},
@@ -53,9 +57,13 @@ def make(scene):
     if os.path.exists(path):
         return path
     changes = SCENES.get(scene, {})
-    sets = [word for key, value in changes.items() for word in ("--set", f"{key}={json.dumps(value)}")]
+    sets = [
+        word for key, value in changes.items() for word in ("--set", f"{key}={json.dumps(value)}")
+    ]
     verb = ["sweep", "--trials", "1"] if "sweep" in changes else ["run", "--trials", "2"]
-    subprocess.run([PROGRAM, *verb, str(ROOT / "scenes" / scene), *sets, "-o", path, "--quiet"], check=True)
+    subprocess.run(
+        [PROGRAM, *verb, str(ROOT / "scenes" / scene), *sets, "-o", path, "--quiet"], check=True
+    )
     return path
 
 
@@ -68,19 +76,31 @@ def import_table(folder, text, about):
     (logs / "a.csv").write_text(text)
     (folder / "my map.yaml").write_text(about)
     path = str(folder / "recorded.h5")
-    subprocess.run([PROGRAM, "import", f"{logs}/", "--map", str(folder / "my map.yaml"), "-o", path], check=True, capture_output=True)
+    subprocess.run(
+        [PROGRAM, "import", f"{logs}/", "--map", str(folder / "my map.yaml"), "-o", path],
+        check=True,
+        capture_output=True,
+    )
     return path
 
 
 def export(dataset, out, *words, status=0):
     """Exports a dataset; returns stdout and stderr."""
-    done = subprocess.run([PROGRAM, "export", dataset, "-o", str(out), *words], capture_output=True, text=True, check=False)
-    assert done.returncode == status, f"{words}: ended with {done.returncode}, expected {status}: {done.stderr}"
+    done = subprocess.run(
+        [PROGRAM, "export", dataset, "-o", str(out), *words],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == status, (
+        f"{words}: ended with {done.returncode}, expected {status}: {done.stderr}"
+    )
     return done.stdout, done.stderr
 
 
 def for_each_scene(format, *words):
     """Decorates a test that takes a dataset and its export in `format`, for each scene."""
+
     def decorator(test):
         def run(self):
             for scene in list(SCENES)[: 1 if QUICK else None]:
@@ -88,16 +108,24 @@ def for_each_scene(format, *words):
                     out = self.folder / scene.replace("/", "_")
                     export(make(scene), out, "--format", format, *words)
                     test(self, make(scene), out)
+
         return run
+
     return decorator
 
 
 def contents(folder):
     """Returns {name: bytes} of all files below a folder."""
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
 
 
 def held(times, values, instants):
     """Returns the latest index at or before each instant. Times closer than 1 ns count as equal."""
     times = list(times)
-    return np.stack([values[bisect_right(times, instant + 1e-9) - 1].reshape(-1) for instant in instants])
+    return np.stack(
+        [values[bisect_right(times, instant + 1e-9) - 1].reshape(-1) for instant in instants]
+    )

@@ -2,6 +2,7 @@
 
 usage: check_exports.py SLIPBENCH SCENE
 """
+
 import csv
 import json
 import pathlib
@@ -19,21 +20,39 @@ def check_npz(path, demo):
     with np.load(path) as archive:  # allow_pickle stays off
         about = json.loads(archive["about"].item())
         assert about["trial"] == 0 and about["sensors"]["pad"]["type"] == "papillarray"
-        assert about["units"]["sensors/pad/force"] == "N" and about["split"] in ("train", "valid", "test")
+        assert about["units"]["sensors/pad/force"] == "N" and about["split"] in (
+            "train",
+            "valid",
+            "test",
+        )
         arrays = {}
-        demo.visititems(lambda name, item: arrays.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+        demo.visititems(
+            lambda name, item: (
+                arrays.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
         assert len(arrays) > 15
         for name, values in arrays.items():
-            assert archive[name].dtype == values.dtype and np.array_equal(archive[name], values, equal_nan=values.dtype.kind == "f"), name
+            assert archive[name].dtype == values.dtype and np.array_equal(
+                archive[name], values, equal_nan=values.dtype.kind == "f"
+            ), name
         for name in ("onset_time_s", "mu_static", "unit_positions"):
-            assert np.array_equal(archive[f"labels/pad/{name}"], demo["labels/pad"].attrs[name], equal_nan=True), name
+            assert np.array_equal(
+                archive[f"labels/pad/{name}"], demo["labels/pad"].attrs[name], equal_nan=True
+            ), name
 
 
 def check_csv(path, demo):
     with open(path, newline="") as file:
         header, *rows = csv.reader(file)
     names = demo["sensors/pad"].attrs["channel_names"]
-    assert header == ["t [s]", *(f"{name} [{'N' if '_F' in name else 'm'}]" for name in names), "state", "state_micro", "state_paper"]
+    assert header == [
+        "t [s]",
+        *(f"{name} [{'N' if '_F' in name else 'm'}]" for name in names),
+        "state",
+        "state_micro",
+        "state_paper",
+    ]
     table = np.array(rows, dtype=float)
     assert np.array_equal(table[:, 0], demo["sensors/pad/t"])
     channels = [demo["sensors/pad"][name] for name in demo["sensors/pad"].attrs["channels"]]
@@ -49,7 +68,11 @@ def check_robomimic(path, source):
     with h5py.File(path, "r", swmr=True, libver="latest") as file:
         data = file["data"]
         environment = json.loads(data.attrs["env_args"])
-        assert environment["env_name"] == "slipbench" and isinstance(environment["type"], int) and "scene" in environment["env_kwargs"]
+        assert (
+            environment["env_name"] == "slipbench"
+            and isinstance(environment["type"], int)
+            and "scene" in environment["env_kwargs"]
+        )
         demos = sorted(data, key=lambda name: int(name[5:]))
         assert demos == sorted(source["data"], key=lambda name: int(name[5:]))
         total = 0
@@ -70,14 +93,21 @@ def check_robomimic(path, source):
             stride = round(recorded["sensors/pad"].attrs["rate_hz"] / RATE)
             whole = recorded["sensors/pad/force"][::stride].reshape(-1, 27)
             assert steps == len(whole) - 1
-            assert np.array_equal(demo["obs/pad_force"], whole[:-1]) and np.array_equal(demo["next_obs/pad_force"], whole[1:])
+            assert np.array_equal(demo["obs/pad_force"], whole[:-1]) and np.array_equal(
+                demo["next_obs/pad_force"], whole[1:]
+            )
             scale, offset = data.attrs["action_scale"], data.attrs["action_offset"]
             velocity = recorded["truth/pad/velocity"][::stride][:-1]
             assert np.allclose(demo["actions"] * scale + offset, velocity, rtol=1e-6, atol=1e-9)
         assert data.attrs["total"] == total
-        split = {part: [name.decode("utf-8") for name in np.array(file[f"mask/{part}"][:])] for part in ("train", "valid", "test")}
+        split = {
+            part: [name.decode("utf-8") for name in np.array(file[f"mask/{part}"][:])]
+            for part in ("train", "valid", "test")
+        }
         assert sorted(sum(split.values(), [])) == demos
-        assert split == {part: [name.decode("utf-8") for name in source[f"mask/{part}"][:]] for part in split}
+        assert split == {
+            part: [name.decode("utf-8") for name in source[f"mask/{part}"][:]] for part in split
+        }
 
 
 def main(program, scene):
@@ -85,9 +115,26 @@ def main(program, scene):
         folder = pathlib.Path(name)
         dataset = folder / "a.h5"
         sweep = "sweep={motion.speed: [2 mm/s, 4 mm/s, 8 mm/s]}"
-        subprocess.run([program, "sweep", scene, "--set", sweep, "--set", "duration=1 s", "-o", dataset, "--quiet"], check=True)
+        subprocess.run(
+            [
+                program,
+                "sweep",
+                scene,
+                "--set",
+                sweep,
+                "--set",
+                "duration=1 s",
+                "-o",
+                dataset,
+                "--quiet",
+            ],
+            check=True,
+        )
         for format, *more in (["npz"], ["csv"], ["robomimic", "--rate", "100 Hz"]):
-            subprocess.run([program, "export", dataset, "--format", format, *more, "-o", folder / format], check=True)
+            subprocess.run(
+                [program, "export", dataset, "--format", format, *more, "-o", folder / format],
+                check=True,
+            )
         with h5py.File(dataset) as source:
             check_npz(folder / "npz/demo_0.npz", source["data/demo_0"])
             check_csv(folder / "csv/demo_0-pad.csv", source["data/demo_0"])

@@ -11,26 +11,37 @@ import unittest
 import h5py
 import numpy as np
 import pandas
+from _made import PROGRAM, ExportTest, contents, export, for_each_scene, held, make
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from slipbench._output import create_locked
-
-from _made import PROGRAM, ExportTest, contents, export, for_each_scene, held, make
 
 
 class Formats(ExportTest):
     def same(self, found, expected, what):
         self.assertEqual((found.dtype, found.shape), (expected.dtype, expected.shape), what)
-        self.assertEqual(np.ascontiguousarray(found).tobytes(), np.ascontiguousarray(expected).tobytes(), what)
+        self.assertEqual(
+            np.ascontiguousarray(found).tobytes(), np.ascontiguousarray(expected).tobytes(), what
+        )
 
     @for_each_scene("npz")
     def test_npz_brings_every_array_back(self, dataset, out):
         with h5py.File(dataset) as file:
             for name, demo in file["data"].items():
                 expected = {}
-                demo.visititems(lambda path, item: expected.update({path: item[()]}) if isinstance(item, h5py.Dataset) else None)
+                demo.visititems(
+                    lambda path, item: (
+                        expected.update({path: item[()]})
+                        if isinstance(item, h5py.Dataset)
+                        else None
+                    )
+                )
                 for sensor in demo["labels"]:
-                    expected |= {f"labels/{sensor}/{key}": value for key, value in demo["labels"][sensor].attrs.items() if key != "frame"}
+                    expected |= {
+                        f"labels/{sensor}/{key}": value
+                        for key, value in demo["labels"][sensor].attrs.items()
+                        if key != "frame"
+                    }
                 with np.load(out / f"{name}.npz") as archive:
                     self.assertEqual(set(archive), {*expected, "about"})
                     for path, values in expected.items():
@@ -44,37 +55,74 @@ class Formats(ExportTest):
                 self.check_demo(demo, written["data"][name], written["data"].attrs)
 
     def check_demo(self, demo, found, about):
-        channels = {f"{sensor}_{channel}": (group[f"{channel}_t" if f"{channel}_t" in group else "t"][:], group[channel][:])
-                    for sensor, group in demo["sensors"].items() for channel in group.attrs["channels"]}
-        states = {f"{sensor}_{state}": (group["t"][:], group[state][:]) for sensor, group in demo["labels"].items()
-                  for state in ("state", "state_micro", "state_paper")}
-        bodies = [(group["t"][:], np.concatenate([group["pose"][:], group["velocity"][:]], axis=1)) for group in demo["truth"].values()]
+        channels = {
+            f"{sensor}_{channel}": (
+                group[f"{channel}_t" if f"{channel}_t" in group else "t"][:],
+                group[channel][:],
+            )
+            for sensor, group in demo["sensors"].items()
+            for channel in group.attrs["channels"]
+        }
+        states = {
+            f"{sensor}_{state}": (group["t"][:], group[state][:])
+            for sensor, group in demo["labels"].items()
+            for state in ("state", "state_micro", "state_paper")
+        }
+        bodies = [
+            (group["t"][:], np.concatenate([group["pose"][:], group["velocity"][:]], axis=1))
+            for group in demo["truth"].values()
+        ]
         clocks = [group["t"][:] for group in demo["sensors"].values()] + [bodies[0][0]]
         if "control" in demo:
             clocks.append(demo["control/t"][:])
             if "measured_position" in demo["control"]:
-                channels["gripper_position"] = (demo["control/t"][:], demo["control/measured_position"][:])
+                channels["gripper_position"] = (
+                    demo["control/t"][:],
+                    demo["control/measured_position"][:],
+                )
         # From the first instant with all values read until the first of them ends.
         start = max(times[0] for times in (*clocks, *(times for times, _ in channels.values())))
         rate = about["rate_hz"]
         rows = int(np.floor((min(times[-1] for times in clocks) - start + 1e-9) * rate)) + 1
         instants = start + np.arange(rows) / rate
-        self.assertEqual((found.attrs["num_samples"], found.attrs["num_samples"].dtype), (rows - 1, np.int64))
+        self.assertEqual(
+            (found.attrs["num_samples"], found.attrs["num_samples"].dtype), (rows - 1, np.int64)
+        )
         self.assertEqual(set(found["obs"]), set(channels))
         for key, (times, values) in channels.items():
             expected = held(times, values, instants).astype("f4")
             self.same(found["obs"][key][:], expected[:-1], key)
             self.same(found["next_obs"][key][:], expected[1:], key)
-            self.assertEqual((found["obs"][key].compression, found["obs"][key].shuffle), ("gzip", True))
+            self.assertEqual(
+                (found["obs"][key].compression, found["obs"][key].shuffle), ("gzip", True)
+            )
         for key, (times, values) in states.items():
-            self.same(found[key][:], held(times, values, instants[:-1]).astype("f4").reshape(-1), key)
-        self.same(found["states"][:], np.concatenate([held(times, values, instants[:-1]) for times, values in bodies], axis=1), "states")
+            self.same(
+                found[key][:], held(times, values, instants[:-1]).astype("f4").reshape(-1), key
+            )
+        self.same(
+            found["states"][:],
+            np.concatenate(
+                [held(times, values, instants[:-1]) for times, values in bodies], axis=1
+            ),
+            "states",
+        )
         scale, offset = about["action_scale"], about["action_offset"]
         if "command" in demo.get("control", {}):
             acted = held(demo["control/t"][:], demo["control/command"][:], instants[:-1])
         else:
             carriers = [body for body in demo["truth"] if body == "pad" or body in demo["sensors"]]
-            acted = np.concatenate([held(demo["truth"][body]["t"][:], demo["truth"][body]["velocity"][:], instants[:-1]) for body in carriers], axis=1)
+            acted = np.concatenate(
+                [
+                    held(
+                        demo["truth"][body]["t"][:],
+                        demo["truth"][body]["velocity"][:],
+                        instants[:-1],
+                    )
+                    for body in carriers
+                ],
+                axis=1,
+            )
         self.same(found["actions"][:], ((acted - offset) / scale).astype("f4"), "actions")
 
     def test_a_rate_takes_the_same_rows_in_every_format(self):
@@ -89,7 +137,9 @@ class Formats(ExportTest):
             sensor, labels = file["data/demo_1/sensors/pad"], file["data/demo_1/labels/pad"]
             own = {channel: sensor[f"{channel}_t"][:] for channel in ("si", "fl", "fr")}
             start = max(times[0] for times in (sensor["t"][:], *own.values()))
-            instants = start + np.arange(int(np.floor((sensor["t"][-1] - start + 1e-9) * 100)) + 1) / 100
+            instants = (
+                start + np.arange(int(np.floor((sensor["t"][-1] - start + 1e-9) * 100)) + 1) / 100
+            )
             self.assertGreater(len(instants), 20)
             values = {channel: held(own[channel], sensor[channel][:], instants) for channel in own}
             state = held(sensor["t"][:], labels["state"][:], instants).reshape(-1)
@@ -99,7 +149,9 @@ class Formats(ExportTest):
             self.same(archive["sensors/pad/t"], instants, "npz")
             self.same(archive["labels/pad/state"], state, "npz")
             for channel, expected in values.items():
-                self.same(archive[f"sensors/pad/{channel}"].reshape(len(instants), -1), expected, "npz")
+                self.same(
+                    archive[f"sensors/pad/{channel}"].reshape(len(instants), -1), expected, "npz"
+                )
             self.assertNotIn("sensors/pad/si_t", archive)
         table = pandas.read_parquet(self.folder / "parquet/pad.parquet")
         self.same(table["t"].to_numpy(), instants, "parquet")
@@ -108,11 +160,17 @@ class Formats(ExportTest):
         with (self.folder / "csv/demo_1-pad.csv").open(newline="") as text:
             rows = list(csv.DictReader(text))
         self.assertEqual([float(row["t [s]"]) for row in rows], list(instants))
-        self.same(np.array([[row[f"{name} [counts]"] for name in names] for row in rows], "f4"), joined, "csv")
+        self.same(
+            np.array([[row[f"{name} [counts]"] for name in names] for row in rows], "f4"),
+            joined,
+            "csv",
+        )
         self.assertEqual([int(row["state"]) for row in rows], list(state))
         messages = {}
         with (self.folder / "mcap/demo_1.mcap").open("rb") as recording:
-            for _, channel, message, decoded in make_reader(recording, decoder_factories=[DecoderFactory()]).iter_decoded_messages():
+            for _, channel, message, decoded in make_reader(
+                recording, decoder_factories=[DecoderFactory()]
+            ).iter_decoded_messages():
                 messages.setdefault(channel.topic, []).append((message.log_time, decoded))
         for channel, expected in values.items():
             found = messages[f"/sensors/pad/{channel}"]
@@ -124,10 +182,19 @@ class Formats(ExportTest):
         dataset = make("papillarray/stage.yaml")
         for format in ("training-csv", "vendor-csv"):
             export(dataset, self.folder / "plain", "--format", format, "--trial", "0")
-            export(dataset, self.folder / "packed", "--format", format, "--trial", "0", "--compress")
-        plain = {str(path.relative_to(self.folder / "plain")): path.read_bytes() for path in (self.folder / "plain").rglob("*.csv")}
-        packed = {str(path.relative_to(self.folder / "packed")).removesuffix(".gz"): gzip.decompress(path.read_bytes())
-                  for path in (self.folder / "packed").rglob("*.csv.gz")}
+            export(
+                dataset, self.folder / "packed", "--format", format, "--trial", "0", "--compress"
+            )
+        plain = {
+            str(path.relative_to(self.folder / "plain")): path.read_bytes()
+            for path in (self.folder / "plain").rglob("*.csv")
+        }
+        packed = {
+            str(path.relative_to(self.folder / "packed")).removesuffix(".gz"): gzip.decompress(
+                path.read_bytes()
+            )
+            for path in (self.folder / "packed").rglob("*.csv.gz")
+        }
         self.assertEqual(len(plain), 2)
         self.assertEqual(packed, plain)
 
@@ -139,12 +206,23 @@ class Formats(ExportTest):
                 out, whole = self.folder / f"a:{format}", self.folder / f"{format}-whole"
                 export(dataset, whole, "--format", format)
                 command = [PROGRAM, "export", dataset, "-o", str(out), "--format", format]
-                runs = [subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for _ in range(4)]
+                runs = [
+                    subprocess.Popen(
+                        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+                    )
+                    for _ in range(4)
+                ]
                 ends = [(run.communicate()[1], run.returncode) for run in runs]
                 self.assertIn(0, [status for _, status in ends], ends)
                 for text, status in ends:
                     if status != 0:
-                        self.assertEqual((status, text.splitlines()[-1]), (2, f"slipbench: cannot write into {out}: another export is writing into it"))
+                        self.assertEqual(
+                            (status, text.splitlines()[-1]),
+                            (
+                                2,
+                                f"slipbench: cannot write into {out}: another export is writing into it",
+                            ),
+                        )
                 self.assertEqual(contents(out), contents(whole))
                 out.rename(self.folder / f"{format}-done")
                 out.mkdir()
@@ -163,22 +241,35 @@ class Formats(ExportTest):
                 out.mkdir()
                 (out / "export.partial").write_text("precious")
                 _, told = export(dataset, out, "--format", format, status=2)
-                self.assertIn(f"{out / 'export.partial'}: would be replaced by the lock of this export, but has content; rename it", told)
+                self.assertIn(
+                    f"{out / 'export.partial'}: would be replaced by the lock of this export, but has content; rename it",
+                    told,
+                )
                 self.assertEqual(contents(out), {"export.partial": b"precious"})
 
     def test_what_a_layout_cannot_carry_is_refused_by_name(self):
         dataset = make("papillarray/stage.yaml")
         for format in ("csv", "npz", "parquet", "mcap", "vendor-csv"):
             with self.subTest(format=format):
-                _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2)
+                _, told = export(
+                    dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2
+                )
                 self.assertRegex(told, "trial 0.* 1001 Hz .*'pad'.* 1000 Hz")
-        for format, reason in (("training-csv", "1000 rows per second"), ("slip-csv", "100 rows per second"), ("myrmex-csv", "every image of the sensor"),
-                               ("grasp-csv", "one row per grasp")):
+        for format, reason in (
+            ("training-csv", "1000 rows per second"),
+            ("slip-csv", "100 rows per second"),
+            ("myrmex-csv", "every image of the sensor"),
+            ("grasp-csv", "one row per grasp"),
+        ):
             with self.subTest(format=format):
-                _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
+                _, told = export(
+                    dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2
+                )
                 self.assertRegex(told, f"{format}, .*{reason}")
         for format in ("parquet", "mcap", "rosbag2", "lerobot", "npz"):
-            _, told = export(dataset, self.folder / "out", "--format", format, "--compress", status=2)
+            _, told = export(
+                dataset, self.folder / "out", "--format", format, "--compress", status=2
+            )
             self.assertRegex(told, f"{format} .*--compress.* csv")
         self.assertFalse((self.folder / "out").exists())
         (self.folder / "file").write_text("x")

@@ -46,8 +46,21 @@ class Interruption(ExportTest):
     def setUpClass(cls):
         folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.dataset = str(folder / "many.h5")
-        subprocess.run([PROGRAM, "sweep", str(ROOT / "scenes/papillarray/stage.yaml"), "--trials", str(TRIALS), "--set", "sweep={}", "-o", cls.dataset, "--quiet"],
-                       check=True)
+        subprocess.run(
+            [
+                PROGRAM,
+                "sweep",
+                str(ROOT / "scenes/papillarray/stage.yaml"),
+                "--trials",
+                str(TRIALS),
+                "--set",
+                "sweep={}",
+                "-o",
+                cls.dataset,
+                "--quiet",
+            ],
+            check=True,
+        )
 
     def interrupt(self, format, out, holds, *numbers, ignored=()):
         """Sends the signals once `holds` of the process and `out`. If both signals are equal,
@@ -59,8 +72,12 @@ class Interruption(ExportTest):
         """
         read_end, write_end = os.pipe()
         os.write(write_end, b" " * fcntl.fcntl(write_end, fcntl.F_SETPIPE_SZ, 4096))
-        process = subprocess.Popen([PROGRAM, "export", self.dataset, "--format", format, "-o", str(out)], stderr=write_end, stdout=subprocess.DEVNULL,
-                                   preexec_fn=lambda: [signal.signal(number, signal.SIG_IGN) for number in ignored])
+        process = subprocess.Popen(
+            [PROGRAM, "export", self.dataset, "--format", format, "-o", str(out)],
+            stderr=write_end,
+            stdout=subprocess.DEVNULL,
+            preexec_fn=lambda: [signal.signal(number, signal.SIG_IGN) for number in ignored],
+        )
         os.close(write_end)
         wait_for(lambda: process.poll() is not None or holds(process.pid, out), process)
         for number in numbers:
@@ -68,24 +85,36 @@ class Interruption(ExportTest):
         if numbers[1:] == numbers[:1]:  # two of one signal may be merged into one
             wait_for(lambda: process.send_signal(numbers[0]) or process.poll() is not None, process)
         with os.fdopen(read_end) as told:
-            text = re.sub(f"^{TRIALS} trials, about .*\n", "", told.read().lstrip(), flags=re.MULTILINE)
+            text = re.sub(
+                f"^{TRIALS} trials, about .*\n", "", told.read().lstrip(), flags=re.MULTILINE
+            )
         return process.wait(timeout=60), text
 
     def test_a_signal_leaves_nothing(self):
-        for format, number in zip(FORMATS, cycle(SIGNALS), strict=False):  # leftovers do not depend on the signal
+        for format, number in zip(
+            FORMATS, cycle(SIGNALS), strict=False
+        ):  # leftovers do not depend on the signal
             with self.subTest(format=format, signal=number.name):
                 status, told = self.interrupt(format, self.folder / format, has_written, number)
-                self.assertEqual((status, (self.folder / format).exists(), told), (130, False, NOTICE))
+                self.assertEqual(
+                    (status, (self.folder / format).exists(), told), (130, False, NOTICE)
+                )
 
     def test_a_signal_while_python_starts_leaves_nothing(self):
         status, told = self.interrupt("parquet", self.folder / "out", is_python, signal.SIGINT)
         self.assertEqual((status, (self.folder / "out").exists(), told), (130, False, NOTICE))
 
     def test_the_second_signal_ends_at_once(self):
-        for numbers in ((signal.SIGINT, signal.SIGINT), (signal.SIGTERM, signal.SIGINT), (signal.SIGHUP, signal.SIGTERM)):
+        for numbers in (
+            (signal.SIGINT, signal.SIGINT),
+            (signal.SIGTERM, signal.SIGINT),
+            (signal.SIGHUP, signal.SIGTERM),
+        ):
             for holds in (has_written, is_python):
                 with self.subTest(signals=numbers, holds=holds.__name__):
-                    out = self.folder / "-".join([holds.__name__, *(number.name for number in numbers)])
+                    out = self.folder / "-".join(
+                        [holds.__name__, *(number.name for number in numbers)]
+                    )
                     status, told = self.interrupt("parquet", out, holds, *numbers)
                     self.assertIn(status, [-number for number in numbers])
                     self.assertNotIn("Traceback", told)
@@ -93,25 +122,50 @@ class Interruption(ExportTest):
     def test_an_ignored_signal_stays_ignored(self):
         for number in SIGNALS:
             with self.subTest(signal=number.name):
-                status, told = self.interrupt("parquet", self.folder / number.name, has_written, number, ignored=[number])
+                status, told = self.interrupt(
+                    "parquet", self.folder / number.name, has_written, number, ignored=[number]
+                )
                 self.assertEqual((status, told), (0, ""))
 
     def test_a_signal_after_the_last_trial_leaves_nothing(self):
         """The files are kept from the moment on at which they get their names."""
-        request = {"dataset": self.dataset, "trials": [0], "sensors": ["pad"], "rate": None, "labels": None, "label_speed": None, "points": False, "licence": "", "json": False, "install": "", "files": []}
+        request = {
+            "dataset": self.dataset,
+            "trials": [0],
+            "sensors": ["pad"],
+            "rate": None,
+            "labels": None,
+            "label_speed": None,
+            "points": False,
+            "licence": "",
+            "json": False,
+            "install": "",
+            "files": [],
+        }
         for format in FORMATS:
             with self.subTest(format=format):
                 out = self.folder / format
                 words = [format, json.dumps(request | {"format": format, "out": str(out)})]
-                done = subprocess.run([sys.executable, "-P", "-c", AFTER_THE_LAST, *words], capture_output=True, text=True, check=False,
-                                      env=os.environ | {"PYTHONPATH": str(Path(PROGRAM).parents[1] / "python")})
-                self.assertEqual((done.returncode, done.stdout, out.exists()), (0, "interrupted\n", False), done.stderr)
+                done = subprocess.run(
+                    [sys.executable, "-P", "-c", AFTER_THE_LAST, *words],
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                    env=os.environ | {"PYTHONPATH": str(Path(PROGRAM).parents[1] / "python")},
+                )
+                self.assertEqual(
+                    (done.returncode, done.stdout, out.exists()),
+                    (0, "interrupted\n", False),
+                    done.stderr,
+                )
 
     def test_a_killed_export_leaves_nothing_under_its_name_and_the_next_one_goes_through(self):
         for format in FORMATS:
             with self.subTest(format=format):
                 out, whole = self.folder / format, self.folder / f"{format}-whole"
-                self.assertEqual(self.interrupt(format, out, has_written, signal.SIGKILL)[0], -signal.SIGKILL)
+                self.assertEqual(
+                    self.interrupt(format, out, has_written, signal.SIGKILL)[0], -signal.SIGKILL
+                )
                 left = set(contents(out))
                 self.assertTrue(left)
                 self.assertEqual({name for name in left if ".partial" not in name}, set())
@@ -129,8 +183,13 @@ class Interruption(ExportTest):
                 export(self.dataset, whole, "--format", format, "--trial", "0")
                 limit = max(len(text) for text in contents(whole).values()) // 2
                 out = self.folder / format
-                done = subprocess.run([PROGRAM, "export", self.dataset, "--format", format, "-o", str(out)], capture_output=True, text=True, check=False,
-                                      preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+                done = subprocess.run(
+                    [PROGRAM, "export", self.dataset, "--format", format, "-o", str(out)],
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
+                )
                 self.assertEqual((done.returncode, out.exists()), (2, False))
                 self.assertRegex(done.stderr, r"^slipbench: cannot write .*: File too large\n$")
                 self.assertNotIn("Traceback", done.stderr)

@@ -12,9 +12,7 @@ import h5py
 import numpy as np
 import pandas
 import pyarrow.parquet
-
 from _made import ExportTest, contents, export, for_each_scene, make
-
 
 
 def same(found, expected, what):
@@ -28,12 +26,16 @@ def check_sensor(out, name, number, demo):
     columns and files compared.
     """
     table = pandas.read_parquet(out / f"{name}.parquet").query("trial == @number")
-    sensor, seen, files = demo["sensors"][name], {"trial", "t"}, {f"{name}.parquet", f"{name}-events.parquet"}
+    sensor, seen, files = (
+        demo["sensors"][name],
+        {"trial", "t"},
+        {f"{name}.parquet", f"{name}-events.parquet"},
+    )
     same(table["t"], sensor["t"][:], name)
     names = list(sensor.attrs["channel_names"])
     for channel in sensor.attrs["channels"]:
         values = sensor[channel][:].reshape(len(sensor[channel]), -1)
-        own, part, names = names[: values.shape[1]], table, names[values.shape[1]:]
+        own, part, names = names[: values.shape[1]], table, names[values.shape[1] :]
         if len(values) != len(table):
             files.add(f"{name}-{channel}.parquet")
             part = pandas.read_parquet(out / f"{name}-{channel}.parquet").query("trial == @number")
@@ -48,7 +50,11 @@ def check_sensor(out, name, number, demo):
     for label in set(labels) - {"t", "events"}:
         values = labels[label][:].reshape(len(labels[label]), -1)
         name_of = f"label_{label}"
-        columns = [name_of] if name_of in table else [column for column in table if column.startswith(f"{name_of}_")]
+        columns = (
+            [name_of]
+            if name_of in table
+            else [column for column in table if column.startswith(f"{name_of}_")]
+        )
         seen.update(columns)
         same(table[columns].to_numpy(), values, f"{name}/{label}")
     assert seen == set(table), seen ^ set(table)
@@ -69,22 +75,53 @@ class Parquet(ExportTest):
                     files |= check_sensor(out, sensor, number, demo)
                 for body, group in demo["truth"].items():
                     files.add(f"body-{body}.parquet")
-                    table = pandas.read_parquet(out / f"body-{body}.parquet").query("trial == @number")
+                    table = pandas.read_parquet(out / f"body-{body}.parquet").query(
+                        "trial == @number"
+                    )
                     same(table["t"], group["t"][:], body)
-                    same(table[[column for column in table if column.startswith("pose_")]].to_numpy(), group["pose"][:], body)
-                    same(table[[column for column in table if column.startswith("velocity_")]].to_numpy(), group["velocity"][:], body)
+                    same(
+                        table[
+                            [column for column in table if column.startswith("pose_")]
+                        ].to_numpy(),
+                        group["pose"][:],
+                        body,
+                    )
+                    same(
+                        table[
+                            [column for column in table if column.startswith("velocity_")]
+                        ].to_numpy(),
+                        group["velocity"][:],
+                        body,
+                    )
                 if "control" in demo:
                     files.add("control.parquet")
                     table = pandas.read_parquet(out / "control.parquet").query("trial == @number")
                     for array in demo["control"]:
-                        columns = [column for column in table if column == array or column.startswith(f"{array}_")]
-                        same(table[columns].to_numpy().reshape(demo["control"][array].shape), demo["control"][array][:], array)
+                        columns = [
+                            column
+                            for column in table
+                            if column == array or column.startswith(f"{array}_")
+                        ]
+                        same(
+                            table[columns].to_numpy().reshape(demo["control"][array].shape),
+                            demo["control"][array][:],
+                            array,
+                        )
             self.assertEqual(set(contents(out)), files | {"README.md", "croissant.json"})
             trials = pandas.read_parquet(out / "trials.parquet")
-            self.assertEqual([f"demo_{number}" for number in trials["trial"]], sorted(file["data"], key=lambda demo: int(demo[5:])))
+            self.assertEqual(
+                [f"demo_{number}" for number in trials["trial"]],
+                sorted(file["data"], key=lambda demo: int(demo[5:])),
+            )
             for part in ("train", "valid", "test"):
-                self.assertEqual([f"demo_{number}" for number in trials.query("split == @part")["trial"]], list(file[f"mask/{part}"].asstr()))
-            outcome = [json.loads(demo.attrs["outcome"])["first_slip_time_s"] for demo in file["data"].values()]
+                self.assertEqual(
+                    [f"demo_{number}" for number in trials.query("split == @part")["trial"]],
+                    list(file[f"mask/{part}"].asstr()),
+                )
+            outcome = [
+                json.loads(demo.attrs["outcome"])["first_slip_time_s"]
+                for demo in file["data"].values()
+            ]
             if None not in outcome:
                 self.assertEqual(list(trials["first_slip_time_s"]), outcome)
 
@@ -95,28 +132,52 @@ class Parquet(ExportTest):
         self.assertRegex(told, r"^written: 7 files, [\d.]+ [kM]B, in .*/a\n$")
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         before = contents(self.folder / "a")
-        told, progress = export(dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces its own files
-        self.assertEqual(sorted(json.loads(told)["files"]), sorted(str(self.folder / "a" / name) for name in before))
+        told, progress = export(
+            dataset, self.folder / "a", "--format", "parquet", "--json"
+        )  # replaces its own files
+        self.assertEqual(
+            sorted(json.loads(told)["files"]),
+            sorted(str(self.folder / "a" / name) for name in before),
+        )
         self.assertEqual(progress, "")
         self.assertEqual(contents(self.folder / "a"), before)
 
     def test_rows_at_a_rate_are_the_latest_and_the_options_choose(self):
         dataset = make("papillarray/stage.yaml")
-        export(dataset, self.folder / "a", "--format", "parquet", "--rate", "300 Hz", "--labels", "micro", "--trial", "1")
+        export(
+            dataset,
+            self.folder / "a",
+            "--format",
+            "parquet",
+            "--rate",
+            "300 Hz",
+            "--labels",
+            "micro",
+            "--trial",
+            "1",
+        )
         table = pandas.read_parquet(self.folder / "a/pad.parquet")
         self.assertEqual(set(table["trial"]), {1})
-        self.assertEqual([name for name in table if name.startswith("label_state")], ["label_state_micro"])
+        self.assertEqual(
+            [name for name in table if name.startswith("label_state")], ["label_state_micro"]
+        )
         with h5py.File(dataset) as file:
             sensor, labels = file["data/demo_1/sensors/pad"], file["data/demo_1/labels/pad"]
             # The sensor reads at 0, 1, 2, ... ms; row k is at k/300 s, whose latest sample is the
             # floor of 1000 k/300.
             rows = 10 * np.arange(len(table)) // 3
             self.assertEqual(len(table), (len(sensor["t"]) - 1) * 3 // 10 + 1)
-            same(table[[f"P{k}_F{axis}" for k in range(9) for axis in "XYZ"]].to_numpy(), sensor["force"][:][rows].reshape(-1, 27), "force")
+            same(
+                table[[f"P{k}_F{axis}" for k in range(9) for axis in "XYZ"]].to_numpy(),
+                sensor["force"][:][rows].reshape(-1, 27),
+                "force",
+            )
             same(table["label_state_micro"], labels["state_micro"][:][rows], "state_micro")
             members = [int(name.removeprefix("demo_")) for name in file["mask/train"].asstr()]
         export(dataset, self.folder / "b", "--format", "parquet", "--split", "train")
-        self.assertEqual(list(pandas.read_parquet(self.folder / "b/trials.parquet")["trial"]), members)
+        self.assertEqual(
+            list(pandas.read_parquet(self.folder / "b/trials.parquet")["trial"]), members
+        )
         self.assertLess(len(members), 3)
         both = make("grasp/two_skins.yaml")
         with h5py.File(both) as file:
@@ -131,10 +192,15 @@ class Parquet(ExportTest):
         export(dataset, self.folder / "a", "--format", "parquet")
         file = pyarrow.parquet.ParquetFile(self.folder / "a/pad.parquet")
         self.assertEqual(file.schema_arrow.field("P0_FX").metadata[b"unit"], b"N")
-        self.assertEqual(json.loads(file.schema_arrow.field("label_state").metadata[b"codes"]), {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3})
+        self.assertEqual(
+            json.loads(file.schema_arrow.field("label_state").metadata[b"codes"]),
+            {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3},
+        )
         self.assertEqual(file.num_row_groups, 3)  # one per trial
         column = file.metadata.row_group(0).column(file.schema_arrow.get_field_index("P0_FX"))
-        self.assertEqual((column.compression, set(column.encodings)), ("ZSTD", {"BYTE_STREAM_SPLIT", "RLE"}))
+        self.assertEqual(
+            (column.compression, set(column.encodings)), ("ZSTD", {"BYTE_STREAM_SPLIT", "RLE"})
+        )
 
     def test_what_cannot_be_is_refused_and_nothing_is_left(self):
         dataset = make("papillarray/stage.yaml")
@@ -159,7 +225,9 @@ class Parquet(ExportTest):
 
     def test_a_python_without_arrow_says_how_to_install_it(self):
         dataset = make("papillarray/stage.yaml")
-        (self.folder / "pyarrow.py").write_text("raise ModuleNotFoundError('No module named pyarrow', name='pyarrow')\n")
+        (self.folder / "pyarrow.py").write_text(
+            "raise ModuleNotFoundError('No module named pyarrow', name='pyarrow')\n"
+        )
         os.environ["PYTHONPATH"] = str(self.folder)
         self.addCleanup(os.environ.pop, "PYTHONPATH")
         _, told = export(dataset, self.folder / "out", "--format", "parquet", status=2)
@@ -177,7 +245,10 @@ class Parquet(ExportTest):
             schema = pyarrow.parquet.read_schema(path)
             self.assertEqual(schema.metadata[b"scene"].decode(), scene)
             self.assertEqual(schema.metadata[b"seed"].decode(), seed)
-            self.assertEqual(schema.metadata[b"trials_sha256"].decode(), hashlib.sha256(digests.encode()).hexdigest())
+            self.assertEqual(
+                schema.metadata[b"trials_sha256"].decode(),
+                hashlib.sha256(digests.encode()).hexdigest(),
+            )
             self.assertNotIn(b" /", schema.metadata[b"command"])
             self.assertFalse([field.name for field in schema if pyarrow.types.is_null(field.type)])
 

@@ -9,20 +9,17 @@ import unittest
 import h5py
 import numpy as np
 import yaml
+from _made import ExportTest, contents, export, for_each_scene, import_table, make
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from _made import ExportTest, contents, export, for_each_scene, import_table, make
-
 # Message definitions of the driver and the standard packages. ROS 2 compares their hashes, so these
 # must be equal.
 DRIVER = {
-    "papillarray_interfaces/msg/PillarState":
-        "int64 id\nfloat32 dx\nfloat32 dy\nfloat32 dz\nfloat32 fx\nfloat32 fy\nfloat32 fz\nbool in_contact\nint64 slip_state\n",
-    "papillarray_interfaces/msg/SensorState":
-        "std_msgs/Header header\nint64 tus\nPillarState[] pillars\nfloat32 gfx\nfloat32 gfy\nfloat32 gfz\nfloat32 gtx\nfloat32 gty\nfloat32 gtz\n"
-        "float32 friction_est\nfloat32 target_grip_force\nbool is_sd_active\nbool is_ref_loaded\nbool is_contact\n",
+    "papillarray_interfaces/msg/PillarState": "int64 id\nfloat32 dx\nfloat32 dy\nfloat32 dz\nfloat32 fx\nfloat32 fy\nfloat32 fz\nbool in_contact\nint64 slip_state\n",
+    "papillarray_interfaces/msg/SensorState": "std_msgs/Header header\nint64 tus\nPillarState[] pillars\nfloat32 gfx\nfloat32 gfy\nfloat32 gfz\nfloat32 gtx\nfloat32 gty\nfloat32 gtz\n"
+    "float32 friction_est\nfloat32 target_grip_force\nbool is_sd_active\nbool is_ref_loaded\nbool is_contact\n",
 }
 
 
@@ -37,13 +34,17 @@ def read(folder):
             types[connection.topic] = connection.msgtype
         for connection, time, raw in reader.messages():
             times, messages, data = topics[connection.topic]
-            assert not times or time >= times[-1], f"{connection.topic}: {time} ns comes after {times[-1]} ns"
+            assert not times or time >= times[-1], (
+                f"{connection.topic}: {time} ns comes after {times[-1]} ns"
+            )
             message = reader.deserialize(raw, connection.msgtype)
             times.append(time)
             messages.append(message)
             data.append(bytes(raw))
             if len(messages) <= 2:  # the serialiser of rosbags gives the same bytes
-                assert bytes(reader.typestore.serialize_cdr(message, connection.msgtype)) == bytes(raw), connection.topic
+                assert bytes(reader.typestore.serialize_cdr(message, connection.msgtype)) == bytes(
+                    raw
+                ), connection.topic
         return topics, types, reader.typestore
 
 
@@ -67,7 +68,11 @@ class Rosbag2(ExportTest):
         self.assertEqual(found, nanoseconds(times), topic)
         self.assertEqual(stamps(messages), found, topic)
         for name, array in arrays.items():
-            self.same([np.reshape(getattr(one, name), -1) for one in messages], array[:], f"{topic}.{name}")
+            self.same(
+                [np.reshape(getattr(one, name), -1) for one in messages],
+                array[:],
+                f"{topic}.{name}",
+            )
             for word, code in json.loads(array.attrs.get("codes", "{}")).items():
                 self.assertEqual(getattr(messages[0], f"{name}_{word}".upper()), code)
 
@@ -80,23 +85,59 @@ class Rosbag2(ExportTest):
         self.assertEqual(stamps(messages), found)
         self.assertEqual([one.tus for one in messages], [time // 1000 for time in found])
         force, metres = group["force"][:], group["displacement"][:]
-        self.assertEqual({tuple(pillar.id for pillar in one.pillars) for one in messages}, {tuple(range(9))})
+        self.assertEqual(
+            {tuple(pillar.id for pillar in one.pillars) for one in messages}, {tuple(range(9))}
+        )
         self.same([[[p.fx, p.fy, p.fz] for p in one.pillars] for one in messages], force, "force")
-        self.same([[[p.dx, p.dy, p.dz] for p in one.pillars] for one in messages], (1e3 * metres.astype(float)).astype("f4"), "displacement in mm")
-        self.same([[p.in_contact for p in one.pillars] for one in messages], force[..., 2] >= 0.5, "contact from 0.5 N")
-        self.assertEqual([one.is_contact for one in messages], (force[..., 2] >= 0.5).any(axis=1).tolist())
-        np.testing.assert_allclose([[one.gfx, one.gfy, one.gfz] for one in messages], force.sum(axis=1, dtype=float), rtol=1e-6, atol=1e-6)
-        tips = np.concatenate([labels.attrs["unit_positions"], labels.attrs["unit_heights"][:, np.newaxis]], axis=1) + metres
+        self.same(
+            [[[p.dx, p.dy, p.dz] for p in one.pillars] for one in messages],
+            (1e3 * metres.astype(float)).astype("f4"),
+            "displacement in mm",
+        )
+        self.same(
+            [[p.in_contact for p in one.pillars] for one in messages],
+            force[..., 2] >= 0.5,
+            "contact from 0.5 N",
+        )
+        self.assertEqual(
+            [one.is_contact for one in messages], (force[..., 2] >= 0.5).any(axis=1).tolist()
+        )
+        np.testing.assert_allclose(
+            [[one.gfx, one.gfy, one.gfz] for one in messages],
+            force.sum(axis=1, dtype=float),
+            rtol=1e-6,
+            atol=1e-6,
+        )
+        tips = (
+            np.concatenate(
+                [labels.attrs["unit_positions"], labels.attrs["unit_heights"][:, np.newaxis]],
+                axis=1,
+            )
+            + metres
+        )
         torque = np.cross(1e3 * (tips - tips[:, 4:5]), force).sum(axis=1)
-        np.testing.assert_allclose([[one.gtx, one.gty, one.gtz] for one in messages], torque, rtol=1e-5, atol=1e-4)  # N mm; float32 of some 10 N mm
-        self.assertEqual({(one.friction_est, one.target_grip_force, one.is_sd_active) for one in messages}, {(-1.0, -1.0, True)})
+        np.testing.assert_allclose(
+            [[one.gtx, one.gty, one.gtz] for one in messages], torque, rtol=1e-5, atol=1e-4
+        )  # N mm; float32 of some 10 N mm
+        self.assertEqual(
+            {(one.friction_est, one.target_grip_force, one.is_sd_active) for one in messages},
+            {(-1.0, -1.0, True)},
+        )
         states, true_force = labels["unit_state"][:], labels["force"][:].astype(float)
         for pillar in range(9):
             touched = False
             for row, message in enumerate(messages):
                 state, loaded = states[row, pillar], np.hypot(*true_force[row, pillar, :2]) >= 0.05
                 touched = touched or state != 0
-                expected = (-1 if touched else -2) if state == 0 else 3 if state == 2 else 2 if loaded else 1
+                expected = (
+                    (-1 if touched else -2)
+                    if state == 0
+                    else 3
+                    if state == 2
+                    else 2
+                    if loaded
+                    else 1
+                )
                 self.assertEqual(message.pillars[pillar].slip_state, expected, (row, pillar))
                 if pillar == 4:
                     self.assertEqual(message.is_ref_loaded, bool(state != 0 and loaded))
@@ -105,7 +146,12 @@ class Rosbag2(ExportTest):
         group, together = demo["sensors"][sensor], {}
         for channel in group.attrs["channels"]:
             if f"{channel}_t" in group:
-                self.check_own(topics, f"/sensors/{sensor}/{channel}", group[f"{channel}_t"], {channel: group[channel]})
+                self.check_own(
+                    topics,
+                    f"/sensors/{sensor}/{channel}",
+                    group[f"{channel}_t"],
+                    {channel: group[channel]},
+                )
             else:
                 together[channel] = group[channel]
         if together:
@@ -113,23 +159,40 @@ class Rosbag2(ExportTest):
 
     def check_truth(self, topics, demo, sensor):
         group = demo["labels"][sensor]
-        self.check_own(topics, f"/truth/{sensor}", group["t"], {name: group[name] for name in set(group) - {"t", "events"}})
-        _, messages, _ = topics.pop(f"/truth/{sensor}/events")  # has no message if no unit changes its state
+        self.check_own(
+            topics,
+            f"/truth/{sensor}",
+            group["t"],
+            {name: group[name] for name in set(group) - {"t", "events"}},
+        )
+        _, messages, _ = topics.pop(
+            f"/truth/{sensor}/events"
+        )  # has no message if no unit changes its state
         for name in ("t", "unit", "kind"):
-            self.assertEqual([getattr(one, name) for one in messages], group[f"events/{name}"][:].tolist(), name)
+            self.assertEqual(
+                [getattr(one, name) for one in messages], group[f"events/{name}"][:].tolist(), name
+            )
 
     def check_bodies(self, topics, demo):
         times, poses, _ = topics.pop("/truth/tf")
         for number, (body, group) in enumerate(demo["truth"].items()):
             self.assertEqual(times, nanoseconds(group["t"]))
             transforms = [one.transforms[number] for one in poses]
-            self.assertEqual({(one.header.frame_id, one.child_frame_id) for one in transforms}, {("world", body)})
+            self.assertEqual(
+                {(one.header.frame_id, one.child_frame_id) for one in transforms}, {("world", body)}
+            )
             self.assertEqual(stamps(transforms), times)
             places = [(one.transform.translation, one.transform.rotation) for one in transforms]
-            self.same([[at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z] for at, turn in places], group["pose"][:], body)
+            self.same(
+                [[at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z] for at, turn in places],
+                group["pose"][:],
+                body,
+            )
             _, twists, _ = topics.pop(f"/truth/velocity/{body}")
             moving = [(one.twist.linear, one.twist.angular) for one in twists]
-            self.same([[v.x, v.y, v.z, w.x, w.y, w.z] for v, w in moving], group["velocity"][:], body)
+            self.same(
+                [[v.x, v.y, v.z, w.x, w.y, w.z] for v, w in moving], group["velocity"][:], body
+            )
 
     @for_each_scene("rosbag2")
     def test_every_value_comes_back(self, dataset, out):
@@ -147,7 +210,12 @@ class Rosbag2(ExportTest):
                     self.check_truth(topics, demo, sensor)
                 self.check_bodies(topics, demo)
                 if "control" in demo:
-                    self.check_own(topics, "/control", demo["control/t"], {array: demo["control"][array] for array in set(demo["control"]) - {"t"}})
+                    self.check_own(
+                        topics,
+                        "/control",
+                        demo["control/t"],
+                        {array: demo["control"][array] for array in set(demo["control"]) - {"t"}},
+                    )
                 self.assertEqual(topics, {})
                 self.check_package(out, types, store)
 
@@ -166,8 +234,12 @@ class Rosbag2(ExportTest):
         """
         package = get_typestore(Stores.ROS2_HUMBLE)
         for path in (out / "slipbench_msgs/msg").glob("*.msg"):
-            package.register(get_types_from_msg(path.read_text(), f"slipbench_msgs/msg/{path.stem}"))
-            self.assertIn(f"msg/{path.stem}.msg", (out / "slipbench_msgs/CMakeLists.txt").read_text())
+            package.register(
+                get_types_from_msg(path.read_text(), f"slipbench_msgs/msg/{path.stem}")
+            )
+            self.assertIn(
+                f"msg/{path.stem}.msg", (out / "slipbench_msgs/CMakeLists.txt").read_text()
+            )
         for kind in types.values():
             if not kind.startswith("papillarray_interfaces"):
                 self.assertEqual(store.hash_rihs01(kind), package.hash_rihs01(kind), kind)
@@ -177,7 +249,10 @@ class Rosbag2(ExportTest):
         out = self.folder / "out"
         export(dataset, out, "--format", "rosbag2")
         before = contents(out)
-        self.assertEqual({name for name in before if name.startswith("demo_1")}, {"demo_1/demo_1_0.mcap", "demo_1/metadata.yaml"})
+        self.assertEqual(
+            {name for name in before if name.startswith("demo_1")},
+            {"demo_1/demo_1_0.mcap", "demo_1/metadata.yaml"},
+        )
         with (out / "demo_1/demo_1_0.mcap").open("rb") as recording, h5py.File(dataset) as file:
             reader = make_reader(recording, validate_crcs=True)
             summary = reader.get_summary()
@@ -191,7 +266,10 @@ class Rosbag2(ExportTest):
             for one, following in zip(summary.chunk_indexes, summary.chunk_indexes[1:]):
                 self.assertLess(one.message_end_time, following.message_start_time)
             (metadata,) = reader.iter_metadata()
-            self.assertEqual((metadata.metadata["trial"], metadata.metadata["sha256"]), ("1", file["data/demo_1"].attrs["sha256"]))
+            self.assertEqual(
+                (metadata.metadata["trial"], metadata.metadata["sha256"]),
+                ("1", file["data/demo_1"].attrs["sha256"]),
+            )
         export(dataset, out, "--format", "rosbag2")  # replaces its own files
         self.assertEqual(contents(out), before)
 
@@ -208,11 +286,23 @@ class Rosbag2(ExportTest):
             self.assertIn(file.attrs["scene"].rstrip(), text)
             self.assertIn(f"`{demo.attrs['sha256']}`", text)
             self.assertNotIn(str(self.folder), text)
-            arrays = {(f"labels of `{sensor}`", name): array for sensor, group in demo["labels"].items() for name, array in group.items()
-                      if name not in ("t", "events")}
-            arrays |= {(f"sensor `{sensor}`", name): group[name] for sensor, group in demo["sensors"].items() for name in group.attrs["channels"]}
+            arrays = {
+                (f"labels of `{sensor}`", name): array
+                for sensor, group in demo["labels"].items()
+                for name, array in group.items()
+                if name not in ("t", "events")
+            }
+            arrays |= {
+                (f"sensor `{sensor}`", name): group[name]
+                for sensor, group in demo["sensors"].items()
+                for name in group.attrs["channels"]
+            }
             for (owner, name), array in arrays.items():
-                (line,) = [line for line in text.splitlines() if line.startswith(f"| {owner} | `{name}` | {list(array.shape[1:])} |")]
+                (line,) = [
+                    line
+                    for line in text.splitlines()
+                    if line.startswith(f"| {owner} | `{name}` | {list(array.shape[1:])} |")
+                ]
                 for word, code in json.loads(array.attrs.get("codes", "{}")).items():
                     self.assertIn(f"{code} {word}", line)
                 if "codes" not in array.attrs and array.attrs["unit"] != "1":
@@ -222,11 +312,18 @@ class Rosbag2(ExportTest):
 
     def test_the_rule_of_labels_decides_the_drivers_code(self):
         dataset = make("papillarray/stage.yaml")
-        export(dataset, self.folder / "out", "--format", "rosbag2", "--labels", "micro", "--trial", "0")
+        export(
+            dataset, self.folder / "out", "--format", "rosbag2", "--labels", "micro", "--trial", "0"
+        )
         topics, _, _ = read(self.folder / "out/demo_0")
         with h5py.File(dataset) as file:
             states = file["data/demo_0/labels/pad/unit_state"][:]
-        found = np.array([[pillar.slip_state == 3 for pillar in one.pillars] for one in topics["/hub_0/sensor_0"][1]])
+        found = np.array(
+            [
+                [pillar.slip_state == 3 for pillar in one.pillars]
+                for one in topics["/hub_0/sensor_0"][1]
+            ]
+        )
         self.assertEqual(found.tolist(), (states >= 2).tolist())  # slip or partial
         self.assertFalse(hasattr(topics["/truth/pad"][1][0], "state"))
         self.assertTrue(hasattr(topics["/truth/pad"][1][0], "state_micro"))
@@ -243,22 +340,30 @@ class Rosbag2(ExportTest):
     def test_a_papillarray_in_other_units_than_the_driver_is_refused(self):
         names = [f"{kind}{k}" for kind in "fd" for k in range(27)]
         rows = "".join(",".join([f"{0.01 * k:.2f}", *["1"] * 54]) + "\n" for k in range(3))
-        dataset = import_table(self.folder, "t," + ",".join(names) + "\n" + rows,
-                               "sensor: pad\ntype: papillarray\ntime: {column: t}\nchannels:\n"
-                               "  force: {unit: counts, components: 3, columns: [f0 .. f26]}\n  displacement: {unit: mm, components: 3, columns: [d0 .. d26]}\n")
+        dataset = import_table(
+            self.folder,
+            "t," + ",".join(names) + "\n" + rows,
+            "sensor: pad\ntype: papillarray\ntime: {column: t}\nchannels:\n"
+            "  force: {unit: counts, components: 3, columns: [f0 .. f26]}\n  displacement: {unit: mm, components: 3, columns: [d0 .. d26]}\n",
+        )
         _, said = export(dataset, self.folder / "out", "--format", "rosbag2", status=2)
         self.assertRegex(said, "pad.*channel force is in 'counts', but it is read in N; .*scale")
 
     def test_a_papillarray_with_other_channels_than_the_driver_has_its_own_message(self):
-        dataset = import_table(self.folder, "t,x,y,z,d\n0,0.1,0,2.4,0.33\n0.01,0.2,0,2.5,0.34\n",
-                               "sensor: a\ntype: papillarray\ntime: {column: t}\n"
-                               "channels: {force: {unit: N, components: 3, columns: [x, y, z]}, depth: {unit: m, scale: 1e-3, columns: [d]}}\n")
+        dataset = import_table(
+            self.folder,
+            "t,x,y,z,d\n0,0.1,0,2.4,0.33\n0.01,0.2,0,2.5,0.34\n",
+            "sensor: a\ntype: papillarray\ntime: {column: t}\n"
+            "channels: {force: {unit: N, components: 3, columns: [x, y, z]}, depth: {unit: m, scale: 1e-3, columns: [d]}}\n",
+        )
         export(dataset, self.folder / "out", "--format", "rosbag2")
         topics, types, _ = read(self.folder / "out/demo_0")
         self.assertEqual(types, {"/sensors/a": "slipbench_msgs/msg/Papillarray"})
         with h5py.File(dataset) as file:
             group = file["data/demo_0/sensors/a"]
-            self.check_own(topics, "/sensors/a", group["t"], {"force": group["force"], "depth": group["depth"]})
+            self.check_own(
+                topics, "/sensors/a", group["t"], {"force": group["force"], "depth": group["depth"]}
+            )
 
 
 if __name__ == "__main__":

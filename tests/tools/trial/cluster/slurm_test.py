@@ -66,7 +66,9 @@ class Slurm:
         folder.chmod(0o755)
         configuration = folder / "slurm.conf"
         host = socket.gethostname().split(".")[0]
-        text = CONFIGURATION.format(host=host, folder=folder, controller=free_port(), daemon=free_port())
+        text = CONFIGURATION.format(
+            host=host, folder=folder, controller=free_port(), daemon=free_port()
+        )
         configuration.write_text(text, encoding="ascii")
         self.environment = {**os.environ, "SLURM_CONF": str(configuration)}
         self.processes = {}
@@ -77,13 +79,20 @@ class Slurm:
                    f"--pid-file={folder}/munged.pid", f"--log-file={folder}/munged.log", f"--seed-file={folder}/munged.seed")  # fmt: skip
         wait_for("munged answers", lambda: (folder / "munge.socket").exists())
         self.start("slurmctld", "-D")
-        wait_for("slurmctld answers", lambda: self.run("scontrol", "ping", check=False).returncode == 0)
+        wait_for(
+            "slurmctld answers", lambda: self.run("scontrol", "ping", check=False).returncode == 0
+        )
         self.start("slurmd", "-D")
-        wait_for("the node is up", lambda: "idle" in self.run("sinfo", "--noheader", "--format=%t").stdout)
+        wait_for(
+            "the node is up",
+            lambda: "idle" in self.run("sinfo", "--noheader", "--format=%t").stdout,
+        )
 
     def start(self, program, *words):
         with open(self.folder / f"{program}.out", "ab") as out:
-            self.processes[program] = subprocess.Popen([shutil.which(program), *words], env=self.environment, stdout=out, stderr=out)
+            self.processes[program] = subprocess.Popen(
+                [shutil.which(program), *words], env=self.environment, stdout=out, stderr=out
+            )
 
     def stop(self, program):
         process = self.processes.pop(program)
@@ -100,7 +109,15 @@ class Slurm:
             self.stop(program)
 
     def run(self, *words, check=True, **options):
-        return subprocess.run(words, env=self.environment, capture_output=True, text=True, check=check, timeout=60, **options)
+        return subprocess.run(
+            words,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            check=check,
+            timeout=60,
+            **options,
+        )
 
     def state(self, job):
         shown = self.run("scontrol", "show", "job", job, check=False).stdout
@@ -110,7 +127,9 @@ class Slurm:
 def run_a_second_copy(sweep, cluster, k):
     """Waits until shard k runs; returns the exit status."""
     wait_for(f"shard {k} runs", lambda: sweep.sweep_process(cluster, k))
-    return subprocess.run(["bash", cluster / "shard.sh", str(k), "second"], stdout=subprocess.DEVNULL, check=False).returncode
+    return subprocess.run(
+        ["bash", cluster / "shard.sh", str(k), "second"], stdout=subprocess.DEVNULL, check=False
+    ).returncode
 
 
 def do_round(slurm, sweep, beside, name):
@@ -123,7 +142,10 @@ def do_round(slurm, sweep, beside, name):
     slurm.run("scontrol", "requeue", f"{job}_{victim}")
     slurm.run("scontrol", "update", f"JobId={job}_{victim}", "StartTime=now", check=False)
 
-    wait_for("another task runs", lambda: any(sweep.sweep_process(cluster, k) for k in range(3, SHARDS + 1)))
+    wait_for(
+        "another task runs",
+        lambda: any(sweep.sweep_process(cluster, k) for k in range(3, SHARDS + 1)),
+    )
     slurm.stop("slurmd")
     slurm.start("slurmd", "-D")
 
@@ -152,14 +174,18 @@ def main(program, rounds):
         try:
             slurm.begin()
             with ThreadPoolExecutor(1) as beside:
-                equal = [do_round(slurm, sweep, beside, f"round-{number}") for number in range(rounds)]
+                equal = [
+                    do_round(slurm, sweep, beside, f"round-{number}") for number in range(rounds)
+                ]
         except BaseException:
             for log in sorted(slurm_folder.glob("slurm*.log")):
                 print(f"--- {log.name}", log.read_text(encoding="utf-8")[-3000:], sep="\n")
             raise
         finally:
             slurm.close()
-    print(f"{rounds} arrays with a killed task, a restarted slurmd and a shard that ran twice: {sum(equal)} merged to the content of the whole sweep")
+    print(
+        f"{rounds} arrays with a killed task, a restarted slurmd and a shard that ran twice: {sum(equal)} merged to the content of the whole sweep"
+    )
     return 0 if all(equal) else 1
 
 

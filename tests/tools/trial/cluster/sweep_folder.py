@@ -44,7 +44,13 @@ class SweepFolder:
         self.run("sweep", "scene.yaml", *OUTCOMES, "-o", self.whole, "--quiet")
 
     def run(self, *words):
-        subprocess.run([self.program, *map(str, words)], check=True, cwd=self.folder, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+        subprocess.run(
+            [self.program, *map(str, words)],
+            check=True,
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            timeout=PATIENCE,
+        )
 
     def cluster(self, name):
         """Makes the folder of `slipbench cluster`."""
@@ -55,7 +61,11 @@ class SweepFolder:
         """Returns the process that simulates shard k below the folder `cluster`, or None."""
         for entry in os.listdir("/proc"):
             try:
-                words = Path("/proc", entry, "cmdline").read_bytes().decode().split("\0") if entry.isdigit() else []
+                words = (
+                    Path("/proc", entry, "cmdline").read_bytes().decode().split("\0")
+                    if entry.isdigit()
+                    else []
+                )
             except OSError:
                 continue
             if f"{k}/{SHARDS}" in words and any(word.startswith(f"{cluster}/") for word in words):
@@ -66,11 +76,17 @@ class SweepFolder:
         """Kills shard k once it has begun its first file."""
 
         def process_with_file():
-            return any(cluster.glob(f"attempts/{k}.*/shard.h5.partial/batch*")) and self.sweep_process(cluster, k)
+            return any(
+                cluster.glob(f"attempts/{k}.*/shard.h5.partial/batch*")
+            ) and self.sweep_process(cluster, k)
 
         os.kill(wait_for(f"shard {k} simulates", process_with_file), signal.SIGKILL)
-        assert not (cluster / f"shards/{k}").exists(), f"shard {k} was finished before it could be killed"
+        assert not (cluster / f"shards/{k}").exists(), (
+            f"shard {k} was finished before it could be killed"
+        )
 
     def merged_is_whole(self, cluster):
-        subprocess.run(["bash", cluster / "merge.sh"], check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+        subprocess.run(
+            ["bash", cluster / "merge.sh"], check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE
+        )
         return content(cluster / "scene.h5") == content(self.whole)

@@ -24,8 +24,26 @@ class ChangedFilesTest(unittest.TestCase):
             folder = Path(made)
             shutil.copytree(scene.parent, folder / "scenes")
             shutil.copy(named, folder / "scenes" / named.name)
-            command = [PROGRAM, "run", scene.name, "--set", *settings, "--trials", "20000", "--jobs", "1", "-o", folder / "out.h5"]
-            with subprocess.Popen(command, cwd=folder / "scenes", stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as sweep:
+            command = [
+                PROGRAM,
+                "run",
+                scene.name,
+                "--set",
+                *settings,
+                "--trials",
+                "20000",
+                "--jobs",
+                "1",
+                "-o",
+                folder / "out.h5",
+            ]
+            with subprocess.Popen(
+                command,
+                cwd=folder / "scenes",
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            ) as sweep:
                 while sweep.poll() is None and not (folder / "out.h5.partial").exists():
                     time.sleep(0.01)
                 (folder / "other").write_bytes(other)
@@ -38,12 +56,19 @@ class ChangedFilesTest(unittest.TestCase):
         network = SCENES / "learn/piezo_slip.onnx"  # a network for another sensor
         own = SCENES / "learn/papillarray_slip.onnx"
         detector = f"detector={{type: network, model: {own.name}, sensor: pad}}"
-        error = self.changed(SCENES / "papillarray/stage.yaml", own, network.read_bytes(), "duration=0.5 s", detector)
+        error = self.changed(
+            SCENES / "papillarray/stage.yaml", own, network.read_bytes(), "duration=0.5 s", detector
+        )
         self.assertIn(f"{own.name} has changed during the run", error)
 
     def test_a_model(self):
         model = SCENES / "bodies/block.xml"
-        error = self.changed(SCENES / "bodies/sliding_block.yaml", model, model.read_bytes() + b"\n", "duration=0.1 s")
+        error = self.changed(
+            SCENES / "bodies/sliding_block.yaml",
+            model,
+            model.read_bytes() + b"\n",
+            "duration=0.1 s",
+        )
         self.assertIn("block.xml has changed during the run", error)
 
 

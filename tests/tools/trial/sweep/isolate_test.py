@@ -15,7 +15,6 @@ import unittest
 from pathlib import Path
 
 import h5py
-
 from short_sweep import scene_text
 
 LIBRARY = Path(sys.argv.pop(2)).resolve()
@@ -71,15 +70,24 @@ class IsolateTest(unittest.TestCase):
 
     def start_one(self, deed, *words):
         (self.folder / "scene.yaml").write_text(
-            scene_text(trials=1) + f"detector: {{type: plugin, library: misbehaves.so, parameters: {{deed: {deed}}}}}\n", encoding="ascii"
+            scene_text(trials=1)
+            + f"detector: {{type: plugin, library: misbehaves.so, parameters: {{deed: {deed}}}}}\n",
+            encoding="ascii",
         )
         command = [PROGRAM, "run", "scene.yaml", "-o", "out.h5", *words]
-        return subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        return subprocess.Popen(
+            command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
 
     def start(self, deeds, *words, honest=False):
-        text = scene_text(trials=1).replace("  motion.speed", f"  detector.parameters.deed: {json.dumps(values(deeds))}\n  motion.speed")
+        text = scene_text(trials=1).replace(
+            "  motion.speed",
+            f"  detector.parameters.deed: {json.dumps(values(deeds))}\n  motion.speed",
+        )
         text = text.replace("[1 mm/s, 4 mm/s, 16 mm/s]", "[1 mm/s, 4 mm/s]")
-        (self.folder / "scene.yaml").write_text(text + "detector: {type: plugin, library: misbehaves.so}\n", encoding="ascii")
+        (self.folder / "scene.yaml").write_text(
+            text + "detector: {type: plugin, library: misbehaves.so}\n", encoding="ascii"
+        )
         return subprocess.Popen(
             [PROGRAM, "sweep", "scene.yaml", *words],
             cwd=self.folder,
@@ -115,7 +123,11 @@ class IsolateTest(unittest.TestCase):
         self.sweep(DEEDS, "--no-isolate", "-o", "honest.h5", honest=True)
         out, _ = self.sweep(DEEDS, "--trial-limit", str(LIMIT), "--json", "-o", "out.h5", status=1)
         failed = {one["trial"]: one["message"] for one in json.loads(out)["failed"]}
-        expected = {trial: DEEDS.get(deed) for i, deed in enumerate(values(DEEDS)) for trial in (2 * i, 2 * i + 1)}
+        expected = {
+            trial: DEEDS.get(deed)
+            for i, deed in enumerate(values(DEEDS))
+            for trial in (2 * i, 2 * i + 1)
+        }
         self.assertEqual(set(failed), {trial for trial, text in expected.items() if text})
         for trial, message in failed.items():
             self.assertIn(f"trial {trial}: ", message)
@@ -132,7 +144,9 @@ class IsolateTest(unittest.TestCase):
             with self.start_one(deed, "--isolate") as process:
                 _, error = process.communicate(timeout=60)
             self.assertEqual(process.returncode, 2 if text else 0, error)
-            self.assertEqual([path.name for path in self.folder.glob("out*")], [] if text else ["out.h5"])
+            self.assertEqual(
+                [path.name for path in self.folder.glob("out*")], [] if text else ["out.h5"]
+            )
             self.assertIn(text or "", error)
         with self.start_one("loop", "--isolate") as process:
             time.sleep(1.0)
@@ -146,7 +160,9 @@ class IsolateTest(unittest.TestCase):
         self.assertFalse((self.folder / "out.h5").exists())
 
     def test_a_single_trial_tells_how_far_it_is(self):
-        with self.start_one("slow") as process:  # 300 updates of 25 ms; nothing is printed in the first 5 s
+        with self.start_one(
+            "slow"
+        ) as process:  # 300 updates of 25 ms; nothing is printed in the first 5 s
             _, error = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0, error)
         self.assertRegex(error, r"\b[1-9][0-9](\.\d)? % of the trial")
@@ -157,7 +173,12 @@ class IsolateTest(unittest.TestCase):
             self.assertEqual(self.content_of(["folder"], *words), whole)
         for k in "12":
             self.sweep(["folder"], "--shard", f"{k}/2", "-o", f"{k}.h5")
-        subprocess.run([PROGRAM, "merge", "1.h5", "2.h5", "-o", "merged.h5"], cwd=self.folder, check=True, capture_output=True)
+        subprocess.run(
+            [PROGRAM, "merge", "1.h5", "2.h5", "-o", "merged.h5"],
+            cwd=self.folder,
+            check=True,
+            capture_output=True,
+        )
         with h5py.File(self.folder / "merged.h5") as file:
             self.assertEqual(file.attrs["content_sha256"], whole)
         crashed = self.content_of(["abort", "exit"], "--jobs", "1", status=1)
@@ -171,7 +192,11 @@ class IsolateTest(unittest.TestCase):
         self.assertIn("2 of 6 trials failed: 2 and 3", error)
 
     def test_what_is_wrong_before_the_first_trial_is_refused(self):
-        texts = {"make segv": "was killed by SIGSEGV", "make _exit": "ended with status 0", "make loop": "was still running at the limit of 3 s"}
+        texts = {
+            "make segv": "was killed by SIGSEGV",
+            "make _exit": "ended with status 0",
+            "make loop": "was still running at the limit of 3 s",
+        }
         for deed, text in texts.items():
             _, error = self.sweep([deed], "--trial-limit", "0.5 s", status=2)
             self.assertIn(f"before the first trial: its process {text}", error)
@@ -183,7 +208,9 @@ class IsolateTest(unittest.TestCase):
         for way in ("another file", "written over"):
             library.unlink()
             shutil.copy(LIBRARY, library)
-            with self.start(["none"], "--trials", "20000", "--jobs", "1", "-o", "out.h5") as process:
+            with self.start(
+                ["none"], "--trials", "20000", "--jobs", "1", "-o", "out.h5"
+            ) as process:
                 while process.poll() is None and not (self.folder / "out.h5.partial").exists():
                     time.sleep(0.01)
                 if way == "another file":
@@ -196,7 +223,11 @@ class IsolateTest(unittest.TestCase):
 
     def test_signals_end_all_processes(self):
         whole = self.content_of(["loop"], honest=True)
-        for way, status in ((signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGKILL, -signal.SIGKILL)):
+        for way, status in (
+            (signal.SIGINT, 130),
+            (signal.SIGTERM, 130),
+            (signal.SIGKILL, -signal.SIGKILL),
+        ):
             with self.start(["loop"], "-o", "out.h5", "--jobs", "2") as process:
                 time.sleep(2.0)  # both looping trials have begun
                 process.send_signal(way)

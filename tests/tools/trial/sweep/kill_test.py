@@ -8,6 +8,7 @@ two are SIGKILL, one is a full disk (a limit on the file's size) and one SIGTERM
 file with a batch's final name is lost, h5py reads all trials of each, the last batch is at most 5 s
 old, --resume simulates no trial of a batch again, and the digest is right.
 """
+
 import json
 import os
 import random
@@ -20,7 +21,6 @@ import time
 from pathlib import Path
 
 import h5py
-
 from short_sweep import scene_text
 
 SECONDS = 240  # no reader and no run takes longer
@@ -36,8 +36,23 @@ def kinds(root, plugin, trials):
     return {
         "stage": (None, some),
         "outcome": (None, ["--trials", "2000", "--record", "outcome"]),
-        "grasp": (root / "scenes/grasp/lift.yaml", ["--set", "duration=2 s", "motion.distance=10 mm", "sweep={box.mass: [50 g, 100 g], trials: 60}"]),
-        "plugin": (None, [*some, "--set", f"detector={{type: plugin, library: {plugin}, parameters: {{deed: none}}}}"]),
+        "grasp": (
+            root / "scenes/grasp/lift.yaml",
+            [
+                "--set",
+                "duration=2 s",
+                "motion.distance=10 mm",
+                "sweep={box.mass: [50 g, 100 g], trials: 60}",
+            ],
+        ),
+        "plugin": (
+            None,
+            [
+                *some,
+                "--set",
+                f"detector={{type: plugin, library: {plugin}, parameters: {{deed: none}}}}",
+            ],
+        ),
     }
 
 
@@ -46,7 +61,12 @@ def read_all(path):
     with h5py.File(path, locking=False) as file:
         for demo in file["data"].values():
             dict(demo.attrs)
-            demo.visititems(lambda name, item: (dict(item.attrs), item[()] if isinstance(item, h5py.Dataset) else None) and None)
+            demo.visititems(
+                lambda name, item: (
+                    (dict(item.attrs), item[()] if isinstance(item, h5py.Dataset) else None)
+                    and None
+                )
+            )
         return len(file["data"])
 
 
@@ -68,7 +88,9 @@ class Ends:
 
     def sweep(self, out, *more, **options):
         words = [self.program, "sweep", self.scene, *self.words, "-o", out, *more]
-        return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+        return subprocess.Popen(
+            words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
+        )
 
     def finish(self, sweep, statuses=(0,)):
         told, said = sweep.communicate(timeout=SECONDS)
@@ -89,7 +111,10 @@ class Ends:
                 time.sleep(0.01)
             sweep.send_signal(signal.SIGKILL if way == "kill" else signal.SIGTERM)
             ended = time.time()
-        self.finish(sweep, {"kill": (-signal.SIGKILL, 0), "term": (130, 0, -signal.SIGTERM), "full": (2,)}[way])
+        self.finish(
+            sweep,
+            {"kill": (-signal.SIGKILL, 0), "term": (130, 0, -signal.SIGTERM), "full": (2,)}[way],
+        )
         if out.exists():  # already at its end
             return None
         left = batches(out)
@@ -113,21 +138,40 @@ class Ends:
             whole, out = folder / "whole.h5", folder / "out.h5"
             begin = time.monotonic()
             told = json.loads(self.finish(self.sweep(whole, "--json")))
-            duration, size, trials = time.monotonic() - begin, whole.stat().st_size, len(told["trials"])
+            duration, size, trials = (
+                time.monotonic() - begin,
+                whole.stat().st_size,
+                len(told["trials"]),
+            )
             held_in_all = 0
             for attempt in range(ends):
-                held = self.disturb(out, ("kill", "full", "kill", "term")[attempt % 4], duration, size)
+                held = self.disturb(
+                    out, ("kill", "full", "kill", "term")[attempt % 4], duration, size
+                )
                 if held is not None:
                     told = json.loads(self.finish(self.sweep(out, "--resume", "--json")))
-                    assert told["resumed"] == held, f"{held} trials were in batches, {told['resumed']} were taken from them"
+                    assert told["resumed"] == held, (
+                        f"{held} trials were in batches, {told['resumed']} were taken from them"
+                    )
                     assert len(told["trials"]) == trials
                     held_in_all += held
                 assert content(out) == content(whole), f"attempt {attempt}: another content digest"
-                assert {path.name for path in folder.iterdir()} <= {"out.h5", "scene.yaml", "whole.h5"}
+                assert {path.name for path in folder.iterdir()} <= {
+                    "out.h5",
+                    "scene.yaml",
+                    "whole.h5",
+                }
                 out.unlink()
         print(f"{self.kind}: {ends} sweeps of {trials} trials, {duration:.1f} s, were ended at random instants; {held_in_all} trials were kept; "
               f"none of a finished batch was lost; the last batch was at most {self.oldest:.1f} s old")  # fmt: skip
 
 
 if __name__ == "__main__":
-    Ends(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3], sys.argv[4], int(sys.argv[6]), *sys.argv[7:]).run(int(sys.argv[5]))
+    Ends(
+        Path(sys.argv[1]),
+        Path(sys.argv[2]),
+        sys.argv[3],
+        sys.argv[4],
+        int(sys.argv[6]),
+        *sys.argv[7:],
+    ).run(int(sys.argv[5]))

@@ -14,7 +14,6 @@ import unittest
 from pathlib import Path
 
 import h5py
-
 from short_sweep import scene_text
 
 PROGRAM = Path(sys.argv.pop(2)).resolve()
@@ -30,12 +29,23 @@ SWEEPS = {
     "detector": ("--set", "detector={type: force_ratio}", "--record", "outcome"),
     "split": ("--set", "split={by: speed, shares: [0.4, 0.3, 0.3]}"),
     "materials": ("--set", "sweep={surface.material: [acrylic, felt, ptfe, rubber], trials: 3}"),
-    "costs": ("--set", "sweep={duration: [200 ms, 300 ms, 400 ms], sensors.pad.bristles: [1, 6], trials: 2}"),
+    "costs": (
+        "--set",
+        "sweep={duration: [200 ms, 300 ms, 400 ms], sensors.pad.bristles: [1, 6], trials: 2}",
+    ),
     # The second cell exceeds the range of a float.
-    "failures": ("--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e50}}]], trials: 3}"),
+    "failures": (
+        "--set",
+        "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e50}}]], trials: 3}",
+    ),
 }
 
-GRASP = ("--set", "duration=2 s", "motion.distance=10 mm", "sweep={box.mass: [50 g, 100 g], trials: 2}")
+GRASP = (
+    "--set",
+    "duration=2 s",
+    "motion.distance=10 mm",
+    "sweep={box.mass: [50 g, 100 g], trials: 2}",
+)
 
 
 def bytes_of(path):
@@ -54,7 +64,9 @@ class ShardsTest(unittest.TestCase):
         self.scene.write_text(scene_text(trials=7), encoding="ascii")
 
     def run_program(self, *words, status=0, **options):
-        result = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=300, **options)
+        result = subprocess.run(
+            [PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=300, **options
+        )
         self.assertEqual(result.returncode, status, f"{words}: {result.stderr}")
         return result
 
@@ -68,7 +80,19 @@ class ShardsTest(unittest.TestCase):
         for k in range(1, count + 1):
             out = self.folder / f"shard-{k}.h5"
             result = subprocess.run(
-                [PROGRAM, "sweep", scene or self.scene, *words, "--shard", f"{k}/{count}", "-o", out, "--quiet", "--jobs", str(1 + k % 2)],
+                [
+                    PROGRAM,
+                    "sweep",
+                    scene or self.scene,
+                    *words,
+                    "--shard",
+                    f"{k}/{count}",
+                    "-o",
+                    out,
+                    "--quiet",
+                    "--jobs",
+                    str(1 + k % 2),
+                ],
                 capture_output=True,
                 text=True,
             )
@@ -138,19 +162,36 @@ class ShardsTest(unittest.TestCase):
         whole = self.folder / "whole.h5"
         self.run_program("sweep", self.scene, *words, "-o", whole, "--quiet", "--shard", "1/2")
         out = self.folder / "shard.h5"
-        killed = subprocess.Popen([PROGRAM, "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "1/2"])
+        killed = subprocess.Popen(
+            [PROGRAM, "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "1/2"]
+        )
         self.wait_for_a_trial(self.folder / "shard.h5.partial", killed)
         killed.terminate()  # finished batches are kept; kill_test.py kills at any instant
         self.assertNotEqual(killed.wait(), 0)
-        self.assert_refused("another run", "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "2/2", "--resume")
-        self.run_program("sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "1/2", "--resume")
+        self.assert_refused(
+            "another run",
+            "sweep",
+            self.scene,
+            *words,
+            "-o",
+            out,
+            "--quiet",
+            "--shard",
+            "2/2",
+            "--resume",
+        )
+        self.run_program(
+            "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "1/2", "--resume"
+        )
         self.assertEqual(content(whole), content(out))
 
     def test_what_no_shard_is(self):
         out = ("-o", self.folder / "out.h5")
         for text in ("0/3", "4/3", "3", "1/0", "a/b", "1/3/5", "-1/3", "01/3"):
             with self.subTest(text):
-                self.assert_refused(f"--shard.*'{text}'.*k/n", "sweep", self.scene, "--shard", text, *out)
+                self.assert_refused(
+                    f"--shard.*'{text}'.*k/n", "sweep", self.scene, "--shard", text, *out
+                )
         self.assert_refused("--shard.* 1/22, .* 21 trials",
                             "sweep", self.scene, "--shard", "1/22", *out)  # fmt: skip
         self.assert_refused("--shard.* -o", "sweep", self.scene, "--shard", "1/2")
@@ -197,7 +238,12 @@ class ShardsTest(unittest.TestCase):
         result = self.run_program("merge", one, two, copy, "-o", merged, "--json")
         self.assertEqual(json.loads(result.stdout)["duplicates"], 11)  # shard 1/2 of 21 trials
         self.assertEqual(content(merged), content(self.sweep("whole.h5", "--record", "outcome")))
-        self.assertEqual(json.loads(self.run_program("verify", one, two, copy, "--json").stdout)["sweep"]["duplicates"], 11)
+        self.assertEqual(
+            json.loads(self.run_program("verify", one, two, copy, "--json").stdout)["sweep"][
+                "duplicates"
+            ],
+            11,
+        )
         number, digest = self.first_digest(copy)
         copy.write_bytes(bytes_of(copy).replace(digest, b"0" * 64))
         self.assert_refused(f"trial {number} ", "merge", one, two, copy, "-o", merged)
@@ -213,7 +259,9 @@ class ShardsTest(unittest.TestCase):
         with h5py.File(two, "r+") as file:
             number = min(int(name.removeprefix("demo_")) for name in file["data"])
             file[f"data/demo_{number}/labels/pad/force"][3, 0, 0] += 1.0
-        self.assert_refused(f"/data/demo_{number}: is damaged", "merge", one, two, "-o", self.folder / "merged.h5")
+        self.assert_refused(
+            f"/data/demo_{number}: is damaged", "merge", one, two, "-o", self.folder / "merged.h5"
+        )
         self.assertEqual([path.name for path in self.folder.glob("merged*")], [])
 
     def test_a_killed_merge_is_begun_again(self):
@@ -228,19 +276,36 @@ class ShardsTest(unittest.TestCase):
     def test_finished_batches_of_the_target_are_kept(self):
         one, two = self.shards(2, "--record", "outcome")
         merged = self.folder / "merged.h5"
-        stopped = subprocess.Popen([PROGRAM, "sweep", self.scene, "--trials", "2000", "-o", merged, "--quiet"], stderr=subprocess.DEVNULL)
+        stopped = subprocess.Popen(
+            [PROGRAM, "sweep", self.scene, "--trials", "2000", "-o", merged, "--quiet"],
+            stderr=subprocess.DEVNULL,
+        )
         self.wait_for_a_trial(self.folder / "merged.h5.partial", stopped)
         stopped.terminate()
         self.assertNotEqual(stopped.wait(), 0)
-        self.assert_refused("of finished trials of an unfinished sweep", "merge", one, two, "-o", merged)
+        self.assert_refused(
+            "of finished trials of an unfinished sweep", "merge", one, two, "-o", merged
+        )
         self.assertTrue((self.folder / "merged.h5.partial/batch.h5").exists())
 
     def test_verify_tells_of_the_shards(self):
         shards = self.shards(2)
         result = json.loads(self.run_program("verify", *shards, "--json").stdout)
         self.assertEqual([dataset["shard"] for dataset in result["datasets"]], ["1/2", "2/2"])
-        self.assertEqual(result["sweep"], {"shards": 2, "trials": TRIALS, "duplicates": 0, "within_rounding": 0, "holds": True, "failures": []})
-        self.assertNotIn("sweep", json.loads(self.run_program("verify", shards[0], "--json").stdout))
+        self.assertEqual(
+            result["sweep"],
+            {
+                "shards": 2,
+                "trials": TRIALS,
+                "duplicates": 0,
+                "within_rounding": 0,
+                "holds": True,
+                "failures": [],
+            },
+        )
+        self.assertNotIn(
+            "sweep", json.loads(self.run_program("verify", shards[0], "--json").stdout)
+        )
 
 
 if __name__ == "__main__":

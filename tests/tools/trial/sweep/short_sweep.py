@@ -2,6 +2,7 @@
 each.
 """
 
+
 def scene_text(trials, duration="0.3 s", bristles=3):
     return f"""slipbench: 1
 description: short sweep

@@ -11,7 +11,6 @@ import sys
 from collections import Counter
 
 import numpy as np
-
 import page
 import recordings as rec
 from recordings import GROUPS, BadInput
@@ -22,32 +21,106 @@ from recordings import GROUPS, BadInput
 FIGURES = [
     ("mean count", "ratio", np.median, lambda r: rec.levels(r)[0], None),
     ("mean count, lowest", "ratio", np.median, lambda r: rec.levels(r)[1], None),
-    ("SD, median electrode", "ratio", np.median, lambda r: rec.spreads(r)[0],
-     [(10.3, 9.2), (6.2, 9.0), (9.0, 9.6), (4.3, 4.5)]),
-    ("SD, most active electrode", "ratio", np.median, lambda r: rec.spreads(r)[1], [(49, 66), (73, 55), (56, 39), (6.0, 7.1)]),
-    ("first-difference SD", "ratio", np.median, lambda r: rec.step_figures(r)[0],
-     [(5.11, 5.11), (5.01, 5.33), (5.23, 5.07), (4.84, 4.78)]),
-    ("repeated rows", "ratio", np.median, lambda r: rec.step_figures(r)[1], [(.34, .34), (.34, .34), (.34, .34), (.35, .35)]),
-    ("peak to peak, max", "ratio", np.median, lambda r: rec.extremes(r)[0], [(252, 351), (404, 388), (268, 220), (52, 65)]),
-    ("slope [1/s], max", "ratio", np.median, lambda r: rec.extremes(r)[1], [(745, 759), (1074, 960), (786, 467), (98, 112)]),
+    (
+        "SD, median electrode",
+        "ratio",
+        np.median,
+        lambda r: rec.spreads(r)[0],
+        [(10.3, 9.2), (6.2, 9.0), (9.0, 9.6), (4.3, 4.5)],
+    ),
+    (
+        "SD, most active electrode",
+        "ratio",
+        np.median,
+        lambda r: rec.spreads(r)[1],
+        [(49, 66), (73, 55), (56, 39), (6.0, 7.1)],
+    ),
+    (
+        "first-difference SD",
+        "ratio",
+        np.median,
+        lambda r: rec.step_figures(r)[0],
+        [(5.11, 5.11), (5.01, 5.33), (5.23, 5.07), (4.84, 4.78)],
+    ),
+    (
+        "repeated rows",
+        "ratio",
+        np.median,
+        lambda r: rec.step_figures(r)[1],
+        [(0.34, 0.34), (0.34, 0.34), (0.34, 0.34), (0.35, 0.35)],
+    ),
+    (
+        "peak to peak, max",
+        "ratio",
+        np.median,
+        lambda r: rec.extremes(r)[0],
+        [(252, 351), (404, 388), (268, 220), (52, 65)],
+    ),
+    (
+        "slope [1/s], max",
+        "ratio",
+        np.median,
+        lambda r: rec.extremes(r)[1],
+        [(745, 759), (1074, 960), (786, 467), (98, 112)],
+    ),
 ]
-_BANDS = [[(27, 27), (34, 32), (36, 23), (2.3, 3.4)], [(5.7, 7.8), (9.3, 12.7), (7.5, 6.5), (1.6, 2.1)],
-          [(2.9, 3.6), (3.4, 6.6), (3.3, 3.4), (1.8, 2.3)], [(2.3, 2.6), (2.6, 3.1), (2.4, 2.5), (2.3, 2.4)],
-          [(2.3, 2.3), (2.5, 2.6), (2.5, 2.5), (2.2, 2.5)], [(1.8, 1.6), (1.9, 1.9), (1.7, 1.7), (1.6, 1.9)]]
-_CORRELATIONS = [[(.77, .71), (.74, .76), (.47, .82), (.40, .42)], [(.66, .59), (.61, .56), (.69, .58), (.34, .39)],
-                 [(.50, .44), (.61, .51), (.54, .42), (.31, .29)], [(.25, .12), (.33, .21), (.32, .14), (.15, .12)],
-                 [(-.14, -.17), (.08, .00), (-.04, -.19), (.05, -.10)], [(-.41, -.34), (-.18, -.11), (-.36, -.35), (-.02, -.28)],
-                 [(-.56, -.73), (-.55, -.38), (-.60, -.30), (-.07, -.61)]]
-_COMPONENTS = [[(.74, .88), (.88, .90), (.75, .77), (.68, .73)], [(.19, .10), (.09, .07), (.18, .17), (.12, .14)],
-               [(.03, .02), (.01, .01), (.04, .03), (.05, .02)]]
+_BANDS = [
+    [(27, 27), (34, 32), (36, 23), (2.3, 3.4)],
+    [(5.7, 7.8), (9.3, 12.7), (7.5, 6.5), (1.6, 2.1)],
+    [(2.9, 3.6), (3.4, 6.6), (3.3, 3.4), (1.8, 2.3)],
+    [(2.3, 2.6), (2.6, 3.1), (2.4, 2.5), (2.3, 2.4)],
+    [(2.3, 2.3), (2.5, 2.6), (2.5, 2.5), (2.2, 2.5)],
+    [(1.8, 1.6), (1.9, 1.9), (1.7, 1.7), (1.6, 1.9)],
+]
+_CORRELATIONS = [
+    [(0.77, 0.71), (0.74, 0.76), (0.47, 0.82), (0.40, 0.42)],
+    [(0.66, 0.59), (0.61, 0.56), (0.69, 0.58), (0.34, 0.39)],
+    [(0.50, 0.44), (0.61, 0.51), (0.54, 0.42), (0.31, 0.29)],
+    [(0.25, 0.12), (0.33, 0.21), (0.32, 0.14), (0.15, 0.12)],
+    [(-0.14, -0.17), (0.08, 0.00), (-0.04, -0.19), (0.05, -0.10)],
+    [(-0.41, -0.34), (-0.18, -0.11), (-0.36, -0.35), (-0.02, -0.28)],
+    [(-0.56, -0.73), (-0.55, -0.38), (-0.60, -0.30), (-0.07, -0.61)],
+]
+_COMPONENTS = [
+    [(0.74, 0.88), (0.88, 0.90), (0.75, 0.77), (0.68, 0.73)],
+    [(0.19, 0.10), (0.09, 0.07), (0.18, 0.17), (0.12, 0.14)],
+    [(0.03, 0.02), (0.01, 0.01), (0.04, 0.03), (0.05, 0.02)],
+]
 _NET = [[(6, 8.5), (6, 8), (5, 7.5), (0, 1)], [(6, 8), (2, 4), (5, 6), (0, 1)]]
-FIGURES += [(f"band {low:g}-{high:g} Hz", "ratio", np.median, lambda r, k=k: rec.band_rms(r)[k], _BANDS[k])
-            for k, (low, high) in enumerate(rec.BANDS)]
-FIGURES += [(f"correlation {low:g}-{high:g} mm", "difference", np.mean, lambda r, k=k: rec.distance_correlation(r)[k], _CORRELATIONS[k])
-            for k, (low, high) in enumerate(rec.DISTANCE_BINS)]
-FIGURES += [(f"share of PC{k + 1}", "difference", np.median, lambda r, k=k: rec.components(r)[k], _COMPONENTS[k]) for k in range(3)]
-FIGURES += [(f"electrodes that {way} > 20", "difference", np.median, lambda r, k=k: rec.net_change(r)[k], _NET[k])
-            for k, way in enumerate(("rise", "fall"))]
+FIGURES += [
+    (f"band {low:g}-{high:g} Hz", "ratio", np.median, lambda r, k=k: rec.band_rms(r)[k], _BANDS[k])
+    for k, (low, high) in enumerate(rec.BANDS)
+]
+FIGURES += [
+    (
+        f"correlation {low:g}-{high:g} mm",
+        "difference",
+        np.mean,
+        lambda r, k=k: rec.distance_correlation(r)[k],
+        _CORRELATIONS[k],
+    )
+    for k, (low, high) in enumerate(rec.DISTANCE_BINS)
+]
+FIGURES += [
+    (
+        f"share of PC{k + 1}",
+        "difference",
+        np.median,
+        lambda r, k=k: rec.components(r)[k],
+        _COMPONENTS[k],
+    )
+    for k in range(3)
+]
+FIGURES += [
+    (
+        f"electrodes that {way} > 20",
+        "difference",
+        np.median,
+        lambda r, k=k: rec.net_change(r)[k],
+        _NET[k],
+    )
+    for k, way in enumerate(("rise", "fall"))
+]
 
 
 def apart(kind, synthetic, real):
@@ -76,18 +149,37 @@ def compared(real, synthetic):
     rows = []
     for name, kind, how, figure, dry_run in FIGURES:
         for group, dry in zip(GROUPS, dry_run or [None] * len(GROUPS)):
-            a, b = (np.array([figure(r) for r in of_group(kin, group)], dtype=float) for kin in (real, synthetic))
-            rows.append({"name": name, "group": group, "kind": kind, "real": how(a), "synthetic": how(b),
-                         "distance": apart(kind, how(b), how(a)), "error": scatter(kind, how, a, b, random),
-                         "dry": np.nan if dry is None else apart(kind, *dry)})
+            a, b = (
+                np.array([figure(r) for r in of_group(kin, group)], dtype=float)
+                for kin in (real, synthetic)
+            )
+            rows.append(
+                {
+                    "name": name,
+                    "group": group,
+                    "kind": kind,
+                    "real": how(a),
+                    "synthetic": how(b),
+                    "distance": apart(kind, how(b), how(a)),
+                    "error": scatter(kind, how, a, b, random),
+                    "dry": np.nan if dry is None else apart(kind, *dry),
+                }
+            )
     return rows
 
 
 def bars(rows):
     """By figure: the dry run's worst distance, but at least the rounding of its table's two digits.
     NaN: not given."""
-    return {row["name"]: max([r["dry"] for r in rows if r["name"] == row["name"]] + [0.02 if row["kind"] == "ratio" else 0.01])
-            if np.isfinite(row["dry"]) else np.nan for row in rows}
+    return {
+        row["name"]: max(
+            [r["dry"] for r in rows if r["name"] == row["name"]]
+            + [0.02 if row["kind"] == "ratio" else 0.01]
+        )
+        if np.isfinite(row["dry"])
+        else np.nan
+        for row in rows
+    }
 
 
 def print_table(rows):
@@ -96,29 +188,46 @@ def print_table(rows):
     for row in rows:
         mark = "  OUTSIDE" if row["distance"] > worst[row["name"]] else ""
         mark = "  nearer" if row["distance"] < row["dry"] else mark
-        print(f"{row['name']:26}{row['group']:6}{row['real']:8.3g}{row['synthetic']:9.3g}{page.shown(row['kind'], row['distance']):>8}"
-              f"{page.shown(row['kind'], row['error']):>8}{page.shown(row['kind'], row['dry']):>9}{page.shown(row['kind'], worst[row['name']]):>11}{mark}")
+        print(
+            f"{row['name']:26}{row['group']:6}{row['real']:8.3g}{row['synthetic']:9.3g}{page.shown(row['kind'], row['distance']):>8}"
+            f"{page.shown(row['kind'], row['error']):>8}{page.shown(row['kind'], row['dry']):>9}{page.shown(row['kind'], worst[row['name']]):>11}{mark}"
+        )
     return [row for row in rows if row["distance"] > worst[row["name"]]]
 
 
 def print_summary(rows, outside):
-    print("\nDistance by figure: mean and worst over the groups, here and in the dry run (|ln ratio|, or |difference|)")
+    print(
+        "\nDistance by figure: mean and worst over the groups, here and in the dry run (|ln ratio|, or |difference|)"
+    )
     for name in dict.fromkeys(row["name"] for row in rows):
         of = [row for row in rows if row["name"] == name]
         here, dry = [r["distance"] for r in of], [r["dry"] for r in of]
-        beside = f"{np.mean(dry):6.2f}{np.max(dry):7.2f}" if np.isfinite(dry).all() else "     -      -"
+        beside = (
+            f"{np.mean(dry):6.2f}{np.max(dry):7.2f}" if np.isfinite(dry).all() else "     -      -"
+        )
         print(f"  {name:28}{np.mean(here):6.2f}{np.max(here):7.2f}   {beside}")
-    for kind, what in (("ratio", "ratios"), ("difference", "differences but the counted electrodes")):
+    for kind, what in (
+        ("ratio", "ratios"),
+        ("difference", "differences but the counted electrodes"),
+    ):
         print(f"Root mean square over all {what}, by group, here (dry run):", end="")
         for group in GROUPS:
-            of = [r for r in rows if r["group"] == group and r["kind"] == kind and np.isfinite(r["dry"])
-                  and not r["name"].startswith("electrodes")]
+            of = [
+                r
+                for r in rows
+                if r["group"] == group
+                and r["kind"] == kind
+                and np.isfinite(r["dry"])
+                and not r["name"].startswith("electrodes")
+            ]
             here, dry = (np.sqrt(np.mean([r[key] ** 2 for r in of])) for key in ("distance", "dry"))
             print(f"  {group} {here:.2f} ({dry:.2f})", end="")
         print()
-    print(f"Cells outside the dry run's worst factor of their row: {len(outside)} of "
-          f"{sum(np.isfinite(r['dry']) for r in rows)}; nearer than the dry run's own cell: "
-          f"{sum(r['distance'] < r['dry'] for r in rows)}")
+    print(
+        f"Cells outside the dry run's worst factor of their row: {len(outside)} of "
+        f"{sum(np.isfinite(r['dry']) for r in rows)}; nearer than the dry run's own cell: "
+        f"{sum(r['distance'] < r['dry'] for r in rows)}"
+    )
     for row in outside:
         print(f"  {row['name']}, {row['group']}: {page.shown(row['kind'], row['distance'])}")
 
@@ -127,8 +236,16 @@ def print_windows(real, synthetic):
     print("\nMost active electrode in windows of 0.5 s, detrended SD: 5, 25, 50, 75, 95 %")
     for what, kinds in (("slip", rec.CLASSES[:-1]), ("touch", ("t",))):
         for whose, recordings in (("real", real), ("synthetic", synthetic)):
-            found = [rec.detrended(w).std(0).max() for r in recordings if r.kind in kinds for w in rec.windows(r.counts)]
-            print(f"  {what:6}{whose:10}", "  ".join(f"{q:.1f}" for q in np.percentile(found, [5, 25, 50, 75, 95])))
+            found = [
+                rec.detrended(w).std(0).max()
+                for r in recordings
+                if r.kind in kinds
+                for w in rec.windows(r.counts)
+            ]
+            print(
+                f"  {what:6}{whose:10}",
+                "  ".join(f"{q:.1f}" for q in np.percentile(found, [5, 25, 50, 75, 95])),
+            )
     for whose, recordings in (("real", real), ("synthetic", synthetic)):
         counts = np.concatenate([r.counts for r in recordings])
         print(f"Counts, {whose}: lowest {counts.min():.0f}, highest {counts.max():.0f}")
@@ -147,13 +264,18 @@ def main():
         sys.exit(2)
     for whose, recordings in (("Real", real), ("Synthetic", synthetic)):
         objects = Counter(r.object for r in recordings)
-        print(f"{whose}: {len(recordings)} recordings;", ", ".join(f"{name} {count}" for name, count in sorted(objects.items())))
+        print(
+            f"{whose}: {len(recordings)} recordings;",
+            ", ".join(f"{name} {count}" for name, count in sorted(objects.items())),
+        )
     rows = compared(real, synthetic)
     outside = print_table(rows)
     print_summary(rows, outside)
     print_windows(real, synthetic)
-    print("\nThe contact sites, depths and spreads of scenes/biotac_sp/slip.yaml are fitted to these real recordings. The table therefore shows\nhow "
-          "well the model can be fitted, not how well it predicts.")
+    print(
+        "\nThe contact sites, depths and spreads of scenes/biotac_sp/slip.yaml are fitted to these real recordings. The table therefore shows\nhow "
+        "well the model can be fitted, not how well it predicts."
+    )
     if options.output:
         with open(options.output, "w", encoding="utf-8") as file:
             file.write(page.drawn(real, synthetic, rows, bars(rows)))

@@ -8,10 +8,9 @@ import re
 from pathlib import Path
 
 import numpy as np
+import recordings as rec
 from matplotlib import colormaps, rc
 from matplotlib.figure import Figure
-
-import recordings as rec
 from recordings import GROUPS
 
 KIT = Path(__file__).resolve().parents[3] / "page" / "web"
@@ -27,12 +26,28 @@ figcaption { font-size: 12px; color: var(--soft); }
 
 def composed(title, body):
     """The page of tools/page around `body` (HTML)."""
-    styles = "\n".join((KIT / name).read_text(encoding="utf-8") for name in ("theme.css", "page.css")) + STYLE
+    styles = (
+        "\n".join((KIT / name).read_text(encoding="utf-8") for name in ("theme.css", "page.css"))
+        + STYLE
+    )
     digest = base64.b64encode(hashlib.sha256(f"\n{styles}\n".encode()).digest()).decode()
-    policy = (f"default-src 'none'; style-src-elem 'sha256-{digest}'; style-src-attr 'unsafe-inline'; img-src data:; "
-              "base-uri 'none'; form-action 'none'")
-    parts = {"generator": "compare.py", "policy": policy, "title": html.escape(title), "body": body, "scripts": "", "styles": styles}
-    return re.sub(r"{{(\w+)}}", lambda marker: parts[marker[1]], (KIT / "page.html").read_text(encoding="utf-8"))
+    policy = (
+        f"default-src 'none'; style-src-elem 'sha256-{digest}'; style-src-attr 'unsafe-inline'; img-src data:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+    parts = {
+        "generator": "compare.py",
+        "policy": policy,
+        "title": html.escape(title),
+        "body": body,
+        "scripts": "",
+        "styles": styles,
+    }
+    return re.sub(
+        r"{{(\w+)}}",
+        lambda marker: parts[marker[1]],
+        (KIT / "page.html").read_text(encoding="utf-8"),
+    )
 
 
 def axes(size=(270, 170), **settings):
@@ -63,10 +78,21 @@ def time_series(real, synthetic):
         moves = [r.counts - r.counts.mean(0) for r in pair]
         top = max(np.abs(m).max() for m in moves)
         for whose, recording, move in zip(COLOURS, pair, moves):
-            plot = axes((540, 170), xlim=(0, len(move) / rec.RATE), ylim=(-top, top), xlabel="s", ylabel="counts from mean")
+            plot = axes(
+                (540, 170),
+                xlim=(0, len(move) / rec.RATE),
+                ylim=(-top, top),
+                xlabel="s",
+                ylabel="counts from mean",
+            )
             plot.set_prop_cycle(color=ELECTRODE_COLOURS)
             plot.plot(np.arange(len(move)) / rec.RATE, move, linewidth=0.8)
-            parts.append(drawn_in(plot, f"{kind}, {whose}: {recording.object}, the median of its class by its most active electrode"))
+            parts.append(
+                drawn_in(
+                    plot,
+                    f"{kind}, {whose}: {recording.object}, the median of its class by its most active electrode",
+                )
+            )
     return "".join(parts)
 
 
@@ -79,7 +105,12 @@ def by_group(real, synthetic, figure, places, middle, settings, caption):
         for whose, recordings in (("real", real), ("synthetic", synthetic)):
             values = np.array([figure(r) for r in recordings if r.kind in GROUPS[group]])
             plot.plot(places, middle(values, axis=0), color=COLOURS[whose], linewidth=1.8)
-            plot.plot(places, np.percentile(values, (25, 75), axis=0).T, color=COLOURS[whose], linewidth=0.5)
+            plot.plot(
+                places,
+                np.percentile(values, (25, 75), axis=0).T,
+                color=COLOURS[whose],
+                linewidth=0.5,
+            )
         parts.append(drawn_in(plot, f"{group}: {caption}"))
     return "".join(parts)
 
@@ -94,9 +125,21 @@ def patterns(real, synthetic):
     parts = []
     for kind in rec.CLASSES:
         for whose, recordings in (("real", real), ("synthetic", synthetic)):
-            plot = axes((250, 200), xlim=(-12, 12), ylim=(-9, 9), xlabel="x mm (tip to the right)", ylabel="z mm")
+            plot = axes(
+                (250, 200),
+                xlim=(-12, 12),
+                ylim=(-9, 9),
+                xlabel="x mm (tip to the right)",
+                ylabel="z mm",
+            )
             radius = 1 + 24 * pattern([r for r in recordings if r.kind == kind])  # px
-            plot.scatter(rec.ELECTRODES[:, 0], rec.ELECTRODES[:, 2], s=(1.5 * radius) ** 2, linewidths=0, color=COLOURS[whose])
+            plot.scatter(
+                rec.ELECTRODES[:, 0],
+                rec.ELECTRODES[:, 2],
+                s=(1.5 * radius) ** 2,
+                linewidths=0,
+                color=COLOURS[whose],
+            )
             parts.append(drawn_in(plot, f"{kind}, {whose}"))
     return "".join(parts)
 
@@ -112,23 +155,62 @@ def table(rows, bars):
     lines = []
     for row in rows:
         mark = ' class="out"' if row["distance"] > bars[row["name"]] else ""
-        lines.append(f"<tr{mark}><td>{html.escape(row['name'])}</td><td>{row['group']}</td><td>{row['real']:.3g}</td>"
-                     f"<td>{row['synthetic']:.3g}</td><td>{shown(row['kind'], row['distance'])}</td><td>{shown(row['kind'], row['dry'])}</td></tr>")
-    head = "".join(f"<th>{name}</th>" for name in ("figure", "group", "real", "synthetic", "apart", "dry run"))
+        lines.append(
+            f"<tr{mark}><td>{html.escape(row['name'])}</td><td>{row['group']}</td><td>{row['real']:.3g}</td>"
+            f"<td>{row['synthetic']:.3g}</td><td>{shown(row['kind'], row['distance'])}</td><td>{shown(row['kind'], row['dry'])}</td></tr>"
+        )
+    head = "".join(
+        f"<th>{name}</th>" for name in ("figure", "group", "real", "synthetic", "apart", "dry run")
+    )
     return f'<table class="plain"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table>'
 
 
 def drawn(real, synthetic, rows, bars):
-    key = " and ".join(f'<b style="color:{colour}">{whose}</b>' for whose, colour in COLOURS.items())
-    spectra = by_group(real, synthetic, lambda r: rec.active_spectrum(r)[1][1:], rec.active_spectrum(real[0])[0][1:], np.median,
-                       {"xlim": (0.39, 50), "ylim": (0.01, 3000), "xscale": "log", "yscale": "log", "xlabel": "Hz", "ylabel": "counts²/Hz"},
-                       "spectrum of the most active electrode")
-    correlations = by_group(real, synthetic, rec.distance_correlation, np.mean(rec.DISTANCE_BINS, axis=1), np.mean,
-                            {"xlim": (0, 26), "ylim": (-1, 1), "xlabel": "mm between electrodes", "ylabel": "correlation"},
-                            "smoothed signals of two electrodes")
-    shares = by_group(real, synthetic, rec.components, (1, 2, 3), np.median,
-                      {"xlim": (1, 3), "ylim": (0, 1), "xlabel": "principal component", "ylabel": "share"}, "variance of the smoothed signals")
-    return composed("BioTac SP: real and synthetic", f"""<header class="plain"><h1>BioTac SP: real and synthetic recordings</h1>
+    key = " and ".join(
+        f'<b style="color:{colour}">{whose}</b>' for whose, colour in COLOURS.items()
+    )
+    spectra = by_group(
+        real,
+        synthetic,
+        lambda r: rec.active_spectrum(r)[1][1:],
+        rec.active_spectrum(real[0])[0][1:],
+        np.median,
+        {
+            "xlim": (0.39, 50),
+            "ylim": (0.01, 3000),
+            "xscale": "log",
+            "yscale": "log",
+            "xlabel": "Hz",
+            "ylabel": "counts²/Hz",
+        },
+        "spectrum of the most active electrode",
+    )
+    correlations = by_group(
+        real,
+        synthetic,
+        rec.distance_correlation,
+        np.mean(rec.DISTANCE_BINS, axis=1),
+        np.mean,
+        {
+            "xlim": (0, 26),
+            "ylim": (-1, 1),
+            "xlabel": "mm between electrodes",
+            "ylabel": "correlation",
+        },
+        "smoothed signals of two electrodes",
+    )
+    shares = by_group(
+        real,
+        synthetic,
+        rec.components,
+        (1, 2, 3),
+        np.median,
+        {"xlim": (1, 3), "ylim": (0, 1), "xlabel": "principal component", "ylabel": "share"},
+        "variance of the smoothed signals",
+    )
+    return composed(
+        "BioTac SP: real and synthetic",
+        f"""<header class="plain"><h1>BioTac SP: real and synthetic recordings</h1>
 <p class="note">{len(real)} recordings {key.split(" and ")[0]}, {len(synthetic)} {key.split(" and ")[1]}. Thick lines are medians (of correlations:
 means), thin ones quartiles. The contact sites, depths and spreads of the synthetic recordings are fitted to these real ones. The page therefore
 shows how well the model can be fitted, not how well it predicts.</p></header>
@@ -139,4 +221,5 @@ shows how well the model can be fitted, not how well it predicts.</p></header>
 <p class="note">Size of the first component at each electrode, mean over the recordings of a class:</p>
 {patterns(real, synthetic)}</section>
 <section><h2>Distances</h2><p class="note">Shaded: outside the worst factor that the dry run reached in that row.</p>
-{table(rows, bars)}</section>""")
+{table(rows, bars)}</section>""",
+    )

@@ -13,15 +13,34 @@ from scipy import ndimage, signal
 
 RATE = 100.0  # Hz
 CLASSES = ("n", "e", "s", "w", "cw", "aw", "t")
-GROUPS = {"cw,aw": ("cw", "aw"), "e,w": ("e", "w"), "n,s": ("n", "s"), "t": ("t",)}  # as in BIOTAC.md of the specification
+GROUPS = {
+    "cw,aw": ("cw", "aw"),
+    "e,w": ("e", "w"),
+    "n,s": ("n", "s"),
+    "t": ("t",),
+}  # as in BIOTAC.md of the specification
 COLUMNS = [f"ff_e{k}" for k in range(1, 25)]
 
 # Positions of the electrodes [mm]: x along the finger towards its tip, y into the finger, z
 # sideways (SynTouch, in the repository above). E11 to E20 mirror E1 to E10 in z.
-_SIDE = [(9.8154, -2.7677, 3.9845), (8.1012, -5.2081, 3.0659), (2.2193, -3.2655, 7.1623), (2.1309, -5.9925, 5.1198),
-         (-0.4731, -7.6230, 2.4109), (-2.3339, -3.0591, 7.2379), (-3.4712, -6.0338, 4.7529), (-5.6757, -6.8751, 1.8170),
-         (-8.1471, -5.0673, 3.2454), (-10.0821, -2.5411, 3.8498)]
-_MIDDLE = [(6.5723, -6.4094, 0.0), (4.3219, -6.9705, 1.8519), (4.3219, -6.9705, -1.8519), (1.9133, -7.5710, 0.0)]
+_SIDE = [
+    (9.8154, -2.7677, 3.9845),
+    (8.1012, -5.2081, 3.0659),
+    (2.2193, -3.2655, 7.1623),
+    (2.1309, -5.9925, 5.1198),
+    (-0.4731, -7.6230, 2.4109),
+    (-2.3339, -3.0591, 7.2379),
+    (-3.4712, -6.0338, 4.7529),
+    (-5.6757, -6.8751, 1.8170),
+    (-8.1471, -5.0673, 3.2454),
+    (-10.0821, -2.5411, 3.8498),
+]
+_MIDDLE = [
+    (6.5723, -6.4094, 0.0),
+    (4.3219, -6.9705, 1.8519),
+    (4.3219, -6.9705, -1.8519),
+    (1.9133, -7.5710, 0.0),
+]
 ELECTRODES = np.array(_SIDE + [(x, y, -z) for x, y, z in _SIDE] + _MIDDLE)
 
 DISTANCE_BINS = [(0, 3), (3, 4.5), (4.5, 6), (6, 9), (9, 13), (13, 20), (20, 30)]  # mm
@@ -46,13 +65,17 @@ def read_recording(kind, path):
     with open(path, encoding="ascii", errors="replace") as file:
         header = file.readline().strip().split(",")
         if header != COLUMNS:
-            raise BadInput(f"{path}:1: columns {','.join(header)[:60]}...; allowed: ff_e1 to ff_e24")
+            raise BadInput(
+                f"{path}:1: columns {','.join(header)[:60]}...; allowed: ff_e1 to ff_e24"
+            )
         try:
             counts = np.loadtxt(file, delimiter=",", ndmin=2)
         except ValueError as error:
             raise BadInput(f"{path}: {error}; expected 24 numbers per row") from error
     if counts.shape[0] < SEGMENT or counts.shape[1] != 24:
-        raise BadInput(f"{path}: {counts.shape[0]} rows of {counts.shape[1]}; allowed: at least {SEGMENT} rows of 24")
+        raise BadInput(
+            f"{path}: {counts.shape[0]} rows of {counts.shape[1]}; allowed: at least {SEGMENT} rows of 24"
+        )
     return Recording(kind, path, counts)
 
 
@@ -62,7 +85,9 @@ def read_folder(folder):
     for kind in CLASSES:
         files = sorted((Path(folder) / kind).glob("*.csv"))
         if not files:
-            raise BadInput(f"{folder}/{kind}: contains no CSV file; expected folders {' '.join(CLASSES)} with CSV files")
+            raise BadInput(
+                f"{folder}/{kind}: contains no CSV file; expected folders {' '.join(CLASSES)} with CSV files"
+            )
         recordings += [read_recording(kind, path) for path in files]
     return recordings
 
@@ -85,13 +110,21 @@ def most_active(counts):
 def active_spectrum(recording):
     """Welch's one-sided density [counts^2/Hz] of the most active electrode: Hann windows of 256
     rows with half overlap. Returns frequencies [Hz] and density."""
-    return signal.welch(detrended(recording.counts)[:, most_active(recording.counts)], RATE, nperseg=SEGMENT, detrend=False)
+    return signal.welch(
+        detrended(recording.counts)[:, most_active(recording.counts)],
+        RATE,
+        nperseg=SEGMENT,
+        detrend=False,
+    )
 
 
 def band_rms(recording):
     """RMS of the most active electrode in each band [counts]."""
     f, density = active_spectrum(recording)
-    return [np.sqrt(density[(f >= low) & ((f < high) | (high == f[-1]))].sum() * f[1]) for low, high in BANDS]
+    return [
+        np.sqrt(density[(f >= low) & ((f < high) | (high == f[-1]))].sum() * f[1])
+        for low, high in BANDS
+    ]
 
 
 _PAIRS = np.triu_indices(24, 1)
@@ -101,7 +134,10 @@ _PAIR_DISTANCE = np.linalg.norm(ELECTRODES[_PAIRS[0]] - ELECTRODES[_PAIRS[1]], a
 def distance_correlation(recording):
     """Mean correlation of the smoothed signals of two electrodes, by their distance."""
     found = np.corrcoef(smoothed(recording.counts).T)[_PAIRS]
-    return [found[(_PAIR_DISTANCE >= low) & (_PAIR_DISTANCE < high)].mean() for low, high in DISTANCE_BINS]
+    return [
+        found[(_PAIR_DISTANCE >= low) & (_PAIR_DISTANCE < high)].mean()
+        for low, high in DISTANCE_BINS
+    ]
 
 
 def components(recording):
@@ -146,4 +182,4 @@ def extremes(recording):
 
 def windows(counts, rows=50, step=25):
     """Segments of 0.5 s with half overlap."""
-    return [counts[a:a + rows] for a in range(0, len(counts) - rows + 1, step)]
+    return [counts[a : a + rows] for a in range(0, len(counts) - rows + 1, step)]
