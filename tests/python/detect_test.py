@@ -70,10 +70,12 @@ class DetectTest(unittest.TestCase):
             ):
                 judge("deviation", self.place / "gap.h5")
             notice = judge("deviation", self.place / "gap.h5", resample=True)["notice"]
+            resampled, threshold = notice.rsplit("; the ", 1)
             self.assertEqual(
-                notice,
+                resampled,
                 "resampled evenly at 100 Hz for deviation; 1 gap of at most 410 ms bridged; the figures are of interpolated data",
             )
+            self.assertIn("default threshold", threshold)
 
     def test_samples_that_import_made_up_are_stated(self):
         # Every third sample, 33.3 Hz. At 100 Hz from 0 to 2.97 s: 298 samples, of which 100 are recorded.

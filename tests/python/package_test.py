@@ -440,7 +440,8 @@ class Datasets(unittest.TestCase):
     def test_windows_of_trials_that_differ_are_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = slipbench.Scene.from_text(
-                "slipbench: 1\nduration: 0.3 s\nsensors: {pad: {type: papillarray, rate: 1 kHz}}\n"
+                "slipbench: 1\nduration: 0.6 s\nmotion: {start: 0.46 s}\n"
+                "sensors: {pad: {type: papillarray, rate: 1 kHz}}\n"
             )
             path = Path(folder, "rates.h5")
             scene.set({"sweep": {"sensors.pad.rate": ["1 kHz", "100 Hz"], "trials": 2}}).write(path)
@@ -458,7 +459,7 @@ class Datasets(unittest.TestCase):
                 with self.assertRaisesRegex(slipbench.InputError, "trials: 7; allowed"):
                     data.windows(length=4, trials=[0, 7])
             path = Path(folder, "durations.h5")
-            scene.set({"sweep": {"duration": ["0.3 s", "0.2 s"], "trials": 1}}).write(path)
+            scene.set({"sweep": {"duration": ["0.6 s", "0.5 s"], "trials": 1}}).write(path)
             with slipbench.open(path) as data:
                 samples = [len(data[trial].sensors["pad"].t) for trial in (0, 1)]
                 self.assertGreater(samples[0], samples[1])
@@ -481,7 +482,8 @@ class Datasets(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "one.h5")
             slipbench.Scene.from_text(
-                "slipbench: 1\nduration: 0.1 s\nsensors: {pad: {type: papillarray}}\n"
+                "slipbench: 1\nduration: 0.5 s\nmotion: {start: 0.46 s}\n"
+                "sensors: {pad: {type: papillarray}}\n"
             ).write(path)
             with slipbench.open(path) as data:
                 # The only trial is in one of the three masks.
