@@ -45,13 +45,11 @@ std::unique_ptr<Controller> created(const Parameters& parameters, const GripSour
 }
 
 ControllerKind constant_force();
-ControllerKind force_pid();
 ControllerKind force_ratio();
 ControllerKind hold_preset();
 ControllerKind plugin();
 ControllerKind reorient();
 ControllerKind step_on_slip();
-ControllerKind stuck_fraction();
 ControllerKind timed_grip();
 
 }  // namespace controllers

@@ -34,9 +34,8 @@ std::unique_ptr<Detector> created(const Parameters& parameters, const FrameSourc
 }
 
 // One estimate per frame, without latency or training.
-DetectorKind force_ratio_detector();     // channel "force" {N,3} [N]; Coulomb's law inverted
-DetectorKind stuck_fraction_detector();  // also "displacement" {N,3} [m]: sticking pillars, by their tips' speeds; stuck fraction
-DetectorKind shear_rate_detector();      // channel "force": a unit slips once its shear stops growing with load; stuck fraction
+DetectorKind force_ratio_detector();  // channel "force" {N,3} [N]; Coulomb's law inverted
+DetectorKind shear_rate_detector();   // channel "force": a unit slips once its shear stops growing with load; stuck fraction
 
 // One estimate per frame of a gel, from "displacement" {N,3} [m] and "pixel" {N,2}: how unequally
 // the markers under the object move.

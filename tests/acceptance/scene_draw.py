@@ -54,7 +54,7 @@ TIPS, SKINS, MAPS = (
 # Effects that need a flat surface.
 FLAT = {"texture", "roughness", "patchy_friction", "anisotropic_friction"}
 # Detectors by the sensor that they read; the others read any.
-DETECTORS = {"papillarray": ("gst_hd", "force_ratio", "stuck_fraction", "shear_rate"), "nib_pad": ("nib_linear_slip", "nib_slip_kind"),
+DETECTORS = {"papillarray": ("gst_hd", "force_ratio", "shear_rate"), "nib_pad": ("nib_linear_slip", "nib_slip_kind"),
              "piezo_skin": ("band_energy",), "gel_markers": ("marker_deviation", "marker_entropy")}  # fmt: skip
 
 
@@ -511,13 +511,7 @@ class Draw:
         if guided:
             controllers, scene["detector"] = ["reorient"], {"type": "nib_slip_kind"}
         elif kind == "papillarray":  # the only one of these with the forces that a controller needs
-            controllers = [
-                "constant_force",
-                "hold_preset",
-                "force_pid",
-                "force_ratio",
-                "stuck_fraction",
-            ]
+            controllers = ["constant_force", "hold_preset", "force_ratio"]
             controllers += ["step_on_slip"] if "detector" in scene else []
         if controllers:
             name = self.pick(*controllers)

@@ -64,9 +64,8 @@ TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
   GripSource source = papillarray_source();
   source.detected = false;
   const auto refused = [&](const std::string& name) { return refusal_of([&] { (void)make_controller(named(name), source); }); };
-  for (const std::string name : {"step_on_slip", "stuck_fraction"})
-    EXPECT_THAT(refused(name), refused_at("controller.type", {name, "detector"}));
-  for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset", "timed_grip"}) {
+  EXPECT_THAT(refused("step_on_slip"), refused_at("controller.type", {"step_on_slip", "detector"}));
+  for (const char* name : {"constant_force", "force_ratio", "hold_preset", "timed_grip"}) {
     EXPECT_EQ(refused(name), "accepted") << name;
   }
 }
@@ -76,7 +75,6 @@ TEST(Controllers, FindTheForcesInTheFrame) {
   const std::vector<Channel> channels{{"temperature", "K", {2}, {}}, {"force", "N", {1, 3}, {}}};
   const std::vector<float> values{300.0F, 301.0F, 0.0F, 0.0F, 3.9F};
   for (const ControllerKind& kind : built_in()) {
-    if (kind.about.name == "force_pid") continue;  // its first command is the position
     const auto controller = make_controller(named(kind.about.name), {.channels = channels, .preset = 4.0});
     ControlInput input;
     input.gripper.position = 20;
@@ -127,7 +125,6 @@ TEST(Controllers, RefuseValuesOutOfRange) {
   EXPECT_EQ(refused_value("step_on_slip", "ceiling", "inf"), "accepted");
   EXPECT_THAT(refused_value("step_on_slip", "overflow", "wrapp"), mentions({"wrapp", "wrap"}));
   EXPECT_THAT(refused_value("force_ratio", "margin", "0"), mentions({"0", "1"}));
-  EXPECT_THAT(refused_value("force_pid", "lead", "0"), mentions({"0", "1", "255"}));
 }
 
 }  // namespace

@@ -51,11 +51,10 @@ Entry oracle_entry() {
 
 const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
-      force_ratio_detector(),     stuck_fraction_detector(),     shear_rate_detector(),  marker_deviation_detector(),
-      marker_entropy_detector(),  band_energy_detector(),        gst_hd_detector(),      gst_hd_rtl_detector(),
-      nib_linear_slip_detector(), nib_slip_kind_detector(),      network_detector(),     plugin_detector(),
-      deviation_detector(),       relative_deviation_detector(), shear_ratio_detector(), sum_change_detector(),
-      {oracle_entry(), nullptr},
+      force_ratio_detector(),        shear_rate_detector(),  marker_deviation_detector(), marker_entropy_detector(),
+      band_energy_detector(),        gst_hd_detector(),      gst_hd_rtl_detector(),       nib_linear_slip_detector(),
+      nib_slip_kind_detector(),      network_detector(),     plugin_detector(),           deviation_detector(),
+      relative_deviation_detector(), shear_ratio_detector(), sum_change_detector(),       {oracle_entry(), nullptr},
   };
   return kinds;
 }
@@ -336,8 +335,7 @@ std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Mode
 const std::vector<ControllerKind>& controller_catalogue() {
   using namespace controllers;
   static const std::vector<ControllerKind> kinds{
-      constant_force(), force_pid(),    force_ratio(),    hold_preset(), plugin(),
-      reorient(),       step_on_slip(), stuck_fraction(), timed_grip(),
+      constant_force(), force_ratio(), hold_preset(), plugin(), reorient(), step_on_slip(), timed_grip(),
   };
   return kinds;
 }

@@ -38,7 +38,7 @@ Json board(const std::string& sensor, std::size_t trials, std::size_t jobs, cons
   options.asked.trials = trials;
   options.jobs = jobs;
   if (!flip.empty()) {
-    options.asked.detectors = {"shear_rate", "stuck_fraction"};
+    options.asked.detectors = {"shear_rate", "force_ratio"};
     options.asked.parameters = {{"flip", flip}};
   }
   return benchmark(options);
@@ -181,7 +181,7 @@ TEST(Board, FlipsLowerTheScore) {
     const Json flipped = board("papillarray", 4, 2, flip);
     for (const Json& set : flipped.at("sets")) {
       if (set.contains("disturbance")) continue;
-      for (const char* detector : {"shear_rate", "stuck_fraction"}) {
+      for (const char* detector : {"shear_rate", "force_ratio"}) {
         const double unflipped = score(set, detector), now = score(set, fmt::format("{}, given", detector));
         double& last = before.try_emplace(set.at("scene").get<std::string>() + detector, unflipped).first->second;
         EXPECT_LT(now, last) << detector << " with flip " << flip << ", " << set.at("scene");

@@ -34,7 +34,7 @@ def main():
             ).stdout
 
         run("sweep", "scene.yaml", "-o", "data.h5", "--quiet")
-        run("eval", "stuck_fraction", "data.h5", "--labels", "micro", "-o", "page.html")
+        run("eval", "shear_rate", "data.h5", "--labels", "micro", "-o", "page.html")
         run("report", "data.h5")
         page = folder / "page.html"
         text = page.read_text()

@@ -29,8 +29,8 @@ std::size_t classes(const TrialRecord& record) {
 }
 
 TEST(Replay, IsWhatTheLoopSaw) {
-  for (const char* detector : {"{type: force_ratio}", "{type: force_ratio, ratio: 0.2, flip: 0.05}", "{type: stuck_fraction}",
-                               "{type: shear_rate}", "{type: gst_hd}"}) {
+  for (const char* detector :
+       {"{type: force_ratio}", "{type: force_ratio, ratio: 0.2, flip: 0.05}", "{type: shear_rate}", "{type: gst_hd}"}) {
     SCOPED_TRACE(detector);
     const Scene scene = parsed(stage(detector));
     const TrialRecord record = run_trial(scene, 3, Recording::full).record;

@@ -301,7 +301,7 @@ def main():
         )
         pages.run("cost", SCENES / "papillarray/stage.yaml", "--budget", "1s", "-o", "cost.html")
         pages.check(pages.folder / "cost.html")
-        pages.run("eval", "stuck_fraction", "sweep.h5", "--labels", "micro", "-o", "eval.html")
+        pages.run("eval", "shear_rate", "sweep.h5", "--labels", "micro", "-o", "eval.html")
         pages.check(pages.folder / "eval.html")
         pages.check_recordings("sweep.h5")
         pages.check_skins()

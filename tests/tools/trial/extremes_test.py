@@ -115,7 +115,7 @@ def sections(definitions):
             yield name, schema, lambda change, base=base: scene(sensors={"pad": {**base, **change}})
     for name, schema in named("detector_"):
         kind = name.removeprefix("detector_")
-        if kind in ("force_ratio", "stuck_fraction", "shear_rate", "truth"):
+        if kind in ("force_ratio", "shear_rate", "truth"):
             yield name, schema, lambda change, kind=kind: scene(detector={"type": kind, **change})
     for name, schema in named("controller_"):
         kind = name.removeprefix("controller_")

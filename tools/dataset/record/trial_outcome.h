@@ -39,7 +39,7 @@ struct GraspOutcome {
   // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a
   // command that follows from a later read, and closes further, begins to act. NaN: no such command
   // before the drop, the detector is Detection::early, or the controller closes only to hold a
-  // force (Answers: constant_force, hold_preset, force_pid, timed_grip, and step_on_slip while its
+  // force (Answers: constant_force, hold_preset, timed_grip, and step_on_slip while its
   // detector gives no answer).
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
   std::optional<TurnOutcome> turn = {};  // empty: the arm's motion is prescribed

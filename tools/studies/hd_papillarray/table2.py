@@ -109,14 +109,9 @@ def loops(memories: str) -> dict[str, Choice]:
         ),
         "gst_hd_rtl": detected("gst_hd_rtl", "{type: gst_hd_rtl}"),
         "force_ratio": detected("detector force_ratio", "{type: force_ratio}"),
-        "stuck_fraction": detected("detector stuck_fraction", "{type: stuck_fraction}"),
         "shear_rate": detected("detector shear_rate", "{type: shear_rate}"),
         "constant_force": controlled("constant_force", "{type: constant_force}"),
         "force_ratio_control": controlled("controller force_ratio", "{type: force_ratio}"),
-        "stuck_fraction_control": controlled(
-            "controller stuck_fraction", "{type: stuck_fraction}", "{type: stuck_fraction}"
-        ),
-        "force_pid": controlled("controller force_pid", "{type: force_pid}"),
         "hold_preset": controlled("hold_preset (negative control)", "{type: hold_preset}"),
     }
 
@@ -485,8 +480,8 @@ def setup_lines(trials: int, seed: int) -> list[str]:
         assumed.append(f"Assumed, {one['name']}: {', '.join(values)}.")
     return [
         f"{SCENE}, seed {seed}, {counted(trials, 'trial')} per row. Rows differ only in what they name. Trial k has the same box, position and loop phase in every row.",
-        "Rows of detectors use the controller step_on_slip. constant_force, the controller force_ratio, force_pid and hold_preset use no detector; for the "
-        "paper's estimate gst_hd with the shipped memory runs in parallel. The controller stuck_fraction uses the detector stuck_fraction.",
+        "Rows of detectors use the controller step_on_slip. constant_force, the controller force_ratio and hold_preset use no detector; for the "
+        "paper's estimate gst_hd with the shipped memory runs in parallel.",
         f"Rows of the paper's script: one in {ROW_STRIDE} frames of 100 Hz; assumed, because its window of four rows is 0.6 s in the paper. The script requires three"
         " slips of four, the text of the paper half.",
         "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the medians, the heavy boxes and the drops of the "

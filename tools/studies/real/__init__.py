@@ -30,7 +30,7 @@ from slipbench_studies.result import Chart, Curve, Options, Result, Table
 YARDSTICKS = ("deviation", "relative_deviation", "shear_ratio", "sum_change")
 # Other detectors of the catalogue that read the channels of a sensor.
 CATALOGUE = {
-    "papillarray": ("force_ratio", "stuck_fraction", "shear_rate", "gst_hd"),
+    "papillarray": ("force_ratio", "shear_rate", "gst_hd"),
     "taxels": ("force_ratio", "shear_rate"),
 }
 CHOSEN = ", chosen threshold"  # behind the name of a yardstick

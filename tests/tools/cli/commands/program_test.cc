@@ -352,7 +352,7 @@ TEST(Program, ListAndDescribe) {
   EXPECT_EQ(json_of(run_program_file({"describe", "contact", "--json"}))["entries"].at(0)["parameters"].at(0)["name"],
             "integrator");
   // A detector and a controller with the same name.
-  const nlohmann::json both = json_of(run_program_file({"describe", "stuck_fraction", "--json"}))["entries"];
+  const nlohmann::json both = json_of(run_program_file({"describe", "force_ratio", "--json"}))["entries"];
   ASSERT_EQ(both.size(), 2U);
   EXPECT_EQ(both[0]["kind"], "detector");
   EXPECT_EQ(both[1]["kind"], "controller");
