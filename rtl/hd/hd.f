@@ -7,7 +7,3 @@ hd_history.sv
 hd_distance.sv
 hd_encoder.sv
 hd_core.sv
-hd_uart_rx.sv
-hd_uart_tx.sv
-hd_host.sv
-hd_top.sv
