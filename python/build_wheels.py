@@ -222,6 +222,7 @@ def main():
         "--target",
         "slipbench_python",
         "slipbench_python_stub",
+        "slipbench_scene_schema",
         "slipbench_python_abi3",
         cwd=ROOT,
     )
