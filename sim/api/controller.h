@@ -9,7 +9,7 @@
 
 namespace slipbench {
 
-// Largest value of a register of a Robotiq 2F-85 (shared SENSORS.md, section 5): one byte each.
+// Largest value of a register of a Robotiq 2F-85 (its manual): one byte each.
 inline constexpr int max_register = 255;
 
 // Speeds commanded to the arm that carries the gripper: horizontal, perpendicular to the fingers'

@@ -78,7 +78,7 @@ Entry grip_entry() {
           "finger along the closing direction: m x'' = k (drive - x) + 2 zeta sqrt(k m) (drive' - x') + force of its pad\n"
           "Sideways, upwards and in rotation the equation is the same, with the position of the hand instead of the drive.\n"
           "The drive is self-locking: no force moves it. A closing drive stops when k (drive - x) reaches the force limit.",
-      .source = "SENSORS: Robotiq 2F-85; stiffness and latency of a real one are not published",
+      .source = "manual of the Robotiq 2F-85 and Robotiq's profile k2F85; stiffness and latency of a real one are not published",
       .parameters = {
           choice_spec(
               "protocol", "as_recorded", {"as_printed", "as_recorded"},

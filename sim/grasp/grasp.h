@@ -39,8 +39,8 @@ namespace slipbench {
 // register, linear from `weakest` to `strongest`, at the first update() that finds it so. Between
 // commands the position is held at any force: screw and nut are self-locking.
 //
-// Sources: shared SENSORS.md section 5 and GRASP.md; `describe` marks each parameter that is
-// assumed.
+// Sources: the manual of the 2F-85 and the profile k2F85 of Robotiq's repository `grippers`;
+// `describe` gives the source of each parameter and marks those that are assumed.
 
 // A sine of a grip's drift.
 struct DriftTone {

@@ -98,7 +98,7 @@ struct HoldScene {
 // grasp the cheaper one.
 enum class FieldSolver : std::uint8_t { automatic, explicit_springs, implicit_springs };
 
-struct Scene {  // more than 25 members: one for each key of a scene
+struct Scene {
   std::string description;
   double duration = 0.0;            // s
   std::optional<double> time_step;  // s; empty: auto

@@ -22,7 +22,7 @@ namespace slipbench::hard {
 
 inline constexpr double g = 9.81;                    // m/s2
 inline constexpr double longest_sample = 2e-3;       // s, sampling time of the pads: the longest step of the hard cases
-inline constexpr double k_n = 7100.0, k_t = 3900.0;  // N/m, a real pillar (SENSORS.md)
+inline constexpr double k_n = 7100.0, k_t = 3900.0;  // N/m, a real pillar (sensors/papillarray/README.md)
 // m. Wide enough for 5 kg on the softest pad: turned by a, the box's face moves it sideways by m g
 // a/K_t, and the pad must balance m g times that with K_r a, K_r = 6 k_n pitch^2. With K_t = 9 k_t
 // this needs pitch > m g/sqrt(54 k_n k_t) = 13 mm at a tenth of k_n, k_t.

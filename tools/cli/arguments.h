@@ -32,7 +32,7 @@ class Command;
 // positional argument. `value` is unchanged if the option is not given; it must outlive this
 // object. Values are read in the order of declaration, after all words are assigned. A bad value
 // throws InputError: "run: --jobs is '0'; allowed: a whole number from 1 to 1024".
-class Arguments {  // more than 25 members: one for each kind of value
+class Arguments {
  public:
   // `app`: CLI11's view of the command, or of the program if `command` is null. `parent`: the
   // parent command, which must outlive this object; null: the program. `json`: set by --json of any

@@ -44,7 +44,7 @@ std::optional<FileAbout> file_about(const std::string& path);
 // InputError, naming file and object, if the file is invalid. HDF5 itself may crash on damaged
 // bytes: open untrusted files through checked_dataset.h. The HDF5 library is not thread-safe: use
 // all readers and writers of a process from one thread.
-class DatasetReader {  // more than 25 members: one for each part of a dataset
+class DatasetReader {
  public:
   explicit DatasetReader(const std::string& path);
   // Opens one file alone, whatever its index in its dataset.

@@ -73,7 +73,7 @@ TEST(MyrmexCell, RestsAtTheTopAndFallsWithTheForce) {
   EXPECT_EQ(sensor->measure(sheared).values[0], 4095.0F);
 }
 
-// Measured counts (of 1,024) of the comparable cell (shared SENSORS.md, section 2: bare). The fit
+// Measured counts (of 1,024) of a comparable cell, bare (TAMS-Group/tams_tactile_sensor_array_hardware, calibration). The fit
 // of R and the best reference leave an error of 4.0 % of the range at 2.5 N, less elsewhere; the
 // cell's own unloading differs from its loading by 1.4 to 6.3 %.
 TEST(MyrmexCell, FollowsTheMeasuredCurve) {

@@ -35,7 +35,7 @@ struct SensorColumn {
 inline constexpr PadState unknown_state{4};
 
 // The truth about one pad's contact at its sensor's samples: L = T samples of N units. Meanings as
-// in ContactFrame. More than 25 members: one for each array of a dataset.
+// in ContactFrame.
 struct LabelRecord {
   std::vector<std::uint8_t> unit_state;   // [L,N] UnitState
   std::vector<float> slip_velocity;       // [L,N,2] m/s

@@ -86,7 +86,7 @@ TEST_P(PluginGrip, RealPillarsHaveTheSameThreshold) {
 
 TEST(PluginGrip, MujocosOwnContactCreepsInTheSameScene) {
   // The same box, fingers, friction and grip, held by MuJoCo's contact with its defaults:
-  // regularised friction creeps (MUJOCO.md, C: 1.7 mm/s between boxes), at least 10,000 times the
+  // regularised friction creeps (measured between boxes: 1.7 mm/s), at least 10,000 times the
   // plugin's limit.
   GripRun run({.left = "", .right = ""});
   run.hold(1.2);

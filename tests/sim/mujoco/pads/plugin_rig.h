@@ -132,7 +132,7 @@ class GripRun {
 
   [[nodiscard]] mjModel* m() { return model_.get(); }
   [[nodiscard]] mjData* d() { return data_.get(); }
-  // The least grip [N] that holds the box: two pads, each with mu F (closed form 8 of PHYSICS.md).
+  // The least grip [N] that holds the box: two pads, each with mu F.
   [[nodiscard]] double threshold() const { return grip_.mass * g / (2.0 * grip_.mu); }
   [[nodiscard]] double height() { return data_->qpos[2]; }
 
