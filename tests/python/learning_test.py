@@ -448,13 +448,14 @@ class Training(TrainingTest):
     # Hz 2, 3, 4, 5 and 8. The floor is a thousandth of the greatest value of the first trial. The
     # skin's counts minus the unloaded ones are its field.
     def test_slip_gru_reads_three_axes_of_counts_and_of_markers(self):
-        for sensor, rate, channel, spans in (
-            ({"type": "magnetic_skin", "noise": 2.2}, 100, "field", [2, 3, 4, 8, 16]),
-            ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", [2, 3, 4, 5, 8]),
+        for sensor, rate, channel, unit, spans in (
+            ({"type": "magnetic_skin", "noise": 2.2}, 100, "field", "uT", [2, 3, 4, 8, 16]),
+            ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", "m", [2, 3, 4, 5, 8]),
             (
                 {"type": "taxels", "rate": "100 Hz", "channels": {"moved": "displacement"}},
                 100,
                 "moved",
+                "m",
                 [2, 3, 4, 8, 16],
             ),
         ):
@@ -466,7 +467,8 @@ class Training(TrainingTest):
                     (sensor["type"], rate, 2, 1),
                 )
                 self.assertEqual(
-                    (frames["channels"], frames["spans"]), ([{"name": channel}], spans)
+                    (frames["channels"], frames["spans"]),
+                    ([{"name": channel, "unit": unit}], spans),
                 )
                 with slipbench.open(data) as opened:
                     largest = np.abs(opened[0].sensors["pad"][channel][:]).max()
