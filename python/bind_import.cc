@@ -115,7 +115,6 @@ class MappedImport {
 }  // namespace
 
 void bind_import(nb::module_& module) {
-  module.attr("unknown_state") = static_cast<int>(unknown_state);
   module.def("list_sources", &sources_of, nb::arg("sources"), nb::arg("endings"));
   module.def("read_yaml", [](const std::string& path) { return tuple_of(SceneFile::load(path).root()); });
   module.def("is_plain_name", &is_plain_name);

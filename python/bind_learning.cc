@@ -26,10 +26,12 @@
 #include "detectors/network/frames.h"
 #include "python/arrays.h"
 #include "python/module.h"
+#include "sim/api/pad_state_names.h"
 #include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/files/reject.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/statistics/confusion.h"
 #include "tools/train/network/examples.h"
 #include "tools/train/network/operating_point.h"
@@ -165,11 +167,10 @@ nb::dict dict_of(train::Example& example, std::size_t inputs) {
   return all;
 }
 
-nb::list classes_as_pairs(train::ClassRule classes, train::LabelRule labels) {
-  constexpr std::array names{"no_contact", "non_slip", "incipient", "gross"};
+nb::list classes_as_pairs(train::ClassRule classes, LabelRule labels) {
   nb::list all;
   for (const network::Class& one : train::classes_of(classes, labels))
-    all.append(nb::make_tuple(one.name, names.at(static_cast<std::size_t>(one.state))));
+    all.append(nb::make_tuple(one.name, choice_name(pad_states, one.state)));
   return all;
 }
 
@@ -186,7 +187,7 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
                         const std::optional<ProgressCallback>& progress) {
   if (paths.empty()) throw InputError("dataset: an empty list; expected at least one path");
   train::ExampleOptions options{.input = input_of(description),
-                                .labels = value_of(train::label_words, labels, "labels"),
+                                .labels = parse_label_rule(labels, LabelUse::training),
                                 .classes = value_of(class_words, classes, "classes"),
                                 .sensor = sensor,
                                 .turned = turned,
@@ -238,7 +239,7 @@ Described example_of(const TrialRecord& record, const std::string& sensor, const
                      const std::string& labels, const std::string& classes, std::size_t turn) {
   train::ExampleOptions options;
   options.input = input_of(description);
-  options.labels = value_of(train::label_words, labels, "labels");
+  options.labels = parse_label_rule(labels, LabelUse::training);
   options.classes = value_of(class_words, classes, "classes");
   const auto found = std::ranges::find(record.sensors, sensor, &SensorRecord::name);
   if (found == record.sensors.end()) reject("trial {}: has no sensor {}", record.trial, quote(sensor));
@@ -312,9 +313,26 @@ Described counts_at(const Series& series, double period, double threshold, std::
   return Described(all);
 }
 
+// Properties of a label rule that Python needs. `array`: that of a sensor's labels with the states of the
+// rule; empty: the states are derived. `evaluated_by`: LabelRuleInfo::evaluated_by.
+struct RuleOfLabels {
+  std::string name, array, evaluated_by;
+};
+
+std::vector<RuleOfLabels> rules_of_labels() {
+  std::vector<RuleOfLabels> all;
+  for (const LabelRuleInfo& rule : label_rules()) all.push_back({rule.name, array_of(rule), label_rule_name(rule.evaluated_by)});
+  return all;
+}
+
 }  // namespace
 
 void bind_learning(nb::module_& module) {
+  nb::class_<RuleOfLabels>(module, "LabelRule")
+      .def_ro("name", &RuleOfLabels::name)
+      .def_ro("array", &RuleOfLabels::array)
+      .def_ro("evaluated_by", &RuleOfLabels::evaluated_by);
+  module.def("label_rules", &rules_of_labels);
   nb::class_<FrameReader>(module, "Frames")
       .def(nb::init<const std::string&, const std::string&, double, const FrameReader::Channels&>(), nb::arg("description"),
            nb::arg("type"), nb::arg("rate"), nb::arg("channels"))

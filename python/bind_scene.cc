@@ -34,6 +34,7 @@
 #include "tools/eval/evaluate.h"
 #include "tools/eval/replay.h"
 #include "tools/files/project/project_file.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/trial/sweep/run_sweep.h"
 #include "tools/trial/sweep/warnings.h"
@@ -335,7 +336,7 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   options.all = all;
   options.resample = resample;
   options.trained = eval::training_of(options.detector);
-  if (!labels.empty()) options.labels = eval::parse_label_rule(labels);
+  if (!labels.empty()) options.labels = parse_label_rule(labels, LabelUse::evaluation);
   const nb::gil_scoped_release release;
   const std::lock_guard alone(hdf5_in_use);
   return eval::evaluate(options).dump();

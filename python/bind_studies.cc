@@ -32,6 +32,7 @@
 #include "tools/eval/metrics.h"
 #include "tools/eval/replay.h"
 #include "tools/files/reject.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/learning_data/samples.h"
 #include "tools/page/page.h"
 #include "tools/registry/program_catalogues.h"
@@ -163,7 +164,7 @@ class HdSequences {
  public:
   HdSequences(const std::string& path, const std::string& labels) {
     const nb::gil_scoped_release release;
-    data_ = read_sequences(path, {parse_slip_rule(labels), {}});
+    data_ = read_sequences(path, {parse_label_rule(labels, LabelUse::pillars), {}});
   }
 
   [[nodiscard]] const std::string& command() const { return data_.command; }
@@ -231,7 +232,7 @@ class Judgements {
     for (std::size_t row = 0; row < rows; ++row) replayed.seen.push_back(static_cast<PadState>(seen.data()[row]));
     replayed.seen_since.assign(since.data(), since.data() + rows);
     replayed.probability.assign(probability.data(), probability.data() + rows);
-    const eval::Truth truth = eval::truth_of(nullptr, TrialRecord{}, sensor, eval::TruthRule::recorded);
+    const eval::Truth truth = eval::truth_of(nullptr, TrialRecord{}, sensor, LabelRule::recorded);
     all_.push_back(eval::judged(all_.size(), truth, replayed));
   }
 

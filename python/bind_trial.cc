@@ -1,13 +1,18 @@
 // A trial's record for numpy: views of the record's memory, which lives as long as any view.
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
+#include <fmt/format.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
 #include "python/module.h"
+#include "sim/api/pad_state_names.h"
+#include "tools/dataset/record/codes.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/files/output_file.h"
@@ -31,20 +36,66 @@ nb::object view(const RecordPointer& record, std::vector<T>& values, std::vector
   return nb::cast(nb::ndarray<nb::numpy, const T>(values.data(), shape.size(), shape.data(), capsule));
 }
 
-// Columns by their names in a dataset, except for the events and the unit suffix of times.
+// Attribute of a class of the package for an array of a dataset: that of the events and of times has
+// another name.
+std::string attribute_name(std::string_view array) {
+  if (array == "events/t") return "event_time";
+  if (array == "arm_speed") return "arm";
+  if (array.starts_with("events/")) return fmt::format("event_{}", array.substr(7));
+  if (array.ends_with("_s")) array.remove_suffix(2);
+  return std::string(array);
+}
+
 nb::dict labels_of(const RecordPointer& record, LabelRecord& labels) {
   nb::dict all;
-  for_each_label(labels, labels.units(), [&](const char* name, const char*, const Extents& tail, auto& values) {
-    all[name] = view(record, values, tail);
-  });
+  const auto add = [&](const char* name, const char*, const Extents& tail, auto& values) {
+    all[attribute_name(name).c_str()] = view(record, values, tail);
+  };
+  for_each_label(labels, labels.units(), add);
+  // Labels without truth have empty columns of the others.
   all["event_time"] = view(record, labels.event_time);
   all["event_unit"] = view(record, labels.event_unit);
   all["event_kind"] = view(record, labels.event_kind);
-  for_each_unit_attribute(labels, [&](std::string name, const Extents& tail, std::vector<double>& values) {
-    if (name.ends_with("_s")) name.resize(name.size() - 2);
-    all[name.c_str()] = view(record, values, tail);
-  });
+  for_each_unit_attribute(labels, add);
   return all;
+}
+
+// Unit of each array of the classes of the package, in the order of their attributes.
+using Units = nb::typed<nb::dict, nb::str, nb::typed<nb::dict, nb::str, nb::str>>;
+Units array_units() {
+  nb::dict labels, body, control, contact;
+  for (nb::dict* one : {&labels, &body, &control, &contact}) (*one)["t"] = "s";
+  const auto into = [](nb::dict& units) {
+    return [&units](const char* name, std::string_view unit, const Extents&, const auto&) {
+      const std::string_view shown = shown_unit(name, unit);
+      units[attribute_name(name).c_str()] = nb::str(shown.data(), shown.size());
+    };
+  };
+  const LabelRecord label_record;
+  for_each_label(label_record, 0, into(labels));
+  for_each_event_column(label_record, into(labels));
+  for_each_unit_attribute(label_record, into(labels));
+  for_each_body_column(BodyRecord{}, into(body));
+  const ControlRecord control_record;
+  for_each_control_column(control_record, into(control));
+  for_each_grip_column(control_record.grip, into(control));
+  for_each_arm_column(control_record.grip, into(control));
+  contact["force"] = "N";
+  contact["displacement"] = "m";
+  nb::dict all;
+  all["Labels"] = labels;
+  all["Contact"] = contact;
+  all["Body"] = body;
+  all["Control"] = control;
+  return Units(all);
+}
+
+using Codes = nb::typed<nb::dict, nb::str, int>;
+template <class Choices>
+Codes codes_by_name(const Choices& choices) {
+  nb::dict codes;
+  for (const auto& choice : choices) codes[choice.name] = static_cast<int>(choice.value);
+  return Codes(codes);
 }
 
 nb::dict sensor_of(const RecordPointer& record, SensorRecord& sensor) {
@@ -106,6 +157,12 @@ std::string sha256_of(const TrialRecord& record) {
 }  // namespace
 
 void bind_trial(nb::module_& module) {
+  module.def("array_units", &array_units);
+  module.def("pad_states", [] { return codes_by_name(pad_states); });
+  module.def("unit_states", [] { return codes_by_name(unit_states); });
+  module.def("event_kinds", [] { return codes_by_name(event_kinds); });
+  module.attr("unknown_state") = static_cast<int>(unknown_state);
+  module.attr("unknown_state_name") = unknown_state_name;
   nb::class_<TrialRecord>(module, "Record")
       .def_ro("trial", &TrialRecord::trial)
       .def_ro("seed", &TrialRecord::seed)

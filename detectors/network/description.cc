@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "detectors/spectral/spectral_features.h"
+#include "sim/api/pad_state_names.h"
+#include "sim/core/choice.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/core/readable_quantity.h"
@@ -27,18 +29,11 @@ constexpr std::size_t most_values = 1'000'000;   // of a sample, an image, a fra
 constexpr std::size_t most_classes = 1000;
 constexpr std::size_t most_states = 1000;
 
-constexpr std::array<std::pair<std::string_view, Transform>, 6> transforms{{{"samples", Transform::samples},
-                                                                            {"log_psd", Transform::log_psd},
-                                                                            {"amplitude", Transform::amplitude},
-                                                                            {"spreads", Transform::spreads},
-                                                                            {"levels", Transform::levels},
-                                                                            {"units", Transform::units}}};
-constexpr std::array<std::pair<std::string_view, Output>, 2> outputs{
-    {{"logits", Output::logits}, {"probabilities", Output::probabilities}}};
-constexpr std::array<std::pair<std::string_view, PadState>, 4> pad_states{{{"no_contact", PadState::no_contact},
-                                                                           {"non_slip", PadState::non_slip},
-                                                                           {"incipient", PadState::incipient},
-                                                                           {"gross", PadState::gross}}};
+constexpr std::array transforms{
+    Choice<Transform>{"samples", Transform::samples},     Choice<Transform>{"log_psd", Transform::log_psd},
+    Choice<Transform>{"amplitude", Transform::amplitude}, Choice<Transform>{"spreads", Transform::spreads},
+    Choice<Transform>{"levels", Transform::levels},       Choice<Transform>{"units", Transform::units}};
+constexpr std::array outputs{Choice<Output>{"logits", Output::logits}, Choice<Output>{"probabilities", Output::probabilities}};
 
 constexpr std::array<std::pair<const char*, std::size_t Alarm::*>, 3> alarm_keys{
     {{"on", &Alarm::on}, {"off", &Alarm::off}, {"least", &Alarm::least}}};
@@ -46,11 +41,6 @@ constexpr std::array<std::pair<const char*, std::size_t Alarm::*>, 3> alarm_keys
 bool is_spectrum(Transform transform) { return transform == Transform::log_psd || transform == Transform::amplitude; }
 
 bool reads_single_samples(const Input& input) { return input.window == 1 && input.median == 1; }
-
-template <class Words>
-auto word_of(const Words& words, typename Words::value_type::second_type value) {
-  return std::string(std::ranges::find(words, value, &Words::value_type::second)->first);
-}
 
 // Returns a short form of a JSON value for messages.
 std::string shown(const Json& value) {
@@ -95,13 +85,9 @@ class Object {
   template <class Words>
   [[nodiscard]] auto choice(const std::string& key, const Words& words) const {
     const std::string word = text(key);
-    const auto* const found = std::ranges::find(words, word, &Words::value_type::first);
-    if (found == words.end()) {
-      std::vector<std::string_view> names;
-      for (const auto& [name, value] : words) names.push_back(name);
-      refuse(key, quote(word) + allowed_names(word, names));
-    }
-    return found->second;
+    const auto value = choice_value(words, word);
+    if (!value) refuse(key, quote(word) + allowed_names(word, choice_names(words)));
+    return *value;
   }
 
   [[nodiscard]] bool flag(const std::string& key, bool otherwise) const {
@@ -417,7 +403,7 @@ std::string description_text(const Description& description) {
   in["window"] = input.window;
   in["stride"] = input.stride;
   in["centre"] = input.centre;
-  in["transform"] = word_of(transforms, input.transform);
+  in["transform"] = choice_name(transforms, input.transform);
   if (is_spectrum(input.transform)) {
     in["low"] = input.low;
     in["high"] = input.high;
@@ -436,10 +422,10 @@ std::string description_text(const Description& description) {
   json["input"] = std::move(in);
   json["states"] = Json::array();
   for (const State& state : description.states) json["states"].push_back({{"input", state.input}, {"output", state.output}});
-  json["output"] = word_of(outputs, description.output);
+  json["output"] = choice_name(outputs, description.output);
   json["classes"] = Json::array();
   for (const Class& one : description.classes) {
-    json["classes"].push_back({{"name", one.name}, {"state", word_of(pad_states, one.state)}});
+    json["classes"].push_back({{"name", one.name}, {"state", choice_name(pad_states, one.state)}});
   }
   json["threshold"] = description.threshold;
   for (const auto& [key, frames] : alarm_keys) json["alarm"][key] = description.alarm.*frames;

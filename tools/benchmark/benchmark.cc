@@ -32,6 +32,7 @@
 #include "tools/files/given_once.h"
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/report/report_summary.h"
 #include "tools/statistics/descriptive.h"
@@ -48,8 +49,8 @@ constexpr std::size_t most_groups = 6;
 // Open recordings: slip counts from the first part of a unit on; samples that stick again after a
 // slip are not judged, since the label rules that detectors are trained with disagree there. Loops:
 // a firmer grip is expected to end the report of slip.
-eval::TruthRule rule_of(Track track) {
-  constexpr std::array rules{eval::TruthRule::masked, eval::TruthRule::micro, eval::TruthRule::recorded};
+LabelRule rule_of(Track track) {
+  constexpr std::array rules{LabelRule::masked, LabelRule::micro, LabelRule::recorded};
   return rules.at(static_cast<std::size_t>(track));
 }
 
@@ -156,7 +157,7 @@ bool is_ranked(const Entrant& entrant, const TestSet& test_set) { return !is_mea
 
 // `stuck`: the same trial without slip; nullptr if no entrant needs it.
 Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, const Scene* scene, const TrialRecord& record,
-                       eval::TruthRule rule, Stuck* stuck = nullptr) {
+                       LabelRule rule, Stuck* stuck = nullptr) {
   Answer answer;
   try {
     const double from = test_set == nullptr ? -never : judged_from(*test_set, *scene);
@@ -672,7 +673,7 @@ std::vector<Json> sets_json(std::span<const TestSet> sharing, const Protocol& pr
                  {"scene", test_set.scene},
                  {"trials", trials.numbers.size()},
                  {"data_sha256", text_sha256(digests)},
-                 {"labels", eval::label_rule_name(rule_of(test_set.track))}};
+                 {"labels", label_rule_name(rule_of(test_set.track))}};
     if (!test_set.domain.empty()) json["domain"] = test_set.domain;
     if (!test_set.disturbance.empty()) json["disturbance"] = test_set.disturbance;
     sets.push_back(board_json(std::move(json), std::move(board), yardsticks));
@@ -712,7 +713,7 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
                {"file", file},
                {"trials", board.digests.size()},
                {"data_sha256", text_sha256(digests)},
-               {"labels", eval::label_rule_name(rule_of(Track::transfer))}};
+               {"labels", label_rule_name(rule_of(Track::transfer))}};
   // The file may hold text that is not UTF-8.
   Yardsticks of_this_file;
   return Json::parse(

@@ -292,7 +292,7 @@ struct DatasetReader::State {
     LabelRecord labels;
     const Handle group = open_object(place);
     const std::size_t units = read_numbers<double>(place, group, "k_normal").values.size();
-    for_each_unit_attribute(labels, [&](const char* name, const Extents& tail, std::vector<double>& values) {
+    for_each_unit_attribute(labels, [&](const char* name, const char*, const Extents& tail, std::vector<double>& values) {
       values = read_numbers<double>(place, group, name).values;
       std::size_t expected = units;
       for (const std::size_t extent : tail) expected *= extent;

@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/api/pad_state_names.h"
+#include "sim/core/choice.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/reader.h"
 #include "tools/eval/detect_page.h"
@@ -29,16 +31,15 @@ constexpr const char* samples_head = "recording,trial,object,time_s,state,slip,p
 
 Json words_of(const std::vector<PadState>& states) {
   Json words = Json::array();
-  for (const PadState state : states)
-    words.push_back(state == unknown_state ? Json() : Json(state_words.at(static_cast<std::size_t>(state))));
+  for (const PadState state : states) words.push_back(state == unknown_state ? Json() : Json(choice_name(pad_states, state)));
   return words;
 }
 
 // The rule of a trial's labels; empty if it has none.
-std::optional<TruthRule> rule_of(const SensorRecord& sensor, TruthRule simulated) {
+std::optional<LabelRule> rule_of(const SensorRecord& sensor, LabelRule simulated) {
   if (sensor.labels.truth) return simulated;
   if (sensor.labels.state_paper.empty()) return std::nullopt;
-  return TruthRule::recorded;
+  return LabelRule::recorded;
 }
 
 // The recording's name of the touched object; empty if it has none.
@@ -47,7 +48,7 @@ std::string recorded_object(const std::string& params) {
   return known.is_object() && known.contains("object") && known.at("object").is_string() ? known.at("object") : "";
 }
 
-Json detected_trial(const std::string& recording, const RecordedTrial& trial, TruthRule simulated) {
+Json detected_trial(const std::string& recording, const RecordedTrial& trial, LabelRule simulated) {
   const SensorRecord& sensor = trial.sensor();
   const Replayed& replayed = trial.replayed;
   const std::vector<double>& time = sensor.time;
@@ -69,7 +70,7 @@ Json detected_trial(const std::string& recording, const RecordedTrial& trial, Tr
       {"wrong_share", nullptr},
       {"samples",
        {{"time_s", time}, {"state", words_of(replayed.seen)}, {"probability", std::move(probability)}, {"label", nullptr}}}};
-  if (const std::optional<TruthRule> rule = rule_of(sensor, simulated)) {
+  if (const std::optional<LabelRule> rule = rule_of(sensor, simulated)) {
     const Truth truth = trial.truth(*rule);
     const Confusion frames = judged(trial.record.trial, truth, replayed).frames;
     std::size_t judged_samples = 0;
@@ -97,7 +98,7 @@ Json worst_of(const Json& trials) {
 // Result as UTF-8 text, whatever bytes the file holds.
 std::string detected(const DetectOptions& options) {
   const Catalogues catalogues = program_catalogues();
-  const TruthRule simulated = learnt_labels(training_of(options.detector));
+  const LabelRule simulated = learnt_labels(training_of(options.detector));
   Json trials = Json::array(), sensor;
   Notices notices;
   check_given_once(options.recordings, "recording");

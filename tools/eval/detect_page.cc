@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/api/pad_state_names.h"
+#include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "tools/dataset/reader.h"
 #include "tools/eval/detect.h"
@@ -20,9 +22,7 @@ constexpr std::size_t most_rows = 500;
 std::vector<PadState> states_of(const Json& words) {
   std::vector<PadState> states;
   for (const Json& word : words) {
-    states.push_back(word.is_null()
-                         ? unknown_state
-                         : static_cast<PadState>(std::ranges::find(state_words, word.get<std::string>()) - state_words.begin()));
+    states.push_back(word.is_null() ? unknown_state : choice_value(pad_states, word.get<std::string>()).value());
   }
   return states;
 }

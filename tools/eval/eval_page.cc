@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/api/pad_state_names.h"
 #include "sim/core/counted.h"
 #include "tools/dataset/reader.h"
 #include "tools/eval/evaluate.h"
@@ -187,17 +188,15 @@ page::TextTable figures_table(const Json& result) {
 }
 
 page::TextTable called_table(const Json& all) {
-  constexpr std::array<std::pair<const char*, const char*>, 4> states{
-      {{"no_contact", "no contact"}, {"non_slip", "non-slip"}, {"incipient", "incipient"}, {"gross", "gross"}}};
-  page::TextTable table{
-      {"true state", "samples", "detected no contact", "detected non-slip", "detected incipient", "detected gross"}, {}};
-  for (const auto& [key, name] : states) {
-    const Json& row = all.at("called").at(key);
+  page::TextTable table{{"true state", "samples"}, {}};
+  for (const PadStateName& called : pad_states) table.head.push_back(fmt::format("detected {}", called.title));
+  for (const PadStateName& truth : pad_states) {
+    const Json& row = all.at("called").at(truth.name);
     double sum = 0.0;
     for (const Json& samples : row) sum += samples.get<double>();
-    std::vector<std::string>& cells = table.rows.emplace_back(std::vector<std::string>{name, fmt::format("{:.0f}", sum)});
-    for (const auto& [called, called_name] : states)
-      cells.push_back(sum > 0.0 ? fmt::format("{:.1f} %", 100.0 * row.at(called).get<double>() / sum) : "–");
+    std::vector<std::string>& cells = table.rows.emplace_back(std::vector<std::string>{truth.title, fmt::format("{:.0f}", sum)});
+    for (const PadStateName& called : pad_states)
+      cells.push_back(sum > 0.0 ? fmt::format("{:.1f} %", 100.0 * row.at(called.name).get<double>() / sum) : "–");
   }
   return table;
 }
@@ -257,7 +256,7 @@ std::string worst_html(const Json& result, const std::string& dataset_path, cons
   return html + "</ul>\n";
 }
 
-page::TimelineMarks marks_of(const RecordedTrial& trial, TruthRule rule) {
+page::TimelineMarks marks_of(const RecordedTrial& trial, LabelRule rule) {
   page::TimelineMarks marks{.probability = trial.replayed.probability,
                             .seen = trial.replayed.seen,
                             .labels = trial.truth(rule).state,
@@ -270,7 +269,7 @@ page::TimelineMarks marks_of(const RecordedTrial& trial, TruthRule rule) {
 // contain them.
 std::string worst_timelines(const Json& result, const std::string& dataset_path, const DetectorScene& detector) {
   const DatasetReader reader(dataset_path);
-  const TruthRule rule = parse_label_rule(result.at("labels").get<std::string>());
+  const LabelRule rule = parse_label_rule(result.at("labels").get<std::string>());
   const std::string sensor = result.at("sensor").at("name").get<std::string>();
   const Catalogues catalogues = program_catalogues();
   std::string html;

@@ -122,7 +122,7 @@ Facts facts_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   return facts;
 }
 
-Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, TruthRule labels,
+Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, LabelRule labels,
                     const Catalogues& catalogues, const network::Alarm& alarm, YardstickScores& yardsticks) {
   const RecordedTrial recorded = recorded_trial(reader, trial, options.detector, options.sensor, catalogues, options.resample);
   const TrialRecord& record = recorded.record;
@@ -395,7 +395,7 @@ struct JudgedTrials {
   YardstickScores yardsticks;     // of the same trials
 };
 
-JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, TruthRule labels,
+JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, LabelRule labels,
                            const network::Engine* network) {
   const std::map<std::size_t, std::string> part_of = reader.split();
   const std::set<std::string> seen = seen_trials(options.detector, options.trained);
@@ -429,7 +429,7 @@ JudgedTrials judged_trials(const DatasetReader& reader, const Options& options, 
 }
 
 // The best yardstick on the same trials; null if no yardstick reads the sensor.
-Json yardstick_json(const DatasetReader& reader, const Options& options, TruthRule labels, const JudgedTrials& judged_trials) {
+Json yardstick_json(const DatasetReader& reader, const Options& options, LabelRule labels, const JudgedTrials& judged_trials) {
   const std::optional<ChosenYardstick> best = judged_trials.yardsticks.best();
   if (!best) return {};
   const Catalogues catalogues = program_catalogues();
@@ -456,8 +456,8 @@ std::string evaluated(const Options& options) {
   const DatasetReader reader = whole_dataset(options.dataset);
   for (const std::size_t trial : reader.trials()) reader.check_recorded(trial);
   const bool recordings = !reader.header().truth.empty();
-  const TruthRule labels = options.labels.value_or(recordings ? TruthRule::recorded : learnt_labels(options.trained));
-  if (labels != TruthRule::recorded)
+  const LabelRule labels = options.labels.value_or(recordings ? LabelRule::recorded : learnt_labels(options.trained));
+  if (labels != LabelRule::recorded)
     reader.check_truth("eval --labels " + label_rule_name(labels), "--labels recorded, the labels of the recordings");
   const std::unique_ptr<network::Engine> network = network_of(options.detector);
   const JudgedTrials found = judged_trials(reader, options, labels, network.get());
@@ -514,15 +514,16 @@ std::string training_of(const DetectorScene& detector) {
   return said.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-TruthRule learnt_labels(const std::string& trained) {
-  const Json said = Json::parse(trained, nullptr, false);
-  if (!said.is_object() || !said.contains("labels")) return TruthRule::strict;
-  const Json& labels = said.at("labels");
+LabelRule learnt_labels(const std::string& trained) {
+  const Json training = Json::parse(trained, nullptr, false);
+  if (!training.is_object() || !training.contains("labels")) return LabelRule::strict;
+  const Json& labels = training.at("labels");
   try {
-    if (labels == "recorded") return TruthRule::strict;  // simulated trials lack the labels of recordings
-    // These two exist in training only.
-    if (labels == "tightened" || labels == "moved") return TruthRule::masked;
-    if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
+    if (labels.is_string()) {
+      const LabelRule rule = parse_label_rule(labels.get<std::string>());
+      // Simulated trials lack the labels of recordings.
+      return rule == LabelRule::recorded ? LabelRule::strict : about_rule(rule).evaluated_by;
+    }
   } catch (const InputError& error) {
     reject("the detector's metadata: trained.labels: {}; choose labels with --labels", error.what());
   }

@@ -12,7 +12,7 @@ namespace slipbench::eval {
 struct Options {
   DetectorScene detector;
   std::string dataset;
-  std::optional<TruthRule> labels = {};  // empty: `recorded` for recordings, else the rule of the detector's training, or strict
+  std::optional<LabelRule> labels = {};  // empty: `recorded` for recordings, else the rule of the detector's training, or strict
   std::string sensor;                    // name in the scene; empty: the only one
   std::string split;                     // "train", "valid" or "test" of the dataset's masks; empty: every trial
   // Training record of the detector, JSON (training_of()). Trials whose digests are in
@@ -29,7 +29,7 @@ std::string training_of(const DetectorScene& detector);
 
 // Label rule of a detector's training, from its metadata `trained`; `masked` for
 // `tightened` and `moved`; `strict` without a rule. Throws InputError for an unknown rule.
-TruthRule learnt_labels(const std::string& trained);
+LabelRule learnt_labels(const std::string& trained);
 // Digests of the trials used for training or for selecting the detector, whatever file they are in.
 // Throws InputError for an invalid list.
 std::set<std::string> seen_trials(const DetectorScene& detector, const std::string& trained);

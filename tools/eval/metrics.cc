@@ -8,12 +8,11 @@
 
 #include "sim/api/contact_frame.h"
 #include "sim/api/motion.h"
-#include "sim/core/choice.h"
+#include "sim/api/pad_state_names.h"
 #include "sim/core/counted.h"
 #include "sim/motion/motion_catalogue.h"
 #include "tools/dataset/record/slip_path.h"
 #include "tools/files/reject.h"
-#include "tools/learning_data/samples.h"
 
 namespace slipbench::eval {
 namespace {
@@ -134,14 +133,6 @@ Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector
   return {found.value, found.interval};
 }
 
-constexpr std::array<Choice<TruthRule>, 7> rules{{{"strict", TruthRule::strict},
-                                                  {"micro", TruthRule::micro},
-                                                  {"paper", TruthRule::paper},
-                                                  {"latched", TruthRule::latched},
-                                                  {"masked", TruthRule::masked},
-                                                  {"has_slipped", TruthRule::has_slipped},
-                                                  {"recorded", TruthRule::recorded}}};
-
 std::vector<PadState> latched(std::vector<PadState> states) {
   PadState held = PadState::no_contact;
   for (PadState& state : states) {
@@ -164,33 +155,6 @@ std::vector<bool> stuck_again(const std::vector<PadState>& states, const std::ve
     masked.push_back(slipped && states[row] == PadState::non_slip);
   }
   return masked;
-}
-
-std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
-  const PapillarraySamples samples(sensor, SlipRule::has_slipped, default_label_speed);
-  std::vector<PadState> states;
-  for (std::size_t row = 0; row < samples.size(); ++row) states.push_back(samples.pad_state(row, turning));
-  return states;
-}
-
-std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes) {
-  if (codes.empty() && !sensor.labels.truth) {
-    reject(
-        "labels/{}: the recording has no labels; use `slipbench detect`, which needs none, or import it with the key state in the map",
-        sensor.name);
-  }
-  if (codes.size() != sensor.time.size()) {
-    reject("labels/{}: {} for {}; expected one for each", sensor.name, counted(codes.size(), "state"),
-           counted(sensor.time.size(), "sample"));
-  }
-  std::vector<PadState> states;
-  for (const std::uint8_t code : codes) {
-    const auto state = static_cast<PadState>(code);
-    const bool unlabelled = !sensor.labels.truth && state == unknown_state;
-    if (state > PadState::gross && !unlabelled) reject("labels/{}: state {}; allowed: 0 to 3", sensor.name, code);
-    states.push_back(state);
-  }
-  return states;
 }
 
 // Start of the lift of a grasp [s]. For a guided arm, from its controller's commands, to a sample
@@ -415,10 +379,11 @@ Json summary_json(const Summary& summary) {
         {"value", or_null(estimate.value)}, {"low", or_null(estimate.interval.low)}, {"high", or_null(estimate.interval.high)}};
   }
   std::size_t frames = 0;
-  for (std::size_t truth = 0; truth < state_words.size(); ++truth) {
-    for (std::size_t seen = 0; seen < state_words.size(); ++seen) {
-      called[state_words[truth]][state_words[seen]] = summary.frames[truth][seen];
-      frames += summary.frames[truth][seen];
+  for (const PadStateName& truth : pad_states) {
+    for (const PadStateName& seen : pad_states) {
+      const std::size_t count = samples_in(summary.frames, truth.value, seen.value);
+      called[truth.name][seen.name] = count;
+      frames += count;
     }
   }
   const double slip_or_not = summary.estimates[place_of("balanced_slip_accuracy")].value;
@@ -441,39 +406,14 @@ Json summary_json(const Summary& summary) {
           {"called", std::move(called)}};
 }
 
-std::vector<std::string> label_rule_names() { return choice_names(rules); }
+std::string labels_title(LabelRule rule) { return rule == LabelRule::recorded ? "labels" : "truth"; }
 
-TruthRule parse_label_rule(const std::string& name) {
-  if (const std::optional<TruthRule> rule = choice_value(rules, name)) return *rule;
-  throw InputError("unknown label rule " + quote(name) + allowed_names(name, label_rule_names()));
+std::vector<PadState> label_states(const SensorRecord& sensor, LabelRule rule, bool turning) {
+  std::vector<PadState> states = states_by(sensor, rule, turning);
+  return about_rule(rule).after_slip == AfterSlip::slip ? latched(std::move(states)) : states;
 }
 
-std::string label_rule_name(TruthRule rule) { return choice_name(rules, rule); }
-
-std::string labels_title(TruthRule rule) { return rule == TruthRule::recorded ? "labels" : "truth"; }
-
-std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, bool turning) {
-  switch (rule) {
-    case TruthRule::strict: return checked_states(sensor, sensor.labels.state);
-    case TruthRule::micro:
-    case TruthRule::masked: return checked_states(sensor, sensor.labels.state_micro);
-    case TruthRule::paper: return checked_states(sensor, sensor.labels.state_paper);
-    case TruthRule::latched: return latched(checked_states(sensor, sensor.labels.state_micro));
-    case TruthRule::recorded:
-      if (sensor.labels.truth)
-        reject("sensor {}: is simulated, so it has no recorded labels; allowed: strict, micro, paper, latched, masked",
-               sensor.name);
-      return checked_states(sensor, sensor.labels.state_paper);  // the array's name in the file
-    case TruthRule::has_slipped: break;
-  }
-  if (sensor.type != "papillarray") {
-    reject("sensor {}: is a {}, but the rule has_slipped needs a PapillArray; allowed: strict, micro, paper, latched, masked",
-           sensor.name, sensor.type);
-  }
-  return has_slipped(sensor, turning);
-}
-
-double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<PadState>& states, double from) {
+double first_slip(const SensorRecord& sensor, LabelRule rule, const std::vector<PadState>& states, double from) {
   const LabelRecord& labels = sensor.labels;
   if (labels.event_time.empty()) {
     for (std::size_t row = 0; row < states.size(); ++row) {
@@ -481,7 +421,7 @@ double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<
     }
     return std::numeric_limits<double>::quiet_NaN();
   }
-  const bool parts = rule != TruthRule::strict || labels.units() == 1;
+  const bool parts = !about_rule(rule).whole_unit || labels.units() == 1;
   double first = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t k = 0; k < labels.event_time.size(); ++k) {
     const auto kind = static_cast<EventKind>(labels.event_kind[k]);
@@ -491,7 +431,7 @@ double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<
   return first;
 }
 
-Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule, double from) {
+Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, LabelRule rule, double from) {
   Truth truth;
   truth.time = sensor.time;
   truth.state = label_states(sensor, rule, turns(scene));
@@ -507,7 +447,8 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
     truth.judged_from = from;
   }
   truth.first_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
-  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state, truth.time, truth.judged_from, truth.first_slip);
+  if (about_rule(rule).after_slip == AfterSlip::masked)
+    truth.masked = stuck_again(truth.state, truth.time, truth.judged_from, truth.first_slip);
   truth.slip_distance = slip_path(sensor.labels, truth.time.size());
   for (std::size_t row = 0; row < truth.stuck_fraction.size(); ++row) {
     if (truth.stuck_fraction[row] == 0.0F && truth.time[row] >= truth.first_slip) {

@@ -8,43 +8,26 @@
 
 #include "tools/dataset/record/json.h"
 #include "tools/eval/replay.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/statistics/confusion.h"
 #include "tools/statistics/descriptive.h"
 
 namespace slipbench::eval {
 
-// The names of PadState in results.
-inline constexpr std::array state_words{"no_contact", "non_slip", "incipient", "gross"};
-
-// Rule by which a sensor's pad slips in a sample.
-enum class TruthRule {
-  strict,       // labels/state: a unit slips when all of it slips
-  micro,        // labels/state_micro: a unit slips as soon as part of it does
-  paper,        // labels/state_paper: the rule of the sensor's paper
-  latched,      // micro; slip lasts until the whole pad loses contact, even if the pad comes to rest
-  masked,       // micro; samples that stick again after a slip, before contact is lost, are not judged
-  has_slipped,  // PapillArray only: a pillar whose tip was fast (SlipRule) slips until it loses contact
-  recorded,     // labels of an imported recording, made by hand or by its own set
-};
-
-// "strict", ... The parser throws InputError with the nearest name.
-std::vector<std::string> label_rule_names();
-TruthRule parse_label_rule(const std::string& name);
-std::string label_rule_name(TruthRule rule);
 // Name of the labels in drawings: "labels" for recordings, else "truth".
-std::string labels_title(TruthRule rule);
+std::string labels_title(LabelRule rule);
 
-// The pad's state in each sample of a sensor, [T]; unknown_state where the labels of a recording say
-// so. `turning`: true if the motion turns the pad, which has_slipped needs. Throws InputError for
-// has_slipped of another sensor, and for labels that are invalid or not one per sample.
-std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, bool turning);
+// The pad's state in each sample of a sensor, [T], by a rule of LabelUse::evaluation; unknown_state
+// where the labels of a recording say so. `turning`: true if the motion turns the pad. Throws
+// InputError as states_by().
+std::vector<PadState> label_states(const SensorRecord& sensor, LabelRule rule, bool turning);
 
 // Time of the first slip at or after `from` [s]: resolved within the step if the labels have
 // events, else the first slipping sample; NaN if there is none. By the rule strict, slip begins
 // when a first unit slips as a whole; by the others, and for a pad of a single unit, when a first
 // part of a unit does, since a camera sees a tip move as soon as part of it detaches. `states`:
 // label_states() by that rule.
-double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<PadState>& states, double from);
+double first_slip(const SensorRecord& sensor, LabelRule rule, const std::vector<PadState>& states, double from);
 
 struct Truth {
   std::vector<double> time;  // [T] s, samples of the sensor
@@ -83,7 +66,7 @@ struct Truth {
 // it counts. `from` [s]: a recording that is not a grasp is judged by the first slip from then
 // on; before it, alarms count until something slips. Throws InputError as label_states(), and for a
 // guided grasp without a controller, whose commands date the lift.
-Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule,
+Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, LabelRule rule,
                double from = -std::numeric_limits<double>::infinity());
 
 // Begin [s] of the alarm seen in a sample: the time at which its estimate was available, if after

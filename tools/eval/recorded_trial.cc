@@ -70,7 +70,7 @@ std::string made_up_by_import(const std::string& params, std::size_t samples) {
 
 }  // namespace
 
-Truth RecordedTrial::truth(TruthRule rule) const { return truth_of(scene ? &*scene : nullptr, record, sensor(), rule); }
+Truth RecordedTrial::truth(LabelRule rule) const { return truth_of(scene ? &*scene : nullptr, record, sensor(), rule); }
 
 RecordedTrial recorded_trial(const DatasetReader& reader, std::size_t trial, const DetectorScene& detector,
                              const std::string& sensor, const Catalogues& catalogues, bool interpolate) {

@@ -24,7 +24,7 @@ struct RecordedTrial {
 
   [[nodiscard]] const SensorRecord& sensor() const { return sensors[read]; }
   // Truth by the rule. Throws InputError as eval::truth_of().
-  [[nodiscard]] Truth truth(TruthRule rule) const;
+  [[nodiscard]] Truth truth(LabelRule rule) const;
 };
 
 // Reads a trial and runs the detector on it. `sensor`: name in the scene; empty: the only one.

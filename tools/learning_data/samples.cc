@@ -9,7 +9,6 @@
 
 #include "detectors/channel.h"
 #include "sim/api/motion.h"
-#include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "sim/motion/motion_catalogue.h"
@@ -34,9 +33,6 @@ std::vector<T> rows_at(const std::vector<T>& values, const std::vector<double>& 
   }
   return taken;
 }
-
-constexpr std::array rules{Choice<SlipRule>{"strict", SlipRule::strict}, Choice<SlipRule>{"micro", SlipRule::micro},
-                           Choice<SlipRule>{"paper", SlipRule::paper}, Choice<SlipRule>{"has_slipped", SlipRule::has_slipped}};
 
 // Number of samples per row of a channel.
 std::size_t samples_a_row(const SensorColumn& column, const SensorRecord& sensor) {
@@ -168,14 +164,6 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
   return sensor;
 }
 
-SlipRule parse_slip_rule(const std::string& name) {
-  if (const std::optional<SlipRule> rule = choice_value(rules, name)) return *rule;
-  reject("unknown slip rule {}{}", quote(name), allowed_names(name, slip_rule_names()));
-}
-
-std::vector<std::string> slip_rule_names() { return choice_names(rules); }
-std::string slip_rule_name(SlipRule rule) { return choice_name(rules, rule); }
-
 RecordedSamples::RecordedSamples(const SensorRecord& sensor) : sensor_(&sensor) {
   std::size_t name = 0;
   for (const SensorColumn& column : sensor.channels) {
@@ -225,7 +213,7 @@ std::string commanded_word(const DatasetReader& reader, std::size_t trial, const
   return Commanded(reader, trial).word(path);
 }
 
-PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule, double label_speed)
+PapillarraySamples::PapillarraySamples(const SensorRecord& record, LabelRule rule, double label_speed)
     : record_(&record), rule_(rule), label_speed_(label_speed) {
   if (record.type != "papillarray") reject("sensor {}: is a {}, but this format needs a papillarray", record.name, record.type);
   if (record.labels.units() != pillars) {
@@ -233,7 +221,7 @@ PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule
   }
   force_ = &channel_of(record, "force", "N");
   displacement_ = &channel_of(record, "displacement", "m");
-  if (rule != SlipRule::has_slipped) return;
+  if (rule != LabelRule::has_slipped) return;
   has_slipped_.resize(size() * pillars);
   for (std::size_t row = 0; row < size(); ++row) {
     for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
@@ -252,12 +240,12 @@ bool PapillarraySamples::fast(std::size_t row, std::size_t pillar) const {
 bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
   const UnitState state = this->state(row, pillar);
   switch (rule_) {
-    case SlipRule::strict: return state == UnitState::slip;
-    case SlipRule::micro: return state == UnitState::slip || state == UnitState::partial;
-    case SlipRule::paper: return fast(row, pillar);
-    case SlipRule::has_slipped: return has_slipped_[row * pillars + pillar] != 0;
+    case LabelRule::strict: return state == UnitState::slip;
+    case LabelRule::micro: return state == UnitState::slip || state == UnitState::partial;
+    case LabelRule::paper: return fast(row, pillar);
+    case LabelRule::has_slipped: return has_slipped_[row * pillars + pillar] != 0;
+    default: throw std::logic_error("the label rule " + label_rule_name(rule_) + " does not decide for single pillars");
   }
-  return false;
 }
 
 PadState PapillarraySamples::pad_state(std::size_t row, bool turning) const {

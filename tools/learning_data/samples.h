@@ -13,6 +13,7 @@
 #include "sim/api/sensor_frame.h"
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/trial_record.h"
+#include "tools/learning_data/label_rules.h"
 
 namespace slipbench {
 
@@ -33,21 +34,8 @@ std::optional<std::size_t> latest_row(std::span<const double> times, double time
 // rows would remain.
 SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial);
 
-// Rule by which a pillar of a PapillArray slips.
-enum class SlipRule {
-  strict,       // all of it slips
-  micro,        // a part of it slips
-  paper,        // its tip slides faster than `label_speed`, as seen by a camera
-  has_slipped,  // from the first such sample until it loses contact: "no pillar has slipped" in the paper's class definitions
-};
-
+// Speed above which a tip slides by the rules paper and has_slipped, as a camera sees it.
 inline constexpr double default_label_speed = 1e-4;  // m/s
-
-// Names of the rules on the command line: "strict". The parser throws InputError with the nearest
-// name.
-SlipRule parse_slip_rule(const std::string& name);
-std::vector<std::string> slip_rule_names();
-std::string slip_rule_name(SlipRule rule);
 
 // A recorded sensor's samples in order, as measured.
 class RecordedSamples {
@@ -111,9 +99,9 @@ std::vector<std::string> grasp_columns();
 // One PapillArray's samples: force and displacement of every pillar, and the truth.
 class PapillarraySamples {
  public:
-  // `label_speed` [m/s]: for the rules that need it. Throws InputError if the sensor is not a
-  // PapillArray with nine pillars.
-  PapillarraySamples(const SensorRecord& record, SlipRule rule, double label_speed);
+  // `rule`: one of LabelUse::pillars. `label_speed` [m/s]: for the rules that need it. Throws InputError
+  // if the sensor is not a PapillArray with nine pillars.
+  PapillarraySamples(const SensorRecord& record, LabelRule rule, double label_speed);
 
   [[nodiscard]] std::size_t size() const { return record_->time.size(); }
   [[nodiscard]] double time(std::size_t row) const { return record_->time[row]; }  // s
@@ -148,7 +136,7 @@ class PapillarraySamples {
   const SensorRecord* record_;
   const std::vector<float>* force_ = nullptr;
   const std::vector<float>* displacement_ = nullptr;
-  SlipRule rule_;
+  LabelRule rule_;
   double label_speed_;
   std::vector<std::uint8_t> has_slipped_;  // [T,9] 1: fast now or earlier, and in contact since; empty for other rules
 };

@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/api/pad_state_names.h"
+#include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "tools/files/reject.h"
 #include "tools/page/page.h"
@@ -42,13 +44,6 @@ TimeAxis time_axis(const std::vector<double>& time) {
   const std::array<double, 2> ends{time.front() - origin, time.back() - origin};
   return {round_axis(ends, 10.0, time_left, time_right), origin};
 }
-
-struct StateLook {
-  std::string_view kind, name;
-};
-// In the order of PadState.
-constexpr std::array<StateLook, 4> state_looks{
-    {{"no_contact", "no contact"}, {"non_slip", "non-slip"}, {"incipient", "incipient slip"}, {"gross", "gross slip"}}};
 
 // Truncates a text that is too long for the key.
 std::string shortened(const std::string& text) {
@@ -115,8 +110,8 @@ void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector
       std::size_t end = begin + 1;
       while (end < run.end && states[end] == states[begin]) ++end;
       const double from = across.at(time[begin]), to = across.at(time[std::min(end, run.end - 1)]);
-      const auto look = static_cast<std::size_t>(states[begin]);
-      if (look < state_looks.size()) svg.bar(state_looks[look].kind, from, top, std::max(to - from, 0.5), strip_height);
+      const std::string kind = choice_name(pad_states, states[begin]);
+      if (!kind.empty()) svg.bar(kind, from, top, std::max(to - from, 0.5), strip_height);
       begin = end;
     }
   }
@@ -136,7 +131,8 @@ std::string states_drawing(const std::vector<double>& time, const TimeAxis& acro
     draw_states(svg, across, top, time, *rows[row].second);
   }
   std::vector<std::pair<std::string, std::string>> key;
-  for (const auto& [kind, name] : state_looks) key.emplace_back(kind, name);
+  for (const PadStateName& state : pad_states)
+    key.emplace_back(state.name, fmt::format("{}{}", state.title, slips(state.value) ? " slip" : ""));
   if (!marks.alarms.empty()) key.emplace_back("alarm", "alarm");
   draw_key(svg, foot + key_place, key);
   return svg.element("States over time [s]");

@@ -35,27 +35,9 @@ std::size_t stride_of(const SensorRecord& sensor, const std::string& subject) {
   return static_cast<std::size_t>(ratio);
 }
 
-// PadState of every sample by a rule. The dataset stores those of the rules that need one instant
-// only.
-std::vector<std::uint8_t> states_of(const LabelRecord& labels, const PapillarraySamples& samples, SlipRule rule, bool turning) {
-  switch (rule) {
-    case SlipRule::strict: return labels.state;
-    case SlipRule::micro: return labels.state_micro;
-    case SlipRule::paper: return labels.state_paper;
-    case SlipRule::has_slipped: {
-      std::vector<std::uint8_t> states;
-      for (std::size_t row = 0; row < samples.size(); ++row) {
-        states.push_back(static_cast<std::uint8_t>(samples.pad_state(row, turning)));
-      }
-      return states;
-    }
-  }
-  throw std::logic_error("unknown slip rule");
-}
-
 // The earliest slip of any pillar; NaN without slip.
-double onset_of(const LabelRecord& labels, SlipRule rule) {
-  const std::vector<double>& times = rule == SlipRule::strict ? labels.onset_time : labels.micro_onset_time;
+double onset_of(const LabelRecord& labels, LabelRule rule) {
+  const std::vector<double>& times = about_rule(rule).whole_unit ? labels.onset_time : labels.micro_onset_time;
   double earliest = std::numeric_limits<double>::quiet_NaN();
   for (const double time : times) earliest = std::fmin(earliest, time);
   return earliest;
@@ -82,7 +64,7 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   if (pad == record.bodies.end()) throw InputError(subject + ": has no truth/pad, which contains the motion of the pad");
   const PapillarraySamples samples(sensor, options.labels, default_label_speed);
   const std::size_t stride = stride_of(sensor, subject);
-  const std::vector<std::uint8_t> states = states_of(sensor.labels, samples, options.labels, motion.rotation != 0.0);
+  const std::vector<PadState> states = states_by(sensor, options.labels, motion.rotation != 0.0);
 
   Sequence sequence;
   sequence.trial = record.trial;
@@ -97,10 +79,7 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
       const std::array<float, 3> displacement = samples.displacement(row, p);
       std::copy(displacement.begin(), displacement.end(), frame.begin() + static_cast<std::ptrdiff_t>(3 * p));
     }
-    if (states[row] > static_cast<std::uint8_t>(PadState::gross)) {
-      reject("{}: labels/{}: state {} in row {}; allowed: 0 to 3", subject, sensor_name, states[row], row);
-    }
-    sequence.label.push_back(static_cast<PadState>(states[row]));
+    sequence.label.push_back(states[row]);
     // The bodies have the samples of the fastest sensor; takes the last one not after the frame.
     const auto after = std::upper_bound(record.body_time.begin(), record.body_time.end(), samples.time(row));
     if (after == record.body_time.begin()) throw InputError(subject + ": truth/pad begins after its sensor");

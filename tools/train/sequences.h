@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/api/pad_state.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/learning_data/samples.h"
 
 namespace slipbench {
@@ -42,7 +43,7 @@ struct TrainingData {
 };
 
 struct SequenceOptions {
-  SlipRule labels = SlipRule::paper;
+  LabelRule labels = LabelRule::paper;
   std::string sensor;  // empty: the only PapillArray of the dataset
 };
 

@@ -11,6 +11,7 @@
 #include "detectors/hd/engine.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/words.h"
+#include "sim/api/pad_state_names.h"
 #include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "sim/core/random.h"
@@ -121,12 +122,12 @@ TrainingData read_learnt(const std::string& dataset, const HdTraining& options, 
 }
 
 // Throws InputError if one constant answer is always right.
-void check_classes(const std::string& dataset, SlipRule labels, std::span<const Sample> samples) {
+void check_classes(const std::string& dataset, LabelRule labels, std::span<const Sample> samples) {
   const auto hold = static_cast<std::size_t>(
       std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
   if (hold != 0 && hold != samples.size()) return;
   reject("{}: by the labels {}, frames in contact: {} non-slip, {} slip; training needs frames of both", dataset,
-         slip_rule_name(labels), hold, samples.size() - hold);
+         label_rule_name(labels), hold, samples.size() - hold);
 }
 
 // Encodes the samples of a dataset. Throws InputError if there are none.
@@ -147,17 +148,13 @@ network::Alarm chosen_alarm(std::span<const train::SlipSeries> series, const HdT
       .alarm;
 }
 
-constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{
-    {{"non_slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}};
-
 Json confusion_json(const Confusion& confusion) {
   Json recalls;
   Json counts;
-  for (const auto& [name, truth] : named_classes) {
-    recalls[name] = or_null(recall(confusion, truth));
-    for (const auto& [called_name, called] : named_classes) {
-      counts[name][called_name] = confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(called)];
-    }
+  for (const PadStateName& truth : pad_states_in_contact) {
+    recalls[truth.name] = or_null(recall(confusion, truth.value));
+    for (const PadStateName& called : pad_states_in_contact)
+      counts[truth.name][called.name] = samples_in(confusion, truth.value, called.value);
   }
   return {{"frames", samples_in_contact(confusion)},
           {"recall_of_slip", or_null(recall_of_slip(confusion))},
@@ -350,7 +347,7 @@ HdSummary train_hd(const HdTraining& options) {
                                  ? fmt::format("{} of {} (part train)", summary.sequences, counted(summary.trials, "sequence"))
                                  : "all " + counted(summary.sequences, "sequence");
   summary.trained = saved.trained =
-      fmt::format("{}; labels {}, seed {}, {}{}", data.command, slip_rule_name(options.sequences.labels), options.seed, learnt,
+      fmt::format("{}; labels {}, seed {}, {}{}", data.command, label_rule_name(options.sequences.labels), options.seed, learnt,
                   options.epochs > 0 ? ", " + counted(options.epochs, "epoch") : "");
   add_trials();
   hd::save(options.output, saved, trials);
@@ -393,7 +390,7 @@ Json train_json(const HdSummary& summary, const HdTraining& options) {
           {"with", options.with},
           {"memories", options.output},
           {"model", model_json(options.model, options.quantiser)},
-          {"labels", slip_rule_name(options.sequences.labels)},
+          {"labels", label_rule_name(options.sequences.labels)},
           {"epochs", options.epochs},
           {"alarm", {{"on", summary.alarm.on}, {"off", summary.alarm.off}, {"least", summary.alarm.least}}},
           {"seed", options.seed},

@@ -208,8 +208,7 @@ std::vector<TruthOfTrial> all_truths(const TestSet& test_set) {
     Scene scene = read.planned.plan.trial(k).scene;
     std::erase_if(scene.sensors, [&](const SensorScene& sensor) { return sensor.name != test_set.readers.front(); });
     const TrialRecord record = run_trial(scene, k, Recording::full).record;
-    eval::Truth truth =
-        eval::truth_of(&scene, record, record.sensors.front(), eval::TruthRule::masked, judged_from(test_set, scene));
+    eval::Truth truth = eval::truth_of(&scene, record, record.sensors.front(), LabelRule::masked, judged_from(test_set, scene));
     truths.push_back({std::move(scene), std::move(truth)});
   }
   return truths;

@@ -30,11 +30,11 @@ TEST(ChosenDetector, IsANameAFileOrAFolder) {
 }
 
 TEST(LearntLabels, AreThoseOfTheTraining) {
-  EXPECT_EQ(learnt_labels("{}"), TruthRule::strict);
-  EXPECT_EQ(learnt_labels("not valid JSON"), TruthRule::strict);
-  EXPECT_EQ(learnt_labels(R"({"labels": "masked"})"), TruthRule::masked);
-  EXPECT_EQ(learnt_labels(R"({"labels": "tightened"})"), TruthRule::masked);
-  EXPECT_EQ(learnt_labels(R"({"labels": "moved"})"), TruthRule::masked);
+  EXPECT_EQ(learnt_labels("{}"), LabelRule::strict);
+  EXPECT_EQ(learnt_labels("not valid JSON"), LabelRule::strict);
+  EXPECT_EQ(learnt_labels(R"({"labels": "masked"})"), LabelRule::masked);
+  EXPECT_EQ(learnt_labels(R"({"labels": "tightened"})"), LabelRule::masked);
+  EXPECT_EQ(learnt_labels(R"({"labels": "moved"})"), LabelRule::masked);
   EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": "micra"})"); }), mentions({"trained.labels", "micra", "micro"}));
   EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": 1})"); }), mentions({"--labels"}));
 }

@@ -45,7 +45,7 @@ TEST_F(GraspReplay, GivesTheLoopsClassesAndOutcomesAgain) {
       const TrialRecord record = reader.read_trial(trial);
       const Replayed replayed = expect_same_as_loop(scene, record);
       const Scene own = recorded_scene(recorded_file(reader), record, program_catalogues());
-      const Judgement judgement = judged(trial, truth_of(&own, record, record.sensors[0], TruthRule::strict), replayed);
+      const Judgement judgement = judged(trial, truth_of(&own, record, record.sensors[0], LabelRule::strict), replayed);
       const TrialOutcome& outcome = record.outcome;
       EXPECT_EQ(judgement.detection, outcome.detection.value());
       EXPECT_EQ(std::isnan(judgement.slip_time), std::isnan(outcome.judged_slip_time));

@@ -39,7 +39,7 @@ double balanced_accuracy(const std::string& file, const std::string& network, do
   for (const std::size_t trial : reader.trials()) {
     TrialRecord record = reader.read_trial(trial);
     const Scene scene = recorded_scene(recorded_file(reader), record, program_catalogues());
-    const Truth truth = truth_of(&scene, record, record.sensors[0], TruthRule::masked);
+    const Truth truth = truth_of(&scene, record, record.sensors[0], LabelRule::masked);
     SensorRecord& sensor = record.sensors[0];
     RandomStream random(5, trial, "jitter");
     for (std::size_t k = 1; jitter > 0.0 && k < sensor.time.size(); ++k)

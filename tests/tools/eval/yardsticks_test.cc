@@ -36,7 +36,7 @@ RecordedTrial trial(std::size_t number, double amplitude, bool slips) {
 }
 
 void add(YardstickScores& scores, const RecordedTrial& one, const std::string& twin, const std::string& object = "") {
-  scores.add(one, one.truth(TruthRule::recorded), twin, object);
+  scores.add(one, one.truth(LabelRule::recorded), twin, object);
 }
 
 // In half 0 slips have the amplitude 2, in half 1 the amplitude 4, all others 1. All samples of a

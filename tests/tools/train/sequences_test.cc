@@ -45,9 +45,9 @@ TEST_F(SequencesTest, LabelsAndOnsetFollowTheRule) {
   const std::string file = dataset();
   const DatasetReader reader(file);
   const LabelRecord labels = reader.read_sensor(0, "pad").labels;
-  const Sequence strict = read_sequences(file, {SlipRule::strict, {}}).sequences[0];
-  const Sequence micro = read_sequences(file, {SlipRule::micro, {}}).sequences[0];
-  const Sequence paper = read_sequences(file, {SlipRule::paper, {}}).sequences[0];
+  const Sequence strict = read_sequences(file, {LabelRule::strict, {}}).sequences[0];
+  const Sequence micro = read_sequences(file, {LabelRule::micro, {}}).sequences[0];
+  const Sequence paper = read_sequences(file, {LabelRule::paper, {}}).sequences[0];
   for (std::size_t k = 0; k < strict.label.size(); ++k) {
     EXPECT_EQ(static_cast<std::uint8_t>(strict.label[k]), labels.state[10 * k]);
     EXPECT_EQ(static_cast<std::uint8_t>(micro.label[k]), labels.state_micro[10 * k]);
@@ -66,8 +66,8 @@ TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
                                     {"motion.stop", "0.1 s"},
                                     {"motion.acceleration", "10 m/s2"},
                                     {"sensors.pad.bristles", "1"}});
-  const TrainingData paper = read_sequences(file, {SlipRule::paper, {}});
-  const TrainingData has_slipped = read_sequences(file, {SlipRule::has_slipped, {}});
+  const TrainingData paper = read_sequences(file, {LabelRule::paper, {}});
+  const TrainingData has_slipped = read_sequences(file, {LabelRule::has_slipped, {}});
   for (std::size_t k = 0; k < paper.sequences.size(); ++k) {
     const Sequence& now = paper.sequences[k];
     const Sequence& ever = has_slipped.sequences[k];
@@ -86,7 +86,7 @@ TEST_F(SequencesTest, WhatHasSlippedStaysSoAfterAStop) {
 // When the pad turns about its centre eight pillars are judged; the ninth never moves.
 TEST_F(SequencesTest, TheCentrePillarIsLeftOutInTurns) {
   const std::string file = dataset({{"sweep.motion.speed", "[0 mm/s]"}, {"motion.rotation", "90 deg/s"}, {"duration", "0.6 s"}});
-  for (const Sequence& sequence : read_sequences(file, {SlipRule::has_slipped, {}}).sequences) {
+  for (const Sequence& sequence : read_sequences(file, {LabelRule::has_slipped, {}}).sequences) {
     EXPECT_EQ(sequence.label.back(), PadState::gross);
   }
 }
@@ -111,7 +111,7 @@ TEST_F(SequencesTest, MotionIsThatOfTheFramesOwnTime) {
       dataset({{"time_step", "auto"},
                {"sensors", "{pad: {type: papillarray, rate: 1 kHz}, fast: {type: piezo_skin, rate: 10 kHz}}"},
                {"sweep", "{motion.start: [" + starts + "]}"}});
-  const TrainingData data = read_sequences(file, {SlipRule::strict, "pad"});
+  const TrainingData data = read_sequences(file, {LabelRule::strict, "pad"});
   ASSERT_EQ(data.sequences.size(), 16U);
   for (std::size_t trial = 0; trial < 16; ++trial) {
     const std::vector<std::uint8_t>& moving = data.sequences[trial].moving;
@@ -136,7 +136,7 @@ TEST_F(SequencesTest, GraspIsOneCondition) {
   options.jobs = 1;
   options.output = path("grasp.h5");
   run_sweep(options, program_catalogues());
-  const TrainingData data = read_sequences(options.output, {SlipRule::micro, {}});
+  const TrainingData data = read_sequences(options.output, {LabelRule::micro, {}});
   const DatasetReader reader(options.output);
   ASSERT_EQ(data.sequences.size(), 2U);
   for (const Sequence& sequence : data.sequences) {
@@ -151,7 +151,7 @@ TEST_F(SequencesTest, GraspIsOneCondition) {
 
 TEST_F(SequencesTest, RefusalsNameFileAndChoice) {
   const std::string file = dataset();
-  EXPECT_THAT(refusal(file, {SlipRule::paper, "finger"}), refused_at(file, {"finger", "pad"}));
+  EXPECT_THAT(refusal(file, {LabelRule::paper, "finger"}), refused_at(file, {"finger", "pad"}));
   EXPECT_THAT(refusal(path("nowhere.h5")), HasSubstr("nowhere.h5"));
   EXPECT_THAT(refusal(path("scene.yaml")), HasSubstr("scene.yaml"));
 }

@@ -308,7 +308,7 @@ TEST_F(TrainTest, TheShippedMemoryIsNoRuleOfAFewBits) {
   sweep.trials = 2;
   sweep.output = path("held.h5");
   run_sweep(sweep, program_catalogues());
-  const std::vector<Sequence> sequences = read_sequences(sweep.output, {SlipRule::micro, ""}).sequences;
+  const std::vector<Sequence> sequences = read_sequences(sweep.output, {LabelRule::micro, ""}).sequences;
   const std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, sequences, 1);
   const auto answers = [&] {
     const Classifier classifier(saved.model, saved.memories);

@@ -48,7 +48,8 @@ inline void expect_same_sensor(const SensorRecord& one, const SensorRecord& othe
     for_each_label(labels, labels.units(),
                    [&](const char* name, const char*, const Extents&, const auto& column) { add(name, column); });
     for_each_event_column(labels, [&](const char* name, const char*, const Extents&, const auto& column) { add(name, column); });
-    for_each_unit_attribute(labels, [&](const char* name, const Extents&, const auto& column) { add(name, column); });
+    for_each_unit_attribute(labels,
+                            [&](const char* name, const char*, const Extents&, const auto& column) { add(name, column); });
     return all;
   };
   const std::vector<Column> a = columns(one.labels), b = columns(other.labels);

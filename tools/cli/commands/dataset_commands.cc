@@ -29,6 +29,7 @@
 #include "tools/doctor/doctor.h"
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/plugin/plugin_builds.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/train/recipe_list.h"
@@ -193,10 +194,10 @@ Examples:
       "--labels,--slip RULE",
       fmt::format(
           "Rule by which a unit slips: {}, or recorded (labels of recordings) (default: all rules; formats of the PapillArray: strict)",
-          fmt::join(slip_rule_names(), ", ")),
+          fmt::join(label_rule_names(LabelUse::pillars), ", ")),
       [this](const std::string& name) {
         options.recorded = name == "recorded";
-        if (!options.recorded) options.slip_rule = parse_slip_rule(name);
+        if (!options.recorded) options.slip_rule = parse_label_rule(name, LabelUse::pillars);
       });
   arguments.quantity("--label-speed SPEED", options.label_speed,
                      "Tip speed above which a pillar slips by the rules paper and has_slipped (default: 0.1 mm/s)",

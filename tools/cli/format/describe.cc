@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/api/detector.h"
+#include "sim/api/pad_state_names.h"
 #include "sim/core/quantity.h"
 #include "sim/core/readable_quantity.h"
 #include "sim/scene/scene.h"
@@ -135,9 +136,6 @@ std::string named_line(const std::string& name, const std::string& summary, std:
   // The name replaces the margin of the first line.
   return lines.replace(0, column + 4, fmt::format("  {}{}  ", name, std::string(column - name.size(), ' ')));
 }
-
-constexpr std::array<std::pair<const char*, PadState>, 3> classes{
-    {{"non-slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}};
 
 std::string percent(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", 100.0 * value); }
 std::string percent(const MeanSd& value) { return fmt::format("{} +- {}", percent(value.mean), percent(value.sd)); }
@@ -372,13 +370,15 @@ std::string draws_text(const HdSummary& summary, const Style& style) {
 }
 
 std::string confusion_text(const Confusion& confusion, const Style& style) {
-  Table table({"true class", "detected non-slip", "detected incipient", "detected gross", "recall in %"});
-  for (const auto& [name, truth] : classes) {
-    std::vector<std::string> row{name};
-    for (const auto& [other, called] : classes) {
-      row.push_back(std::to_string(confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(called)]));
-    }
-    row.push_back(percent(recall(confusion, truth)));
+  std::vector<std::string> head{"true class"};
+  for (const PadStateName& called : pad_states_in_contact) head.push_back(fmt::format("detected {}", called.title));
+  head.emplace_back("recall in %");
+  Table table(head);
+  for (const PadStateName& truth : pad_states_in_contact) {
+    std::vector<std::string> row{truth.title};
+    for (const PadStateName& called : pad_states_in_contact)
+      row.push_back(std::to_string(samples_in(confusion, truth.value, called.value)));
+    row.push_back(percent(recall(confusion, truth.value)));
     table.add(std::move(row));
   }
   return table.text(style);

@@ -15,6 +15,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/api/detector.h"
+#include "sim/api/pad_state_names.h"
 #include "sim/api/sensor.h"
 #include "sim/core/counted.h"
 #include "sim/core/quantity.h"
@@ -27,7 +28,6 @@ namespace {
 
 constexpr std::size_t units_in_full = 40;             // a sensor with more shows only touching units
 constexpr double degrees = 180.0 / std::numbers::pi;  // per radian
-constexpr std::array<const char*, 4> state_names{"no contact", "non-slip", "incipient", "gross"};
 
 // "P0" if the sensor names its units like this ("P0_FX"), else the unit's number.
 std::string unit_name(const Sensor& sensor, std::size_t unit) {
@@ -284,7 +284,7 @@ std::string shares_text(const StateCounts& counts) {
   const auto total = static_cast<double>(std::max<std::size_t>(1, std::accumulate(counts.begin(), counts.end(), std::size_t{0})));
   std::string text;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    text += fmt::format("{}{} {:.1f} %", i == 0 ? "" : ", ", state_names[i], 100.0 * static_cast<double>(counts[i]) / total);
+    text += fmt::format("{}{} {:.1f} %", i == 0 ? "" : ", ", pad_states[i].title, 100.0 * static_cast<double>(counts[i]) / total);
   }
   return text;
 }

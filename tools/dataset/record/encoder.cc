@@ -17,6 +17,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
+#include "tools/dataset/record/codes.h"
 #include "tools/dataset/record/content_digest.h"
 
 namespace slipbench {
@@ -286,11 +287,12 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
       continue;
     }
     attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});
-    for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
-      EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
-      matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
-      attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
-    });
+    for_each_unit_attribute(sensor.labels,
+                            [&](const char* name, const char*, const Extents& tail, const std::vector<double>& values) {
+                              EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
+                              matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
+                              attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
+                            });
   }
   for (const BodyRecord& body : record.bodies) {
     if (!body.size.empty()) {
@@ -326,7 +328,7 @@ std::vector<ArrayView> arrays_of(const TrialRecord& record) {
                      arrays.push_back(view_of(labels + name, unit, rows, tail, column));
                      arrays.back().codes = codes_of(name);
                    });
-    if (!sensor.labels.truth && has_unknown(sensor.labels)) arrays.back().codes = codes_with_unknown;
+    if (!sensor.labels.truth && has_unknown(sensor.labels)) arrays.back().codes = codes_with_unknown();
     const std::size_t events = sensor.labels.event_time.size();
     for_each_event_column(sensor.labels, [&](const char* name, const char* unit, const Extents& tail, const auto& column) {
       arrays.push_back(view_of(labels + name, unit, events, tail, column));

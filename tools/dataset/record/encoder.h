@@ -24,19 +24,7 @@ using Extents = std::vector<std::size_t>;
 inline constexpr const char* label_frame_text =
     "contact plane: the pad frame P turned the shortest way until its z is the surface's normal; x and y are tangential, z is normal, compression is positive; forces act on the pad; positions, heights and slip_centre are in the pad frame P itself";
 
-// Attribute `codes` of an array of labels, events or the control loop whose numbers are codes: a
-// JSON object, word to number. Empty for other arrays.
-inline std::string_view codes_of(std::string_view array) {
-  if (array == "unit_state") return R"({"detached":0,"stick":1,"slip":2,"partial":3})";
-  if (array == "events/kind") return R"({"touch":0,"slip":1,"stick":2,"detach":3,"micro":4,"part_sticks":5})";
-  if (array == "state" || array == "state_micro" || array == "state_paper" || array == "detector_class") {
-    return R"({"no_contact":0,"non_slip":1,"incipient":2,"gross":3})";
-  }
-  return {};
-}
-
-// Codes of `state_paper` of a recording with unknown_state.
-inline constexpr std::string_view codes_with_unknown = R"({"no_contact":0,"non_slip":1,"incipient":2,"gross":3,"unknown":4})";
+// True if some samples of a recording have unknown_state.
 inline bool has_unknown(const LabelRecord& labels) {
   return std::ranges::find(labels.state_paper, static_cast<std::uint8_t>(unknown_state)) != labels.state_paper.end();
 }
@@ -83,19 +71,19 @@ void for_each_timing_attribute(Timing& timing, Visit&& visit) {
   visit("time_resolution_s", timing.resolution);
 }
 
-// Calls visit(name, extents after the first axis, values) for every attribute of the labels with
+// Calls visit(name, unit, extents after the first axis, values) for every attribute of the labels with
 // one row per unit.
 template <class Labels, class Visit>
 void for_each_unit_attribute(Labels& labels, Visit&& visit) {
   if (!labels.truth) return;
-  visit("unit_positions", Extents{2}, labels.unit_positions);
-  visit("unit_heights", Extents{}, labels.unit_heights);
-  visit("k_normal", Extents{}, labels.k_normal);
-  visit("k_tangential", Extents{}, labels.k_tangential);
-  visit("mu_static", Extents{}, labels.mu_static);
-  visit("mu_kinetic", Extents{}, labels.mu_kinetic);
-  visit("onset_time_s", Extents{}, labels.onset_time);
-  visit("micro_onset_time_s", Extents{}, labels.micro_onset_time);
+  visit("unit_positions", "m", Extents{2}, labels.unit_positions);
+  visit("unit_heights", "m", Extents{}, labels.unit_heights);
+  visit("k_normal", "N/m", Extents{}, labels.k_normal);
+  visit("k_tangential", "N/m", Extents{}, labels.k_tangential);
+  visit("mu_static", "1", Extents{}, labels.mu_static);
+  visit("mu_kinetic", "1", Extents{}, labels.mu_kinetic);
+  visit("onset_time_s", "s", Extents{}, labels.onset_time);
+  visit("micro_onset_time_s", "s", Extents{}, labels.micro_onset_time);
 }
 
 // Calls visit(name, unit, extents after the first axis, column) for every array of a body.

@@ -175,12 +175,9 @@ Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::
       episode.observations.push_back({fmt::format("{}_{}", one.name, channel.name), width,
                                       resampled({one.times_of(channel), channel.values, width}, grid, grid.points)});
     }
-    const LabelRecord& labels = one.labels;
-    for (const auto& [name, states, rule] :
-         {std::tuple{"state", &labels.state, SlipRule::strict}, std::tuple{"state_micro", &labels.state_micro, SlipRule::micro},
-          std::tuple{"state_paper", &labels.state_paper, SlipRule::paper}}) {
-      episode.states.push_back(
-          {fmt::format("{}_{}", one.name, name), 1, resampled({one.time, floats(*states), 1}, grid, episode.steps), rule});
+    for (const LabelRuleInfo& rule : stored_rules()) {
+      episode.states.push_back({fmt::format("{}_{}", one.name, array_of(rule)), 1,
+                                resampled({one.time, floats(one.labels.*rule.stored), 1}, grid, episode.steps), rule.value});
     }
   }
   if (record.control && !record.control->grip.measured_position.empty()) {

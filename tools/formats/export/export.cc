@@ -24,6 +24,7 @@
 #include "tools/dataset/record/json.h"
 #include "tools/files/reject.h"
 #include "tools/formats/export/formats.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/learning_data/myrmex_images.h"
 #include "tools/workers/python_package/python_package.h"
 
@@ -31,12 +32,12 @@ namespace slipbench {
 namespace {
 
 double label_speed(const ExportOptions& options) { return options.label_speed.value_or(default_label_speed); }
-SlipRule slip_rule(const ExportOptions& options) { return options.slip_rule.value_or(SlipRule::strict); }
+LabelRule slip_rule(const ExportOptions& options) { return options.slip_rule.value_or(LabelRule::strict); }
 
 bool is_pillar_log(ExportFormat format) { return format == ExportFormat::vendor_csv || format == ExportFormat::training_csv; }
 // Returns true if the rule derives a pillar's slip from the speed of its tip.
 bool is_of_the_tip(const ExportOptions& options) {
-  return options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
+  return options.slip_rule == LabelRule::paper || options.slip_rule == LabelRule::has_slipped;
 }
 
 // Reads a sensor, at the requested rate.
@@ -142,12 +143,9 @@ Files export_archive(const DatasetReader& reader, std::size_t trial, OutputFolde
   }
   if (options.format == ExportFormat::myrmex_rotated) record = turned_images(std::move(record));
   for (SensorRecord& sensor : record.sensors) {
-    const auto leave_out = [&](std::vector<std::uint8_t>& states, SlipRule rule) {
-      if (options.slip_rule && *options.slip_rule != rule) states.clear();
-    };
-    leave_out(sensor.labels.state, SlipRule::strict);
-    leave_out(sensor.labels.state_micro, SlipRule::micro);
-    leave_out(sensor.labels.state_paper, SlipRule::paper);
+    for (const LabelRuleInfo& rule : stored_rules()) {
+      if (options.slip_rule && *options.slip_rule != rule.value) (sensor.labels.*rule.stored).clear();
+    }
   }
   return {out.write(fmt::format("demo_{}.npz", trial), {"numpy archive of a trial", &begins_as_npz},
                     npz(record, about_trial(reader, record)))};
@@ -209,11 +207,11 @@ std::string export_format_name(ExportFormat format) { return std::string(kind_of
 // Throws InputError if the dataset has no labels by the requested rule.
 void check_labels(const DatasetReader& reader, const ExportOptions& options) {
   if (options.slip_rule) {
-    reader.check_truth(fmt::format("--labels {}", slip_rule_name(*options.slip_rule)),
+    reader.check_truth(fmt::format("--labels {}", label_rule_name(*options.slip_rule)),
                        "--labels recorded, the labels of the recordings");
   } else if (options.recorded && reader.header().truth.empty()) {
     reject("{}: is simulated, so it has no recorded labels; allowed: --labels {}", reader.files().front(),
-           fmt::join(slip_rule_names(), ", "));
+           fmt::join(label_rule_names(LabelUse::pillars), ", "));
   }
 }
 
@@ -319,7 +317,7 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
           {"trials", trials},
           {"sensors", sensors_of(reader, trials, options)},
           {"rate", or_null(options.rate)},
-          {"labels", is_log || options.slip_rule ? Json(slip_rule_name(slip_rule(options))) : Json()},
+          {"labels", is_log || options.slip_rule ? Json(label_rule_name(slip_rule(options))) : Json()},
           {"label_speed", is_log && is_of_the_tip(options) ? Json(label_speed(options)) : Json()},
           {"points", options.points},
           {"licence", options.licence},
@@ -362,15 +360,16 @@ void check_export_options(const ExportOptions& options) {
     reject(
         "the slip rule '{}' of {} has no label speed; --label-speed needs --slip paper or --slip has_slipped "
         "with vendor-csv or training-csv",
-        slip_rule_name(slip_rule(options)), kind.name);
+        label_rule_name(slip_rule(options)), kind.name);
   }
   if (options.slip_rule && !pillars_only) {
     if (!kind.every_rule) {
       reject("{} contains no states by a rule; --labels needs vendor-csv, training-csv, {}", kind.name,
              names_with(&FormatKind::every_rule));
     }
-    if (*options.slip_rule == SlipRule::has_slipped) {
-      reject("{} contains no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper", kind.name);
+    if (const LabelRuleInfo& rule = about_rule(*options.slip_rule); array_of(rule).empty()) {
+      reject("{} contains no state by the rule '{}'; allowed: --labels {}", kind.name, rule.name,
+             fmt::join(choice_names(stored_rules()), ", "));
     }
   }
   if (options.rate && !kind.one_rate.empty()) {

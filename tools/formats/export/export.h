@@ -11,6 +11,7 @@
 
 #include "tools/dataset/reader.h"
 #include "tools/files/output_file.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/learning_data/samples.h"
 
 namespace slipbench {
@@ -40,7 +41,7 @@ struct ExportOutput {
 
 struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
-  std::optional<SlipRule> slip_rule;  // empty: strict in the PapillArray's formats, every rule in the general formats
+  std::optional<LabelRule> slip_rule;  // empty: strict in the PapillArray's formats, every rule in the general formats
   std::optional<double>
       label_speed;  // m/s, only with paper and has_slipped of the PapillArray's formats; empty: default_label_speed
   std::vector<std::string> sensors;  // empty: all; the only PapillArray for training_csv. grasp_csv has all

@@ -19,10 +19,10 @@ struct ActionSpace {
 // value; each value is the latest at or before its instant, without a filter.
 struct Episode {
   struct Column {
-    std::string name;                  // "pad_force"
-    std::size_t width = 1;             // values per row
-    std::vector<float> values;         // [T+1, width] of an observation, else [T, width]
-    SlipRule rule = SlipRule::strict;  // of a state column
+    std::string name;                    // "pad_force"
+    std::size_t width = 1;               // values per row
+    std::vector<float> values;           // [T+1, width] of an observation, else [T, width]
+    LabelRule rule = LabelRule::strict;  // of a state column
   };
   std::size_t steps = 0;             // T
   std::vector<Column> observations;  // including the one after the last step
@@ -102,7 +102,7 @@ struct CsvTable {
 // The tables of a sensor, that of its own samples first (README.md defines the columns), with the
 // state by `rule`, or by all three. Throws InputError if the channels do not match the names of
 // their values, or a channel with a difference column does not have two values.
-std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<SlipRule> rule = {});
+std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<LabelRule> rule = {});
 
 // True if a file that begins with `text` is such a table.
 bool begins_as_table_csv(std::string_view text);
@@ -129,7 +129,7 @@ std::string npy_header(std::string_view descr, const std::vector<std::size_t>& s
 struct RobomimicOptions {
   std::vector<std::string> sensors;  // observed sensors; empty: all
   std::optional<double> rate;        // Hz, of the demos; empty: that of the slowest sensor
-  std::optional<SlipRule> rule;      // of the states next to the observations; empty: all three
+  std::optional<LabelRule> rule;     // of the states next to the observations; empty: all three
   bool compress = false;             // every array by shuffle and deflate
   std::function<void(std::size_t done, std::uintmax_t bytes)> progress =
       {};  // called with the number of written demos and the file's size

@@ -97,11 +97,12 @@ std::string npz(const TrialRecord& record, const std::string& about) {
                 {array.bytes, array.size_bytes()});
   }
   for (const SensorRecord& sensor : record.sensors) {
-    for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
-      Extents shape{sensor.labels.units()};
-      shape.insert(shape.end(), tail.begin(), tail.end());
-      archive.add(fmt::format("{}/{}.npy", label_group(sensor.name), name), npy_header("<f8", shape), bytes_of(values));
-    });
+    for_each_unit_attribute(
+        sensor.labels, [&](const char* name, const char*, const Extents& tail, const std::vector<double>& values) {
+          Extents shape{sensor.labels.units()};
+          shape.insert(shape.end(), tail.begin(), tail.end());
+          archive.add(fmt::format("{}/{}.npy", label_group(sensor.name), name), npy_header("<f8", shape), bytes_of(values));
+        });
   }
   return archive.finish();
 }

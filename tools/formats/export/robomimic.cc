@@ -13,6 +13,7 @@
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/dataset/hdf5/hdf5_place.h"
+#include "tools/dataset/record/codes.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
 #include "tools/files/output_file.h"

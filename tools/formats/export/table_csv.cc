@@ -17,22 +17,23 @@ namespace {
 
 constexpr std::string_view first_column = "t [s]";
 
+// Labels of a recording, which has no truth.
+constexpr std::string_view recorded_column = ",state_recorded";
+
 struct StateColumn {
-  std::string_view name;
-  SlipRule rule;
+  std::string name;
   std::vector<std::uint8_t> LabelRecord::*values;
 };
-constexpr std::array<StateColumn, 3> state_columns{{{",state", SlipRule::strict, &LabelRecord::state},
-                                                    {",state_micro", SlipRule::micro, &LabelRecord::state_micro},
-                                                    {",state_paper", SlipRule::paper, &LabelRecord::state_paper}}};
 
-// Labels of a recording, which has no truth.
-constexpr StateColumn recorded_column{",state_recorded", SlipRule::paper, &LabelRecord::state_paper};
+std::string column_of(const LabelRuleInfo& rule) { return "," + array_of(rule); }
 
-std::vector<StateColumn> states_by(std::optional<SlipRule> rule, const LabelRecord& labels) {
-  if (!labels.truth) return has_labels(labels) ? std::vector{recorded_column} : std::vector<StateColumn>{};
-  std::vector<StateColumn> columns(state_columns.begin(), state_columns.end());
-  std::erase_if(columns, [&](const StateColumn& column) { return rule && column.rule != *rule; });
+std::vector<StateColumn> states_by_rule(std::optional<LabelRule> rule, const LabelRecord& labels) {
+  if (!labels.truth && !has_labels(labels)) return {};
+  if (!labels.truth) return {{std::string(recorded_column), &LabelRecord::state_paper}};
+  std::vector<StateColumn> columns;
+  for (const LabelRuleInfo& stored : stored_rules()) {
+    if (!rule || stored.value == *rule) columns.push_back({column_of(stored), stored.stored});
+  }
   return columns;
 }
 
@@ -101,12 +102,12 @@ std::string table_of(const SensorRecord& sensor, const std::vector<double>& time
 
 }  // namespace
 
-std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<SlipRule> rule) {
+std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<LabelRule> rule) {
   const std::vector<NamedColumn> columns = named_columns(sensor);
   std::vector<NamedColumn> common;
   std::copy_if(columns.begin(), columns.end(), std::back_inserter(common),
                [](const NamedColumn& column) { return !column.column->time; });
-  const std::vector<StateColumn> states = states_by(rule, sensor.labels);
+  const std::vector<StateColumn> states = states_by_rule(rule, sensor.labels);
   std::vector<CsvTable> tables{{"", table_of(sensor, sensor.time, common, states)}};
   for (const NamedColumn& column : columns) {
     if (column.column->time)
@@ -117,8 +118,9 @@ std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<SlipRu
 
 bool begins_as_table_csv(std::string_view text) {
   const std::string_view line = text.substr(0, text.find('\n'));
-  const bool ends = std::ranges::any_of(state_columns, [&](const StateColumn& state) { return line.ends_with(state.name); });
-  const bool recording = line.ends_with(recorded_column.name) || line.ends_with(']');
+  const bool ends =
+      std::ranges::any_of(stored_rules(), [&](const LabelRuleInfo& rule) { return line.ends_with(column_of(rule)); });
+  const bool recording = line.ends_with(recorded_column) || line.ends_with(']');
   return line.starts_with(first_column) && (ends || recording || line.size() == text.size());
 }
 

@@ -16,7 +16,6 @@
 #include "detectors/network/frames.h"
 #include "detectors/resampling.h"
 #include "sim/api/contact_frame.h"
-#include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "sim/core/random.h"
@@ -115,45 +114,19 @@ std::uint8_t kind_of(const LabelRecord& labels, std::size_t row, ClassRule class
   return motion.rotates() ? 2 : 1;
 }
 
-// Names of the rules for simulated trials.
-std::string rules_of_truth() {
-  std::vector<std::string> names = choice_names(label_words);
-  std::erase(names, choice_name(label_words, LabelRule::recorded));
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule rule) {
-  const LabelRecord& labels = sensor.labels;
-  const bool recorded = rule == LabelRule::recorded;
-  if (recorded == labels.truth) {
-    reject("sensor {}: is {} and has no labels {}; allowed: --labels {}", sensor.name, labels.truth ? "simulated" : "recorded",
-           choice_name(label_words, rule), labels.truth ? rules_of_truth() : "recorded");
-  }
-  const std::vector<std::uint8_t>& states = rule == LabelRule::strict              ? labels.state
-                                            : recorded || rule == LabelRule::paper ? labels.state_paper
-                                                                                   : labels.state_micro;
-  if (states.empty() && recorded)
-    reject("sensor {}: the recording has no labels; import it with the key state in the map", sensor.name);
-  if (states.size() != sensor.time.size()) {
-    reject("sensor {}: {} by the labels {} for {}; expected one for each", sensor.name, counted(states.size(), "state"),
-           choice_name(label_words, rule), counted(sensor.time.size(), "sample"));
-  }
-  return states;
-}
-
-bool touches(std::uint8_t state) { return state != static_cast<std::uint8_t>(PadState::no_contact); }
+bool touches(PadState state) { return state != PadState::no_contact; }
 
 // Declares the samples of a slip as stick if the object moves by less than least_slip_distance in this slip.
 // `joined`: all slips of one contact are one slip. The elements of a skin may stick and slip in turns, so that
 // a slide consists of many short slips.
-void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<double>& path, bool joined) {
+void drop_small_slips(std::vector<PadState>& states, const std::vector<double>& path, bool joined) {
   for (std::size_t first = 0; first < states.size(); ++first) {
     if (!slips(states[first])) continue;
     std::size_t end = first;
     while (end < states.size() && (joined ? touches(states[end]) : slips(states[end]))) ++end;
     if (path[end - 1] - (first == 0 ? 0.0 : path[first - 1]) < least_slip_distance) {
       std::fill(states.begin() + static_cast<std::ptrdiff_t>(first), states.begin() + static_cast<std::ptrdiff_t>(end),
-                static_cast<std::uint8_t>(PadState::non_slip));
+                PadState::non_slip);
     }
     first = end;
   }
@@ -161,16 +134,15 @@ void drop_small_slips(std::vector<std::uint8_t>& states, const std::vector<doubl
 
 // A slip may begin and end between two samples of a slow sensor: declares the first sample after it as
 // slip if the object moved by least_slip_distance or more in between.
-void add_slips_between(std::vector<std::uint8_t>& states, const std::vector<double>& path) {
+void add_slips_between(std::vector<PadState>& states, const std::vector<double>& path) {
   for (std::size_t row = 1; row < states.size(); ++row) {
-    if (states[row] == static_cast<std::uint8_t>(PadState::non_slip) && path[row] - path[row - 1] >= least_slip_distance)
-      states[row] = static_cast<std::uint8_t>(PadState::gross);
+    if (states[row] == PadState::non_slip && path[row] - path[row - 1] >= least_slip_distance) states[row] = PadState::gross;
   }
 }
 
 // Masks the samples of each slip before the object has moved by least_slip_distance. `joined`: as above.
 // A slip stays masked throughout if the object reaches this distance in a sample of stick.
-void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states, const std::vector<double>& path,
+void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<PadState>& states, const std::vector<double>& path,
                      bool joined) {
   double begin = 0.0;
   bool slipped = false;  // in this contact
@@ -185,10 +157,10 @@ void mask_beginnings(std::vector<std::uint8_t>& labels, const std::vector<std::u
   }
 }
 
-// The label of every sample by the states of the pad. `clear`: samples that stick again after a slip
-// are stick; otherwise they are masked until contact is lost, or with `latched` still slip.
+// The label of every sample by the states of the pad.
 template <class KindOf>
-std::vector<std::uint8_t> labels_by(const std::vector<std::uint8_t>& states, bool clear, bool latched, KindOf&& kind_of_row) {
+std::vector<std::uint8_t> labels_by(const std::vector<PadState>& states, AfterSlip after_slip, bool grasp, KindOf&& kind_of_row) {
+  const bool masks = after_slip == AfterSlip::masked || (after_slip == AfterSlip::masked_on_stage && !grasp);
   std::vector<std::uint8_t> labels;
   bool slipped = false;          // in this contact
   std::uint8_t latest = masked;  // class of its latest slip
@@ -199,10 +171,10 @@ std::vector<std::uint8_t> labels_by(const std::vector<std::uint8_t>& states, boo
       if (kind != masked || !slipped) latest = kind;
       slipped = true;
       labels.push_back(kind);
-    } else if (slipped && latched) {
+    } else if (slipped && after_slip == AfterSlip::slip) {
       labels.push_back(latest);
     } else {
-      labels.push_back(slipped && !clear ? masked : std::uint8_t{0});
+      labels.push_back(slipped && masks ? masked : std::uint8_t{0});
     }
   }
   return labels;
@@ -210,26 +182,29 @@ std::vector<std::uint8_t> labels_by(const std::vector<std::uint8_t>& states, boo
 
 // Example::scored of every sample.
 std::vector<std::uint8_t> scored_labels(const TrialRecord& record, const SensorRecord& sensor, const std::vector<double>& path) {
-  std::vector<std::uint8_t> states = states_of(sensor, LabelRule::micro);
+  std::vector<PadState> states = states_by(sensor, LabelRule::micro, false);
   add_slips_between(states, path);
   drop_small_slips(states, path, !record.outcome.grasp);
-  return labels_by(states, record.outcome.grasp.has_value(), false, [](std::size_t) { return std::uint8_t{1}; });
+  return labels_by(states, AfterSlip::masked_on_stage, record.outcome.grasp.has_value(),
+                   [](std::size_t) { return std::uint8_t{1}; });
 }
 
 // Masks the samples whose state nobody knows.
-void mask_unknown(std::vector<std::uint8_t>& labels, const std::vector<std::uint8_t>& states) {
+void mask_unknown(std::vector<std::uint8_t>& labels, const std::vector<PadState>& states) {
   for (std::size_t row = 0; row < states.size(); ++row) {
-    if (states[row] == static_cast<std::uint8_t>(unknown_state)) labels[row] = masked;
+    if (states[row] == unknown_state) labels[row] = masked;
   }
 }
 
 // The class of every sample.
 std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecord& sensor, LabelRule rule, ClassRule classes) {
-  std::vector<std::uint8_t> states = states_of(sensor, rule);
+  const LabelRuleInfo& about = about_rule(rule);
+  // `turning` matters only to rules that networks do not take.
+  std::vector<PadState> states = states_by(sensor, rule, false);
   std::vector<std::uint8_t> labels;
   if (classes == ClassRule::direction) {
     const std::uint8_t direction = direction_of(record.params);
-    const bool truth = rule == LabelRule::latched && sensor.labels.stuck_fraction.size() == states.size();
+    const bool truth = about.after_slip == AfterSlip::slip && sensor.labels.stuck_fraction.size() == states.size();
     bool slipped = !truth;  // more than half of the touching units, in this contact
     for (std::size_t row = 0; row < states.size(); ++row) {
       const bool contact = touches(states[row]);
@@ -241,17 +216,15 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
     mask_unknown(labels, states);
     return labels;
   }
-  const std::vector<double> path = rule == LabelRule::moved ? slip_path(sensor.labels, states.size()) : std::vector<double>();
-  if (rule == LabelRule::moved) {
+  const std::vector<double> path = about.least_distance ? slip_path(sensor.labels, states.size()) : std::vector<double>();
+  if (about.least_distance) {
     if (path.empty()) reject("the labels have no slip distance; expected those of `slipbench sweep`");
     add_slips_between(states, path);
     drop_small_slips(states, path, !record.outcome.grasp);
   }
-  const bool tightens = rule == LabelRule::tightened || rule == LabelRule::moved;
-  const bool clear = rule != LabelRule::masked && (!tightens || record.outcome.grasp);
-  labels =
-      labels_by(states, clear, rule == LabelRule::latched, [&](std::size_t row) { return kind_of(sensor.labels, row, classes); });
-  if (rule == LabelRule::moved) mask_beginnings(labels, states, path, !record.outcome.grasp);
+  labels = labels_by(states, about.after_slip, record.outcome.grasp.has_value(),
+                     [&](std::size_t row) { return kind_of(sensor.labels, row, classes); });
+  if (about.least_distance) mask_beginnings(labels, states, path, !record.outcome.grasp);
   mask_unknown(labels, states);
   return labels;
 }
@@ -344,8 +317,7 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
 void check_labels(const std::string& dataset_path, LabelRule rule) {
   const DatasetReader reader = dataset_header_at(dataset_path);
   if (rule != LabelRule::recorded) {
-    reader.check_truth(fmt::format("--labels {}", choice_name(label_words, rule)),
-                       "--labels recorded, the labels of the recordings");
+    reader.check_truth(fmt::format("--labels {}", label_rule_name(rule)), "--labels recorded, the labels of the recordings");
   } else if (reader.header().truth.empty()) {
     reject("{}: is simulated, so it has no recorded labels; allowed: --labels {}", dataset_path, rules_of_truth());
   }
@@ -354,8 +326,7 @@ void check_labels(const std::string& dataset_path, LabelRule rule) {
 }  // namespace
 
 std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels) {
-  const bool whole = labels == LabelRule::strict || labels == LabelRule::paper || labels == LabelRule::recorded;
-  const PadState slip = whole ? PadState::gross : PadState::incipient;
+  const PadState slip = about_rule(labels).stored == &LabelRecord::state_micro ? PadState::incipient : PadState::gross;
   switch (classes) {
     case ClassRule::slip: return {{"hold", PadState::non_slip}, {"slip", slip}};
     case ClassRule::kind: return {{"stable", PadState::non_slip}, {"translation", slip}, {"rotation", slip}};
@@ -431,9 +402,9 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   const TrialRate rate(options.input, {sensor.name, sensor.type, sensor.rate, samples.channels()}, options.seed, record.trial);
   network::Frames frames(rate.read, sensor.type, rate.kept.rate, samples.channels());
   const std::vector<std::uint8_t> labels = labels_of(record, sensor, options.labels, options.classes);
-  const std::vector<std::uint8_t>& truth = options.labels == LabelRule::strict ? sensor.labels.state : sensor.labels.state_micro;
-  const std::vector<double>& onsets =
-      options.labels == LabelRule::strict ? sensor.labels.onset_time : sensor.labels.micro_onset_time;
+  const bool whole_unit = about_rule(options.labels).whole_unit;
+  const std::vector<std::uint8_t>& truth = whole_unit ? sensor.labels.state : sensor.labels.state_micro;
+  const std::vector<double>& onsets = whole_unit ? sensor.labels.onset_time : sensor.labels.micro_onset_time;
   for (const double onset : onsets) example.onset = std::fmin(example.onset, onset);
   example.touches = truth.empty() || std::ranges::any_of(truth, [](std::uint8_t state) { return state != 0; });
   example.holds = !sensor.labels.state_micro.empty() &&

@@ -13,8 +13,8 @@
 
 #include "detectors/network/description.h"
 #include "sim/api/pad_state.h"
-#include "sim/core/choice.h"
 #include "tools/dataset/record/trial_record.h"
+#include "tools/learning_data/label_rules.h"
 
 namespace slipbench::train {
 
@@ -24,26 +24,6 @@ struct FrameSequence {
   std::vector<float> features;      // [T, inputs]
   std::vector<std::uint8_t> label;  // [T] class of each frame, or `masked`
 };
-
-// Rule by which a sample slips.
-enum class LabelRule {
-  micro,    // truth: a part of a unit slips
-  strict,   // truth: a whole unit slips
-  paper,    // rule of the sensor's paper; of a piezo_skin: its 100 Hz position has changed
-  latched,  // micro, and from the first slip until contact is lost
-  masked,  // micro; frames that stick again after a slip, before contact is lost, are masked: they still bear the shear that caused the slip
-  tightened,  // on a stage masked, in a grasp micro, where frames that stick again are held, since the grip has tightened
-  // As tightened, except that a slip which moves the object by less than least_slip_distance
-  // (tools/statistics/slip_score.h) is stick. On a stage all slips of one contact are one slip.
-  // The frames of a larger slip are masked until the object has moved that far.
-  moved,
-  recorded,  // no truth: the labels of an imported recording
-};
-inline constexpr std::array label_words{
-    Choice<LabelRule>{"micro", LabelRule::micro},   Choice<LabelRule>{"strict", LabelRule::strict},
-    Choice<LabelRule>{"paper", LabelRule::paper},   Choice<LabelRule>{"latched", LabelRule::latched},
-    Choice<LabelRule>{"masked", LabelRule::masked}, Choice<LabelRule>{"tightened", LabelRule::tightened},
-    Choice<LabelRule>{"moved", LabelRule::moved},   Choice<LabelRule>{"recorded", LabelRule::recorded}};
 
 // Classes of slip.
 enum class ClassRule {
@@ -56,8 +36,8 @@ enum class ClassRule {
   // trials.
   direction,
 };
-// Classes of a network's output by that rule: slip is incipient for the rules micro, latched and
-// masked, else gross.
+// Classes of a network's output by that rule. Slip is incipient if the labels derive from the rule
+// micro, else gross.
 std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels);
 
 // One sensor in one trial.

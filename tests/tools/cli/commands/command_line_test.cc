@@ -149,7 +149,7 @@ TEST(CommandLine, ExportReadsWhatIsLeft) {
   const auto command = parsed<ExportCommand>(
       {"export", "a.h5", "--format", "parquet", "-o", "dir", "--labels", "micro", "--sensors", "pad,left", "--split", "valid"});
   EXPECT_EQ(command.options.format, ExportFormat::parquet);
-  EXPECT_EQ(command.options.slip_rule, SlipRule::micro);
+  EXPECT_EQ(command.options.slip_rule, LabelRule::micro);
   EXPECT_EQ(command.options.sensors, (std::vector<std::string>{"pad", "left"}));
   EXPECT_EQ(command.options.split, "valid");
 }
@@ -157,7 +157,7 @@ TEST(CommandLine, ExportReadsWhatIsLeft) {
 TEST(CommandLine, ExportReadsTheRuleAndItsSpeed) {
   const auto command = parsed<ExportCommand>({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--slip", "paper",
                                               "--label-speed", "0.2 mm/s", "--sensor", "pad"});
-  EXPECT_EQ(command.options.slip_rule, SlipRule::paper);
+  EXPECT_EQ(command.options.slip_rule, LabelRule::paper);
   EXPECT_DOUBLE_EQ(command.options.label_speed.value(), 2e-4);
   EXPECT_EQ(command.options.sensors, std::vector<std::string>{"pad"});
   EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor-csv", "-o", "dir", "--label-speed", "0 mm/s"}),
@@ -180,7 +180,7 @@ TEST(CommandLine, TrainTakesEverything) {
   EXPECT_EQ(options.model.compat, hd::Compat::published_core);
   EXPECT_EQ(options.model.ties, hd::Ties::zero);
   EXPECT_EQ(options.quantiser, hd::Quantiser::exact);
-  EXPECT_EQ(options.sequences.labels, SlipRule::micro);
+  EXPECT_EQ(options.sequences.labels, LabelRule::micro);
   EXPECT_EQ(options.sequences.sensor, "pad");
   EXPECT_EQ(options.seed, 3U);
   EXPECT_EQ(options.jobs, 2U);
@@ -250,7 +250,7 @@ TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
     return parsed<TrainCommand>(words).options.model;
   };
   EXPECT_EQ(model({}), hd::Model());
-  EXPECT_EQ(parsed<TrainCommand>({"train", "a.h5", "-o", "m"}).options.sequences.labels, SlipRule::paper);
+  EXPECT_EQ(parsed<TrainCommand>({"train", "a.h5", "-o", "m"}).options.sequences.labels, LabelRule::paper);
   // Only the ablation of graphs includes the context.
   EXPECT_FALSE(model({"--encoder", "shdc"}).context_driven);
   EXPECT_FALSE(model({"--no-context"}).context_driven);
@@ -265,7 +265,7 @@ TEST(CommandLine, EvalTakesADetectorAndItsParameters) {
   ASSERT_EQ(command.parameters.size(), 2U);
   EXPECT_EQ(command.parameters[1].path, "touch");
   EXPECT_EQ(command.parameters[1].value, "20 mN");
-  EXPECT_EQ(command.options.labels, eval::TruthRule::latched);
+  EXPECT_EQ(command.options.labels, LabelRule::latched);
   EXPECT_EQ(command.options.sensor, "pad");
   EXPECT_EQ(command.options.split, "test");
   EXPECT_TRUE(command.options.all);

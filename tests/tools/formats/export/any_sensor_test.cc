@@ -98,7 +98,7 @@ TEST_F(AnySensor, LabelsAndSplitsLeaveTheirPart) {
   }();
   ExportOptions options;
   options.format = ExportFormat::csv;
-  options.slip_rule = SlipRule::micro;
+  options.slip_rule = LabelRule::micro;
   options.split = "test";
   std::vector<std::string> expected;
   for (const std::size_t trial : reader.mask("test")) expected.push_back(path(fmt::format("out/demo_{}-pad.csv", trial)));
@@ -107,7 +107,7 @@ TEST_F(AnySensor, LabelsAndSplitsLeaveTheirPart) {
   const std::string header = lines_of(bytes_of(expected.front())).front();
   EXPECT_THAT(header, EndsWith(",state_micro"));
   EXPECT_THAT(header, Not(HasSubstr(",state,")));
-  options.slip_rule = SlipRule::has_slipped;
+  options.slip_rule = LabelRule::has_slipped;
   EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no"), options); }), mentions({"csv", "has_slipped", "--labels"}));
   options.slip_rule = {};
   options.split = "tests";

@@ -90,8 +90,8 @@ struct ExportTest : FolderTest {
   }
 };
 
-constexpr ExportOptions vendor{ExportFormat::vendor_csv, SlipRule::strict, {}, {}, {}};
-constexpr ExportOptions training{ExportFormat::training_csv, SlipRule::strict, {}, {}, {}};
+constexpr ExportOptions vendor{ExportFormat::vendor_csv, LabelRule::strict, {}, {}, {}};
+constexpr ExportOptions training{ExportFormat::training_csv, LabelRule::strict, {}, {}, {}};
 
 TEST_F(ExportTest, VendorLogHasTheVendorsColumns) {
   EXPECT_THAT(run(dataset({make_trial_record(3)}), vendor), ElementsAre(path("out/LOG_demo_3.csv")));
@@ -210,7 +210,7 @@ TEST_F(ExportTest, TrainingFileHas73Columns) {
   EXPECT_EQ(table[1][1 + 8 * 2 + 7], "1");
 }
 
-TEST_F(ExportTest, SlipRuleChoosesTheFlag) {
+TEST_F(ExportTest, TheRuleChoosesTheFlag) {
   TrialRecord record = make_trial_record(0);
   set_state(record, 1, 0, UnitState::slip);
   set_state(record, 1, 1, UnitState::partial);
@@ -225,15 +225,15 @@ TEST_F(ExportTest, SlipRuleChoosesTheFlag) {
   };
   ExportOptions options = training;
   EXPECT_EQ(flags(options), "100");
-  options.slip_rule = SlipRule::micro;
+  options.slip_rule = LabelRule::micro;
   EXPECT_EQ(flags(options), "110");
-  options.slip_rule = SlipRule::paper;
+  options.slip_rule = LabelRule::paper;
   EXPECT_EQ(flags(options), "001");
-  options.slip_rule = SlipRule::has_slipped;
+  options.slip_rule = LabelRule::has_slipped;
   EXPECT_EQ(flags(options), "001");
   options.label_speed = 6e-4;
   EXPECT_EQ(flags(options), "000");
-  options.slip_rule = SlipRule::paper;
+  options.slip_rule = LabelRule::paper;
   EXPECT_EQ(flags(options), "000");
 }
 
@@ -258,9 +258,9 @@ TEST(HasSlipped, CountsUntilContactIsLost) {
   // Without the centre pillar, the only one in contact in row 3, so none is judged there.
   const std::vector<PadState> turning{non_slip, gross, gross, non_slip, non_slip, non_slip, gross, no_contact};
   const std::vector<PadState> now{non_slip, incipient, non_slip, non_slip, non_slip, incipient, incipient, no_contact};
-  const PapillarraySamples samples(record, SlipRule::has_slipped, default_label_speed);
-  const PapillarraySamples paper(record, SlipRule::paper, default_label_speed);
-  const PapillarraySamples slower(record, SlipRule::has_slipped, 3e-4);  // a threshold that is never reached
+  const PapillarraySamples samples(record, LabelRule::has_slipped, default_label_speed);
+  const PapillarraySamples paper(record, LabelRule::paper, default_label_speed);
+  const PapillarraySamples slower(record, LabelRule::has_slipped, 3e-4);  // a threshold that is never reached
   for (std::size_t row = 0; row < 8; ++row) {
     EXPECT_EQ(samples.pad_state(row, false), has_slipped[row]) << row;
     EXPECT_EQ(samples.pad_state(row, true), turning[row]) << row;
@@ -349,7 +349,7 @@ TEST_F(ExportTest, LabelSpeedNeedsTheRuleThatHasIt) {
   options.label_speed = 2e-4;
   EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0)}), options); }), mentions({"--slip", "paper", "has_slipped"}));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
-  options.slip_rule = SlipRule::paper;
+  options.slip_rule = LabelRule::paper;
   EXPECT_THAT(run(path("a.h5"), options), SizeIs(1));
 }
 
@@ -461,9 +461,7 @@ TEST_F(ExportTest, FullDiskLeavesNoHalfFile) {
 
 TEST(ExportNames, AreParsedWithTheNearestName) {
   EXPECT_EQ(parse_export_format("training-csv"), ExportFormat::training_csv);
-  EXPECT_EQ(parse_slip_rule("paper"), SlipRule::paper);
   EXPECT_THAT(refusal_of([] { parse_export_format("vendor_csv"); }), mentions({"vendor_csv", "vendor-csv"}));
-  EXPECT_THAT(refusal_of([] { parse_slip_rule("x"); }), mentions({"strict", "micro", "paper", "has_slipped"}));
 }
 
 }  // namespace

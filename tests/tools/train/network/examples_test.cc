@@ -329,7 +329,7 @@ TEST(Example, OfARecordingIsByItsOwnLabels) {
   for (const LabelRule rule : {LabelRule::latched, LabelRule::paper})
     EXPECT_THAT(refusal_of([&] { example(recording, rule); }), mentions({"is recorded", "--labels recorded"}));
   EXPECT_THAT(example(recording, LabelRule::recorded).frames.label, ElementsAre(0, 0, 0));
-  EXPECT_THAT(refusal_of([&] { example(skin(), LabelRule::recorded); }), mentions({"is simulated", "micro, strict, paper"}));
+  EXPECT_THAT(refusal_of([&] { example(skin(), LabelRule::recorded); }), mentions({"is simulated", "strict, micro, paper"}));
 }
 
 // Frames end with the samples 199, 299 and 399.

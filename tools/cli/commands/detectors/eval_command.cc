@@ -24,6 +24,7 @@
 #include "tools/eval/replay.h"
 #include "tools/files/output_file.h"
 #include "tools/files/reject.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/statistics/descriptive.h"
 #include "tools/trial/sweep/run_sweep.h"
 #include "tools/workers/interrupt_guard.h"
@@ -101,7 +102,8 @@ bool same_file(const std::string& a, const std::string& b) {
 }  // namespace
 
 void EvalCommand::declare(Arguments& arguments) {
-  arguments.about("eval", "Evaluate a slip detector on a dataset", R"(
+  arguments.about("eval", "Evaluate a slip detector on a dataset",
+                  fmt::format(R"(
 Feeds the recorded samples of each trial to the detector, as the control loop does, and compares the
 result with the truth: recall of slip, balanced accuracy, delay after the true onset, early alarms,
 missed slips and false alarms per minute of true stick, each with a 95 % interval by trial. The same
@@ -113,15 +115,13 @@ DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a fo
 or memories were trained are left out, in whichever file they are stored; the output warns if the
 detector does not record these trials.
 
-Labels: strict (a unit slips if all of it slips), micro (if a part of it slips), paper (the rule of
-the sensor's paper), latched (micro, and slip lasts until contact is lost), masked (micro without the
-frames that stick again after a slip), has_slipped (PapillArray: a pillar whose tip was fast slips
-until it loses contact), recorded (labels of imported recordings).
-
+Labels:
+{}
 Examples:
   slipbench eval memories hexapod.h5 --labels paper
   slipbench eval force_ratio hexapod.h5 --set ratio=0.35 -o ratio.html
-  slipbench eval cl_gst_hd hexapod.h5 --split test --json)");
+  slipbench eval cl_gst_hd hexapod.h5 --split test --json)",
+                              label_rules_text(LabelUse::evaluation)));
   arguments.input("DETECTOR", detector, "Name of a detector, FILE.onnx, or a folder of memories").required();
   arguments.input("FILE", options.dataset, "Dataset (HDF5) with the sensor of the detector", ".h5").required();
   arguments.sets(parameters, "Set a parameter of the detector, e.g. ratio=0.35");
@@ -129,8 +129,8 @@ Examples:
       "--labels RULE",
       fmt::format(
           "Labels to compare with: {} (default: for recordings recorded, otherwise the labels of the network's training, or strict)",
-          fmt::join(eval::label_rule_names(), ", ")),
-      [this](const std::string& name) { options.labels = eval::parse_label_rule(name); });
+          fmt::join(label_rule_names(LabelUse::evaluation), ", ")),
+      [this](const std::string& name) { options.labels = parse_label_rule(name, LabelUse::evaluation); });
   arguments.text("--sensor NAME", options.sensor, "Name of the sensor in the scene (default: the only one)");
   arguments.word("--split PART", options.split, "Trials to evaluate, by the dataset's masks: {} (default: all)", splits);
   arguments.flag("--all", options.all, "Include trials that the detector was trained on");

@@ -18,6 +18,7 @@
 #include "tools/cli/format/describe.h"
 #include "tools/cli/terminal.h"
 #include "tools/files/reject.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/train/recipe_list.h"
 #include "tools/trial/sweep/run_sweep.h"
 #include "tools/workers/python_package/python_package.h"
@@ -57,7 +58,8 @@ std::array<double, 2> range_of_rates(const std::string& text) {
 }
 
 // Returns `given`. Throws InputError unless it is one of `names`.
-std::string checked_labels(const std::string& given, const std::string& recipe, const std::vector<std::string>& names) {
+std::string checked_labels(const std::string& given, const std::string& recipe, LabelUse use) {
+  const std::vector<std::string> names = label_rule_names(use);
   if (std::ranges::find(names, given) != names.end()) return given;
   reject("train: --labels is {} with the recipe {}{}", quote(given), recipe, allowed_names(given, names));
 }
@@ -75,7 +77,8 @@ std::string next_text(const Style& style, const std::string& output, const std::
 }  // namespace
 
 void TrainCommand::declare(Arguments& arguments) {
-  arguments.about("train", "Train a slip detector on a dataset", R"(
+  arguments.about("train", "Train a slip detector on a dataset",
+                  fmt::format(R"(
 Trains the hyperdimensional detector of a PapillArray (recipe gst_hd, the default) or a network
 (all other recipes of `slipbench list recipes`). The output records the trials that it was trained
 on, and `eval` leaves them out.
@@ -106,21 +109,15 @@ one is chosen. For gst_hd these options choose only the frames that begin and en
 0. A network is trained on one thread. --resume continues a killed training with a bit-identical
 result.
 
-Labels:
-  strict       a unit slips if the whole unit slips
-  micro        a unit slips if a part of it slips
-  paper        the rule of the sensor's paper
-  has_slipped  gst_hd: a pillar that slipped by the rule paper slips until it loses contact
-  latched      networks: micro, and slip lasts until contact is lost
-  masked       networks: micro without frames that stick again after a slip
-  tightened    networks: masked on a stage, micro in a grasp
-  moved        networks: tightened, but only slips that move the object by 0.05 mm or more count
-  recorded     networks: the labels of imported recordings
-
+Labels of gst_hd:
+{}
+Labels of networks:
+{}
 Examples:
   slipbench train hexapod.h5 -o memories
   slipbench train hexapod.h5 --encoder shdc --labels strict -o plain
-  slipbench train hexapod.h5 --recipe papillarray_gru --steps 20 -o detector.onnx)");
+  slipbench train hexapod.h5 --recipe papillarray_gru --steps 20 -o detector.onnx)",
+                              label_rules_text(LabelUse::pillars), label_rules_text(LabelUse::training)));
   arguments.input("FILE", options.dataset, "Dataset (HDF5); gst_hd: with a PapillArray on a stage or in a grasp", ".h5")
       .required();
   arguments.file("-o,--output PATH", options.output, "Folder for the memories of gst_hd, or ONNX file for a network (required)")
@@ -129,8 +126,8 @@ Examples:
       .offers(train::recipe_names);
   arguments.text(
       "--labels RULE", labels_,
-      "Labels. gst_hd: paper, has_slipped, strict, micro (default: paper). Network: micro, strict, paper, latched, masked, tightened, moved, recorded "
-      "(default: of the recipe)");
+      fmt::format("Labels. gst_hd: {} (default: paper). Network: {} (default: of the recipe)",
+                  fmt::join(label_rule_names(LabelUse::pillars), ", "), fmt::join(label_rule_names(LabelUse::training), ", ")));
   arguments.text("--sensor NAME", options.sequences.sensor,
                  "Name of the sensor in the scene (default: the only one; network: every sensor that fits)");
   arguments.number("--seed N", options.seed, "Seed of weights, memories and draws (default: 1)", 0);
@@ -181,7 +178,7 @@ void TrainCommand::read_hd() {
     if (given) reject("train: {} applies only to networks, that is to recipes other than gst_hd", name);
   }
   if (context_ && no_context_) throw InputError("train: give either --context or --no-context");
-  if (!labels_.empty()) options.sequences.labels = parse_slip_rule(checked_labels(labels_, train::hd_recipe, slip_rule_names()));
+  if (!labels_.empty()) options.sequences.labels = parse_label_rule(checked_labels(labels_, train::hd_recipe, LabelUse::pillars));
   hd::Model& model = options.model;
   model.encoding = encoding_.value_or(model.encoding);
   model.dimension = dimension_.value_or(model.dimension);
@@ -231,7 +228,7 @@ void TrainCommand::read_network() {
                  {"specificity", Json()},
                  {"output", options.output},
                  {"resume", resume_}};
-  if (!labels_.empty()) request["labels"] = checked_labels(labels_, recipe_, choice_names(train::label_words));
+  if (!labels_.empty()) request["labels"] = checked_labels(labels_, recipe_, LabelUse::training);
   if (split_) request["split"] = choice_name(train::split_words, *split_);
   if (held_out_) request["held_out"] = 0.01 * static_cast<double>(*held_out_);
   if (!alarms_.empty()) request["alarms"] = alarms_a_minute(alarms_);
@@ -266,12 +263,12 @@ int TrainCommand::train_hd() {
                         : "";
   print_text(
       "{}\n{}\n{}\n{}{}\n{}{}{} {}\n{}\n",
-      style.heading(fmt::format("{}, labels {}: {}, {}", model_name(options.model), slip_rule_name(options.sequences.labels),
+      style.heading(fmt::format("{}, labels {}: {}, {}", model_name(options.model), label_rule_name(options.sequences.labels),
                                 counted(summary.sequences, "sequence"), counted(summary.samples, "frame"))),
       draws_text(summary, style), style.heading("by sequence, tests of draws 1 to 5 together"), delays_text(sum.delays),
       confusion_text(sum.all, style), learnt, point, style.good("written:"), options.output,
       next_text(style, options.output, summary.test, "test",
-                fmt::format(" --sensor {} --labels {}", shell_word(summary.sensor), slip_rule_name(options.sequences.labels))));
+                fmt::format(" --sensor {} --labels {}", shell_word(summary.sensor), label_rule_name(options.sequences.labels))));
   return exit_good;
 }
 

@@ -1,0 +1,175 @@
+#include "tools/learning_data/label_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/core/choice.h"
+#include "sim/core/counted.h"
+#include "tools/dataset/record/encoder.h"
+#include "tools/files/reject.h"
+#include "tools/learning_data/samples.h"
+
+namespace slipbench {
+namespace {
+
+// A pillar slips from the first sample in which its tip is fast until it loses contact.
+std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
+  const PapillarraySamples samples(sensor, LabelRule::has_slipped, default_label_speed);
+  std::vector<PadState> states;
+  for (std::size_t row = 0; row < samples.size(); ++row) states.push_back(samples.pad_state(row, turning));
+  return states;
+}
+
+constexpr std::array rules{LabelRuleInfo{.name = "strict",
+                                         .value = LabelRule::strict,
+                                         .meaning = "a unit slips if all of it slips",
+                                         .stored = &LabelRecord::state,
+                                         .whole_unit = true,
+                                         .of_pillars = true},
+                           LabelRuleInfo{.name = "micro",
+                                         .value = LabelRule::micro,
+                                         .meaning = "a unit slips if a part of it slips",
+                                         .stored = &LabelRecord::state_micro,
+                                         .of_pillars = true},
+                           LabelRuleInfo{.name = "paper",
+                                         .value = LabelRule::paper,
+                                         .meaning = "the rule of the sensor's paper",
+                                         .stored = &LabelRecord::state_paper,
+                                         .of_pillars = true},
+                           LabelRuleInfo{.name = "latched",
+                                         .value = LabelRule::latched,
+                                         .meaning = "micro, and slip lasts until contact is lost",
+                                         .stored = &LabelRecord::state_micro,
+                                         .after_slip = AfterSlip::slip},
+                           LabelRuleInfo{.name = "masked",
+                                         .value = LabelRule::masked,
+                                         .meaning = "micro without the frames that stick again after a slip",
+                                         .stored = &LabelRecord::state_micro,
+                                         .after_slip = AfterSlip::masked},
+                           LabelRuleInfo{.name = "tightened",
+                                         .value = LabelRule::tightened,
+                                         .meaning = "masked on a stage, micro in a grasp",
+                                         .stored = &LabelRecord::state_micro,
+                                         .after_slip = AfterSlip::masked_on_stage,
+                                         .evaluated_by = LabelRule::masked},
+                           LabelRuleInfo{.name = "moved",
+                                         .value = LabelRule::moved,
+                                         .meaning = "tightened, but only slips that move the object by 0.05 mm or more count",
+                                         .stored = &LabelRecord::state_micro,
+                                         .after_slip = AfterSlip::masked_on_stage,
+                                         .least_distance = true,
+                                         .evaluated_by = LabelRule::masked},
+                           LabelRuleInfo{.name = "has_slipped",
+                                         .value = LabelRule::has_slipped,
+                                         .meaning = "PapillArray: a pillar whose tip was fast slips until it loses contact",
+                                         .computed = &has_slipped,
+                                         .of_pillars = true,
+                                         .papillarray_only = true},
+                           LabelRuleInfo{.name = "recorded",
+                                         .value = LabelRule::recorded,
+                                         .meaning = "the labels of imported recordings",
+                                         .stored = &LabelRecord::state_paper}};
+
+bool takes(LabelUse use, const LabelRuleInfo& rule) {
+  switch (use) {
+    case LabelUse::pillars: return rule.of_pillars;
+    case LabelUse::training: return !rule.papillarray_only;
+    case LabelUse::evaluation: return rule.evaluated_by == rule.value;
+  }
+  return false;
+}
+
+std::vector<LabelRuleInfo> rules_for(std::optional<LabelUse> use) {
+  std::vector<LabelRuleInfo> taken;
+  std::ranges::copy_if(rules, std::back_inserter(taken), [use](const LabelRuleInfo& rule) { return !use || takes(*use, rule); });
+  return taken;
+}
+
+std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes, LabelRule rule) {
+  if (codes.size() != sensor.time.size()) {
+    reject("labels/{}: {} by the labels {} for {}; expected one for each", sensor.name, counted(codes.size(), "state"),
+           label_rule_name(rule), counted(sensor.time.size(), "sample"));
+  }
+  std::vector<PadState> states;
+  states.reserve(codes.size());
+  for (const std::uint8_t code : codes) {
+    const auto state = static_cast<PadState>(code);
+    const bool unlabelled = !sensor.labels.truth && state == unknown_state;
+    if (state > PadState::gross && !unlabelled) reject("labels/{}: state {}; allowed: 0 to 3", sensor.name, code);
+    states.push_back(state);
+  }
+  return states;
+}
+
+}  // namespace
+
+std::span<const LabelRuleInfo> label_rules() { return rules; }
+
+const LabelRuleInfo& about_rule(LabelRule rule) { return rules.at(static_cast<std::size_t>(rule)); }
+
+std::string array_of(const LabelRuleInfo& rule) {
+  const LabelRecord labels;
+  std::string array;
+  if (rule.stored == nullptr || rule.after_slip != AfterSlip::stick) return array;
+  for_each_label(labels, 0, [&](const char* name, const char*, const Extents&, const auto& column) {
+    if (static_cast<const void*>(&column) == &(labels.*rule.stored)) array = name;
+  });
+  return array;
+}
+
+std::vector<LabelRuleInfo> stored_rules() {
+  std::vector<LabelRuleInfo> stored;
+  std::ranges::copy_if(rules, std::back_inserter(stored),
+                       [](const LabelRuleInfo& rule) { return rule.value != LabelRule::recorded && !array_of(rule).empty(); });
+  return stored;
+}
+
+std::string label_rule_name(LabelRule rule) { return about_rule(rule).name; }
+
+std::vector<std::string> label_rule_names(std::optional<LabelUse> use) { return choice_names(rules_for(use)); }
+
+LabelRule parse_label_rule(const std::string& name, std::optional<LabelUse> use) {
+  if (const std::optional<LabelRule> rule = choice_value(rules_for(use), name)) return *rule;
+  reject("unknown label rule {}{}", quote(name), allowed_names(name, label_rule_names(use)));
+}
+
+std::string rules_of_truth() {
+  std::vector<std::string> names;
+  for (const LabelRuleInfo& rule : rules) {
+    if (rule.value != LabelRule::recorded && !rule.papillarray_only) names.emplace_back(rule.name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string label_rules_text(LabelUse use) {
+  std::string text;
+  for (const LabelRuleInfo& rule : rules_for(use)) text += fmt::format("  {:<12} {}\n", rule.name, rule.meaning);
+  return text;
+}
+
+std::vector<PadState> states_by(const SensorRecord& sensor, LabelRule rule, bool turning) {
+  const LabelRuleInfo& about = about_rule(rule);
+  const LabelRecord& labels = sensor.labels;
+  const bool recorded = rule == LabelRule::recorded;
+  if (recorded == labels.truth) {
+    reject("sensor {}: is {} and has no labels {}; allowed: --labels {}", sensor.name, labels.truth ? "simulated" : "recorded",
+           about.name, labels.truth ? rules_of_truth() : "recorded");
+  }
+  if (recorded && labels.state_paper.empty()) {
+    reject(
+        "labels/{}: the recording has no labels; use `slipbench detect`, which needs none, or import it with the key state in the map",
+        sensor.name);
+  }
+  if (about.papillarray_only && sensor.type != "papillarray") {
+    reject("sensor {}: is a {}, but the rule {} needs a PapillArray; allowed: --labels {}", sensor.name, sensor.type, about.name,
+           rules_of_truth());
+  }
+  return about.stored != nullptr ? checked_states(sensor, labels.*about.stored, rule) : about.computed(sensor, turning);
+}
+
+}  // namespace slipbench
