@@ -75,7 +75,8 @@ Units array_units() {
   for_each_label(label_record, 0, into(labels));
   for_each_event_column(label_record, into(labels));
   for_each_unit_attribute(label_record, into(labels));
-  for_each_body_column(BodyRecord{}, into(body));
+  const BodyRecord body_record;
+  for_each_body_column(body_record, into(body));
   const ControlRecord control_record;
   for_each_control_column(control_record, into(control));
   for_each_grip_column(control_record.grip, into(control));

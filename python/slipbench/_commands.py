@@ -109,8 +109,8 @@ def export(
         output: folder to write into
         format: csv, npz, robomimic, lerobot, parquet, mcap, rosbag2, or another one listed by
             `slipbench export --help`
-        labels: rule by which a unit slips: strict, micro, paper or has_slipped, or recorded (the
-            labels of recordings); empty: the states by every rule
+        labels: rule by which a unit slips, listed by `slipbench export --help`; empty: the states
+            by every rule
         label_speed: tip speed above which a unit slips by paper and has_slipped, "0.1 mm/s" or m/s;
             empty: 0.1 mm/s
         sensors: names of the sensors to export; empty: all

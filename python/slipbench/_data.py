@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     import pandas
 
 _MOST_BYTES = 8e9  # of Windows.arrays()
-# Labels of a sample by the rules strict (a whole unit slips), micro (a part of a unit) and paper.
-RULES = {"strict": "state", "micro": "state_micro", "paper": "state_paper"}
-RECORDED = {"recorded": "state_paper"}  # array of an imported recording's labels
+# Array of the states by each rule that a dataset contains, and that of an imported recording.
+RULES = {rule.name: rule.array for rule in _core.label_rules() if rule.array}
+RECORDED = {"recorded": RULES.pop("recorded")}
 
 
 @contextmanager

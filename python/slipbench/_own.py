@@ -29,10 +29,10 @@ class State(IntEnum):
         GROSS: 3, all of them slip
     """
 
-    NO_CONTACT = 0
-    NON_SLIP = 1
-    INCIPIENT = 2
-    GROSS = 3
+    NO_CONTACT = _core.pad_states()["no_contact"]
+    NON_SLIP = _core.pad_states()["non_slip"]
+    INCIPIENT = _core.pad_states()["incipient"]
+    GROSS = _core.pad_states()["gross"]
 
 
 @dataclass(frozen=True)

@@ -574,10 +574,9 @@ def evaluate(
     eval DETECTOR DATASET --json`.
 
     `detector`: a name in a scene, including custom ones, FILE.onnx, or a folder of memories.
-    `parameters`: parameters of the detector, by name. `labels`: rule of the truth: strict, micro,
-    masked,
-    paper, latched, has_slipped or recorded (the labels of imported recordings); empty: recorded for
-    recordings, else the rule of a network's training, or strict. `sensor`: the one that it reads;
+    `parameters`: parameters of the detector, by name. `labels`: rule of the truth for
+    evaluation (docs/concepts/labels.md); empty: recorded for recordings, else the rule of a
+    network's training, or strict. `sensor`: the one that it reads;
     empty: the only one. `split`: "train", "valid" or "test" of the dataset's masks; empty: all
     trials. `all_trials`: includes trials that the detector was trained on. `resample`: interpolates
     recordings that are slower than the detector reads, and across gaps of more than 0.1 s. The

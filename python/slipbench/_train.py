@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from slipbench._program import Interrupt, counted, printable, run_command, say, styled, write_result
+from slipbench.bin import _core
 
 if TYPE_CHECKING:
     from slipbench.learning import Report, Trained
@@ -157,7 +158,7 @@ def score_text(validation: dict[str, Any]) -> str:
 def next_text(request: Request, trained: Trained) -> str:
     """Command that evaluates the trained detector on data outside of its training."""
     rule: str = trained.description["trained"]["labels"]
-    judged = "masked" if rule in ("tightened", "moved") else rule
+    judged = {one.name: one.evaluated_by for one in _core.label_rules()}[rule]
     options = f" --sensor {shlex.quote(printable(trained.sensors[0]))} --labels {judged}"
     command = f"{styled(sys.stdout, '2', 'next:')} {os.environ.get('SLIPBENCH_CALLED_AS', 'slipbench')} eval {shlex.quote(request.output)} "
     data, part = trained.judged_from

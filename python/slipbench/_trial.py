@@ -64,45 +64,7 @@ class Described:
         return table(self._title(), self._rows())
 
 
-# Units of the arrays by class, as in the docstrings.
-UNITS: dict[str, dict[str, str]] = {
-    "Labels": {
-        "t": "s",
-        "unit_state": "code",
-        "slip_velocity": "m/s",
-        "slip_distance": "m",
-        "margin": "1",
-        "force": "N",
-        "state": "code",
-        "state_micro": "code",
-        "state_paper": "code",
-        "stuck_fraction": "1",
-        "slip_direction": "rad",
-        "slip_centre": "m",
-        "slip_angle": "rad",
-        "event_time": "s",
-        "event_unit": "index",
-        "event_kind": "code",
-        "unit_positions": "m",
-        "unit_heights": "m",
-        "k_normal": "N/m",
-        "k_tangential": "N/m",
-        "mu_static": "1",
-        "mu_kinetic": "1",
-        "onset_time": "s",
-        "micro_onset_time": "s",
-    },
-    "Contact": {"t": "s", "force": "N", "displacement": "m"},
-    "Body": {"t": "s", "pose": "m, quaternion wxyz", "velocity": "m/s, rad/s"},
-    "Control": {
-        "t": "s",
-        "detector_class": "code",
-        "command": "counts",
-        "measured_position": "counts",
-        "grip_force": "N",
-        "arm": "m/s",
-    },
-}
+UNITS = _core.array_units()  # by class
 
 
 @dataclass(frozen=True, repr=False, eq=False)

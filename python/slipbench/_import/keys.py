@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-STATES = {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3}
+from slipbench.bin import _core
+
+STATES = _core.pad_states()
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
 
@@ -221,7 +223,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "values",
             "words",
             "0 to 3, or their names",
-            "the state of each text that is found: no_contact, non_slip, incipient, gross, 0 to 3, or unknown, which eval and train leave out",
+            f"the state of each text that is found: {', '.join(STATES)}, 0 to 3, or {_core.unknown_state_name}, which eval and train leave out",
         ),
         Key("rule", "text", "", "a sentence that defines the labels", required=True),
     ),

@@ -18,7 +18,7 @@ from slipbench._import.source import Source
 from slipbench.bin import _core
 
 PLACES = ("column", "value", "folder", "file", "table")
-UNKNOWN = "unknown"
+UNKNOWN = _core.unknown_state_name
 LONGEST_SEARCH = 1.0  # s
 
 

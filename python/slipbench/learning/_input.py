@@ -343,8 +343,7 @@ def read_examples(
     Args:
         datasets: paths of the first files
         frames: input definition
-        labels: "micro", "strict", "paper", "latched", "masked", "tightened" or "moved"; for
-            recordings "recorded"
+        labels: a rule for training (docs/concepts/labels.md); for recordings "recorded"
         classes: "slip" (hold, slip), "kind" (stable, translation, rotation) or "direction" (t, n,
             e, s, w, cw, aw)
         sensor: name in the scene; empty: every sensor that fits

@@ -15,14 +15,9 @@ from slipbench.bin import _core
 Doubles = NDArray[np.float64]
 Codes = NDArray[np.uint8]
 
-STATES = {
-    "no_contact": 0,
-    "non_slip": 1,
-    "incipient": 2,
-    "gross": 3,
-    None: _core.unknown_state,
-}  # None: nobody knows
-NO_CONTACT, NON_SLIP, GROSS, UNKNOWN = 0, 1, 3, _core.unknown_state
+UNKNOWN = _core.unknown_state
+STATES = {**_core.pad_states(), None: UNKNOWN}  # None: nobody knows
+NO_CONTACT, NON_SLIP, _, GROSS = _core.pad_states().values()
 FEWEST = 10  # groups of a bootstrap interval (tools/eval)
 STEADY = 0.5  # s
 
