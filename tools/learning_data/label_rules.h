@@ -14,8 +14,8 @@ namespace slipbench {
 
 enum class LabelRule : std::uint8_t { strict, micro, paper, latched, masked, tightened, moved, has_slipped, recorded };
 
-// What a rule makes of a sample that sticks after a slip, until contact is lost. Such a sample is still
-// under the shear that caused the slip.
+// Label of a sample that sticks after a slip, until contact is lost. Such a sample is still under the
+// shear that caused the slip.
 enum class AfterSlip : std::uint8_t {
   stick,
   slip,             // a slip lasts until contact is lost
