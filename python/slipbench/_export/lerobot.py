@@ -387,9 +387,11 @@ class _Writer:
 
     def abandon(self) -> None:
         """Closes the unfinished data file, which will be removed."""
-        if self._data_file is not None:
-            with contextlib.suppress(OSError):  # a full disk: the buffer cannot be written
-                self._data_file.close()
+        if self._data is not None and self._data_file is not None:
+            # The Parquet writer first: its destructor would write to the closed file.
+            for unfinished in (self._data, self._data_file):
+                with contextlib.suppress(OSError):  # a full disk: the buffer cannot be written
+                    unfinished.close()
 
     def _splits(self) -> dict[str, str]:
         """The episodes of each part, as FIRST:END."""
