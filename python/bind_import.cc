@@ -20,6 +20,7 @@
 #include "sim/scene/parser.h"
 #include "sim/scene/yaml_tree.h"
 #include "tools/cli/commands/dataset_commands.h"
+#include "tools/cli/terminal.h"
 #include "tools/files/reject.h"
 #include "tools/formats/import/channel_unit.h"
 #include "tools/formats/import/source_table.h"
@@ -59,9 +60,7 @@ std::vector<std::pair<std::string, std::string>> sources_of(const std::vector<st
 // Builds one recording from Python at a time, and writes it.
 class MappedImport {
  public:
-  MappedImport(std::vector<std::string> sources, std::string map, std::string output, std::uint64_t seed,
-               std::optional<double> rate, const std::string& split_by)
-      : options_{std::move(sources), nullptr, std::move(output), seed, std::move(map), rate}, writer_(options_, split_by) {}
+  MappedImport(ImportOptions options, const std::string& split_by) : options_(std::move(options)), writer_(options_, split_by) {}
 
   // `rate` [Hz]: of samples without stamps; empty: from the stamps, with `resolution` [s], read in
   // `unit` [s]; 0: dates.
@@ -98,6 +97,8 @@ class MappedImport {
   }
   void warn(const std::string& path, const std::string& text) { writer_.warn(path, text); }
   void finish(std::size_t sources) { summary_ = writer_.finish(sources); }
+  // The summary of the finished import as JSON.
+  [[nodiscard]] std::string summary() const { return printed_json(import_json(summary_)); }
   // Prints the summary of the finished import as the program does. Raises OSError if stdout cannot
   // be written.
   void print(bool json) const {
@@ -125,15 +126,14 @@ void bind_import(nb::module_& module) {
   module.def("other_unit_remedy",
              [](const std::string& found, const std::string& needed) { return other_unit_remedy(found, needed); });
   nb::class_<MappedImport>(module, "MappedImport")
-      .def(nb::init<std::vector<std::string>, std::string, std::string, std::uint64_t, std::optional<double>,
-                    const std::string&>(),
-           nb::arg("sources"), nb::arg("map"), nb::arg("output"), nb::arg("seed"), nb::arg("rate").none(), nb::arg("split_by"))
+      .def(nb::init<ImportOptions, const std::string&>(), nb::arg("options"), nb::arg("split_by"))
       .def("add_sensor", &MappedImport::add_sensor, nb::arg("name"), nb::arg("type"), nb::arg("frame"), nb::arg("time"),
            nb::arg("resolution"), nb::arg("unit"), nb::arg("rate").none(), nb::arg("rule"), nb::arg("states").none(),
            nb::arg("channels"))
       .def("add", &MappedImport::add, nb::arg("path"), nb::arg("params"), nb::arg("object"))
       .def("warn", &MappedImport::warn, nb::arg("path"), nb::arg("text"))
       .def("finish", &MappedImport::finish, nb::arg("sources"))
+      .def("summary", &MappedImport::summary)
       .def("print", &MappedImport::print, nb::arg("json"));
 }
 

@@ -18,6 +18,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "detectors/network/engine.h"
+#include "python/library_call.h"
 #include "python/module.h"
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"
@@ -39,7 +40,6 @@
 #include "tools/trial/sweep/run_sweep.h"
 #include "tools/trial/sweep/warnings.h"
 #include "tools/trial/trial_run.h"
-#include "tools/workers/interrupt_guard.h"
 
 namespace nb = nanobind;
 
@@ -63,29 +63,6 @@ pid_t fork_with_python() {
 }
 
 Isolation isolation_of(bool isolate, double limit) { return {.on = isolate, .limit = limit, .fork = fork_with_python}; }
-
-// HDF5 is not thread-safe. Lock without Python's lock.
-std::mutex hdf5_in_use;
-
-// One InterruptGuard shared by all threads that simulate.
-class SharedInterrupt {
- public:
-  SharedInterrupt() {
-    const std::lock_guard lock(mutex_);
-    if (users_++ == 0) guard_.emplace();
-  }
-  SharedInterrupt(const SharedInterrupt&) = delete;
-  SharedInterrupt& operator=(const SharedInterrupt&) = delete;
-  ~SharedInterrupt() {
-    const std::lock_guard lock(mutex_);
-    if (--users_ == 0) guard_.reset();
-  }
-
- private:
-  inline static std::mutex mutex_;
-  inline static std::size_t users_ = 0;
-  inline static std::optional<InterruptGuard> guard_;
-};
 
 // Stop flag for trials in other threads.
 struct Stop {

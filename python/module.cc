@@ -51,6 +51,7 @@ NB_MODULE(_core, module) {
     throw slipbench::InputError("MuJoCo " + version +
                                 " has no build of the plugin; supported: " + slipbench::plugin_versions_text);
   });
+  slipbench::python::bind_commands(module);
   slipbench::python::bind_trial(module);
   slipbench::python::bind_own_parts(module);
   slipbench::python::bind_scene(module);

@@ -25,6 +25,7 @@ Texts texts_of(const std::vector<Warning>& warnings);
 // be written.
 void print_whole(const std::function<void()>& print);
 
+void bind_commands(nanobind::module_& module);
 void bind_trial(nanobind::module_& module);
 void bind_scene(nanobind::module_& module);
 void bind_own_parts(nanobind::module_& module);

@@ -1,59 +1,63 @@
-"""The program's commands on dataset files, as functions. Each runs the program and returns its
-output of `--json`."""
+"""The program's commands on dataset files, as functions."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
-import subprocess
-import sys
-from collections.abc import Iterable, Sequence
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from slipbench._values import plain, shown
+from slipbench._program import input_error_text
+from slipbench._scene import check_counts, warn
+from slipbench._values import index, plain, shown, yaml
 from slipbench.bin import _core
 
 PathLike = str | os.PathLike[str]
-_SWITCHES = ("all", "compress", "points")  # options without a value
 
 
-def _run(
-    command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)
-) -> dict[str, Any]:
-    """Runs `slipbench command files --option value`. Options that are None, False, an empty text or
-    an empty list are omitted; 0 is passed.
+def _given(value: Any, key: str) -> Any:
+    """The value of an option, as `plain()`; None for an empty text. Raises InputError for a bool."""
+    converted = plain(value, key)
+    if isinstance(converted, bool):
+        raise _core.InputError(f"{key}: expected a number or a text, found {converted}")
+    return None if converted == "" else converted
 
-    `good`: exit statuses with a result.
+
+def _whole(value: Any, key: str) -> int | None:
+    """A whole number of 0 or more, or None."""
+    if _given(value, key) is None:
+        return None
+    check_counts(**{key: value})
+    return index(value, key)
+
+
+def _speed(value: Any, key: str) -> float | None:
+    """A speed in m/s, from a number or a text such as "0.1 mm/s"; None if it is not given."""
+    return None if _given(value, key) is None else _core.speed(key, yaml(value, key))
+
+
+def _frequency(value: Any, key: str) -> float | None:
+    """A frequency in Hz, from a number or a text such as "1 kHz"; None if it is not given."""
+    return None if _given(value, key) is None else _core.frequency(key, yaml(value, key))
+
+
+@contextlib.contextmanager
+def _input_errors(needs: str, extra: str, target: str) -> Iterator[None]:
+    """Turns errors of the system and missing packages into InputError, with the program's message.
+
+    Args:
+        needs: the feature that needs further packages
+        extra: these packages, as `pip install slipbench[EXTRA]`
+        target: path that is named if an error of the system names none
     """
-    words = [command, *(os.fspath(file) for file in files), "--json"]
-    for name, value in options.items():
-        given = plain(value, name)
-        if isinstance(given, bool) and name not in _SWITCHES:
-            raise _core.InputError(
-                f"{name.replace('-', '_')}: expected a number or a text, found {given}"
-            )
-        if given is True:
-            words.append(f"--{name}")
-        elif given is not None and given is not False and given not in ("", []):
-            words.append(f"--{name}={','.join(given) if isinstance(given, list) else given}")
-    place = os.pathsep.join(
-        filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")])
-    )
-    done = subprocess.run(
-        [sys.executable, "-m", "slipbench", *words],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "PYTHONPATH": place},
-    )
-    if done.returncode not in good:
-        raise _core.InputError(
-            done.stderr.strip().removeprefix("slipbench: ")
-            or f"{command} ended with exit status {done.returncode}"
-        )
-    result: dict[str, Any] = json.loads(done.stdout)
-    return result
+    try:
+        yield
+    except (OSError, ModuleNotFoundError) as error:
+        text = input_error_text(error, needs, f"pip install 'slipbench[{extra}]'", target)
+        if not text:
+            raise
+        raise _core.InputError(text) from error
 
 
 def _several(files: PathLike | Sequence[PathLike]) -> list[PathLike]:
@@ -84,7 +88,9 @@ def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None
     Raises:
         InputError: the program's own message.
     """
-    return _run("report", [dataset], {"output": output, "trial": trial})
+    page = _core.report(os.fspath(dataset), os.fspath(output), _whole(trial, "trial"))
+    _warn_of_failures(dataset)
+    return {"report": page}
 
 
 def export(
@@ -129,23 +135,30 @@ def export(
     Raises:
         InputError: the program's own message.
     """
-    return _run(
-        "export",
-        [dataset],
-        {
-            "output": output,
-            "format": format,
-            "labels": labels,
-            "label-speed": label_speed,
-            "sensors": _several(sensors),
-            "rate": rate,
-            "split": split,
-            "trial": trial,
-            "licence": licence,
-            "points": points,
-            "compress": compress,
-        },
+    from slipbench._export import write
+    from slipbench._export.request import Progress, Request
+
+    folder = os.fspath(output)
+    options = _core.export_options(
+        format,
+        labels,
+        _speed(label_speed, "label_speed"),
+        [os.fspath(sensor) for sensor in _several(sensors)],
+        _whole(trial, "trial"),
+        _frequency(rate, "rate"),
+        split,
+        bool(points),
+        licence,
+        bool(compress),
     )
+    with (
+        _input_errors(f"export: --format {format}", "export", folder),
+        _core.Interrupt("stopping after this trial") as interrupt,
+    ):
+        request = Request(**json.loads(_core.export_files(os.fspath(dataset), folder, options)))
+        files = write(request, Progress(request, interrupt, lambda note: warn([note])))
+    _warn_of_failures(dataset)
+    return {"files": files}
 
 
 def import_recordings(
@@ -177,11 +190,25 @@ def import_recordings(
     Raises:
         InputError: the program's own message.
     """
-    return _run(
-        "import",
-        _paths(sources, "sources"),
-        {"output": output, "format": format, "map": map, "rate": rate, "seed": seed},
+    options = _core.import_options(
+        [os.fspath(source) for source in _paths(sources, "sources")],
+        format,
+        os.fspath(map),
+        os.fspath(output),
+        1 if (chosen := _whole(seed, "seed")) is None else chosen,
+        _frequency(rate, "rate"),
     )
+    if not options.map:
+        result: dict[str, Any] = json.loads(_core.import_recordings(options))
+        return result
+    from slipbench._import import read_mapped
+
+    with (
+        _input_errors("import --map", "import", os.fspath(output)),
+        _core.Interrupt("stopping; nothing is kept") as interrupt,
+    ):
+        result = json.loads(read_mapped(options, interrupt).summary())
+    return result
 
 
 def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
@@ -197,7 +224,9 @@ def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
     Raises:
         InputError: a file cannot be read.
     """
-    return _run("verify", _paths(datasets, "datasets"), {}, (0, 1))
+    paths = [os.fspath(path) for path in _paths(datasets, "datasets")]
+    result: dict[str, Any] = json.loads(_core.verify(paths))
+    return result
 
 
 def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, Any]:
@@ -213,4 +242,12 @@ def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, 
     Raises:
         InputError: the program's own message.
     """
-    return _run("merge", _paths(shards, "shards"), {"output": output})
+    paths = [os.fspath(path) for path in _paths(shards, "shards")]
+    result: dict[str, Any] = json.loads(_core.merge(paths, os.fspath(output)))
+    return result
+
+
+def _warn_of_failures(dataset: PathLike) -> None:
+    """Warns of trials that the dataset lacks, because they failed."""
+    if text := _core.failed_trials(os.fspath(dataset)):
+        warn([text])

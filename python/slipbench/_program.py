@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import shutil
 import signal
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from slipbench.bin import _core
 
@@ -22,41 +23,24 @@ WIDTH = 100  # columns without a terminal
 LEAST_WIDTH = 40  # columns; a narrower terminal wraps the lines itself
 
 
-class Interrupted(Exception):
-    """A signal asked the process to stop."""
+def read_request() -> dict[str, Any]:
+    """The request of the program: JSON in the file that the command line names."""
+    request: dict[str, Any] = json.loads(Path(sys.argv[1]).read_bytes())
+    return request
 
 
-class Interrupt:
+@contextlib.contextmanager
+def interruptible(notice: str) -> Iterator[_core.Interrupt]:
     """Catches the signals of SIGNALS that are not ignored, including those that the program has
     blocked until now.
 
-    The first signal is recorded, and reported by check(), since an exception in a destructor or an
-    import would be lost. The second signal ends the process.
-
-    Args:
-        notice: text on stderr for the first signal, such as "stopping after this trial"
+    The first signal prints `notice`, such as "stopping after this trial", and the next check() of
+    the yielded object raises KeyboardInterrupt: an exception at any other place, such as a
+    destructor or an import, would be lost. The second signal ends the process.
     """
-
-    def __init__(self, notice: str) -> None:
-        self._asked = False
-        self._notice = f"slipbench: {notice}; interrupt again to stop at once\n"
-        for number in SIGNALS:
-            if signal.getsignal(number) != signal.SIG_IGN:
-                signal.signal(number, self._note)
+    with _core.Interrupt(notice) as interrupt:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
-
-    def check(self) -> None:
-        """Raises Interrupted after a signal."""
-        if self._asked:
-            raise Interrupted
-
-    def _note(self, number: int, _: object) -> None:
-        signal.signal(number, signal.SIG_DFL)
-        if self._asked:
-            signal.raise_signal(number)  # the default action is restored: this is the second signal
-        self._asked = True
-        with contextlib.suppress(OSError):  # the notice is optional if stderr is not writable
-            os.write(2, (("\r\033[K" if os.isatty(2) else "") + self._notice).encode())
+        yield interrupt
 
 
 def counted(count: int, what: str) -> str:
@@ -135,7 +119,7 @@ def write_result(write: Callable[[], None]) -> int:
 
 def catch_signals() -> None:
     """Lets the signals of SIGNALS that are not ignored raise KeyboardInterrupt, including those
-    that the program has blocked until now. For commands that need no Interrupt."""
+    that the program has blocked until now. For commands that keep nothing."""
     for number in SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler)
@@ -165,31 +149,38 @@ def run_command(
     """
     try:
         return work()
-    except (Interrupted, KeyboardInterrupt) as stop:  # the latter also from C++ code
-        if text := str(stop) or interrupted():
+    except KeyboardInterrupt:  # also from C++ code
+        if text := interrupted():
             say(f"slipbench: {text}\n")
         return INTERRUPTED
-    except _core.InputError as error:
-        message = str(error)
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] in ("slipbench", "slipbench_studies"):
-            message = _internal(error)
-        elif "install it" in str(error):  # of slipbench.learning
-            message = f"{needs}: {error}"
-        else:
-            message = f"{needs} needs the Python package {error.name}, which {sys.executable} does not have; install it: {install or f'pip install {error.name}'}"
-    except OSError as error:
-        named = isinstance(error.filename, (str, bytes))
-        message = f"{os.fsdecode(error.filename) if named else f'cannot write {target}'}: {error.strerror or error}"
-    except MemoryError:
-        message = "out of memory"
     except Exception as error:  # noqa: BLE001  a bug: the user is the only one who can report it
-        message = _internal(error)
+        message = input_error_text(error, needs, install, target) or _internal(error)
     sys.unraisablehook = lambda _: (
         None
     )  # writers that are destroyed unclosed would repeat the error with a traceback
     say_error(message)
     return BAD_INPUT
+
+
+def input_error_text(error: Exception, needs: str, install: str, target: str) -> str:
+    """The message of an error that the user can mend; empty for any other error. Arguments as for
+    run_command()."""
+    if isinstance(error, _core.InputError):
+        return str(error)
+    if isinstance(error, ModuleNotFoundError):
+        if (error.name or "").partition(".")[0] in ("slipbench", "slipbench_studies"):
+            return ""
+        if "install it" in str(error):  # of slipbench.learning
+            return f"{needs}: {error}"
+        return (
+            f"{needs} needs the Python package {error.name}, which {sys.executable} does not have; "
+            f"install it: {install or f'pip install {error.name}'}"
+        )
+    if isinstance(error, OSError):
+        named = isinstance(error.filename, (str, bytes))
+        place = os.fsdecode(error.filename) if named else f"cannot write {target}"
+        return f"{place}: {error.strerror or error}"
+    return "out of memory" if isinstance(error, MemoryError) else ""
 
 
 def _internal(error: Exception) -> str:

@@ -1,4 +1,4 @@
-"""`python -m slipbench._recipe REQUEST`: the command `describe NAME` for a recipe of `train`,
+"""`python -m slipbench._recipe FILE`: the command `describe NAME` for a recipe of `train`,
 started by the program."""
 
 from __future__ import annotations
@@ -12,7 +12,15 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from slipbench._program import catch_signals, counted, run_command, styled, text_width, write_result
+from slipbench._program import (
+    catch_signals,
+    counted,
+    read_request,
+    run_command,
+    styled,
+    text_width,
+    write_result,
+)
 
 if TYPE_CHECKING:
     from slipbench.learning import Input, Recipe, Training
@@ -184,4 +192,4 @@ def main(request: dict[str, Any]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(json.loads(sys.argv[1])))
+    sys.exit(main(read_request()))

@@ -74,9 +74,9 @@ def _key_paths(value: Any, path: str = "") -> Iterator[str]:
 def warn(texts: Iterable[str]) -> None:
     """Issues the program's warnings as Python warnings, at the line outside of the package that
     caused them."""
-    here = os.path.dirname(__file__)
+    here = os.path.join(os.path.dirname(__file__), "")
     frame, level = sys._getframe(1), 2
-    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == here:
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(here):
         frame, level = frame.f_back, level + 1
     for text in texts:
         warnings.warn(text, stacklevel=level)
@@ -350,7 +350,7 @@ class Scene:
         trial = index(trial, "trial")
         if trial < 0:
             raise _core.InputError(f"trial {trial}; allowed: 0 or more")
-        _check_counts(seed=seed)
+        check_counts(seed=seed)
         chosen = self.seed if seed is None else index(seed, "seed")
         _check_record(record)
         self._warn()
@@ -388,7 +388,7 @@ class Scene:
         `draws`: draws per cell of the grid; 0: as in the scene. `seed`, `record`: as for `run()`.
         `jobs`: threads; 0: one per core.
         """
-        _check_counts(draws=draws, seed=seed, jobs=jobs)
+        check_counts(draws=draws, seed=seed, jobs=jobs)
         chosen = self.seed if seed is None else index(seed, "seed")
         _check_record(record)
         count = self.trials(draws)
@@ -427,7 +427,7 @@ class Scene:
         a plugin, unless torch or a notebook is loaded, whose threads a copied process lacks. A
         trial that takes more than `trial_limit` s fails; this implies `isolate`.
         """
-        _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
+        check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
             raise _core.InputError(f"draws={draws} and trials={trials}; give only one of them")
         _check_record(record, ("full", "outcome"))
@@ -474,7 +474,7 @@ class Scene:
             raise _core.InputError(
                 f"{self.path}: check() needs a scene in a file, for its replay command; use Scene.load()"
             )
-        _check_counts(draws=draws, seed=seed, jobs=jobs)
+        check_counts(draws=draws, seed=seed, jobs=jobs)
         apart = self._apart(isolate, trial_limit, self.trials(draws))
         self._warn(draws, seed=seed, apart=apart)
         result = self._core.check(draws, seed, jobs, folder, *apart)
@@ -529,7 +529,8 @@ def _restored(
     return Scene(path, overrides, told, None if same else text)
 
 
-def _check_counts(**counts: int | None) -> None:
+def check_counts(**counts: int | None) -> None:
+    """Raises InputError, naming the count, for a number that is not whole or is negative."""
     for name, value in counts.items():
         if value is not None and not 0 <= index(value, name) < 2**64:
             raise _core.InputError(f"{name}={value}; allowed: 0 or more")

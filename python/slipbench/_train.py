@@ -1,4 +1,4 @@
-"""`python -m slipbench._train REQUEST`: the command `train --recipe NAME`, started by the program.
+"""`python -m slipbench._train FILE`: the command `train --recipe NAME`, started by the program.
 Exit status 2 for bad input, with its message."""
 
 from __future__ import annotations
@@ -13,7 +13,16 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from slipbench._program import Interrupt, counted, printable, run_command, say, styled, write_result
+from slipbench._program import (
+    counted,
+    interruptible,
+    printable,
+    read_request,
+    run_command,
+    say,
+    styled,
+    write_result,
+)
 from slipbench.bin import _core
 
 if TYPE_CHECKING:
@@ -86,7 +95,7 @@ def share_text(share: float | None) -> str:
 class ProgressReporter:
     """Writes the progress of a training to stderr."""
 
-    def __init__(self, request: Request, interrupt: Interrupt, members: int) -> None:
+    def __init__(self, request: Request, interrupt: _core.Interrupt, members: int) -> None:
         self._interrupt, self._quiet, self._members = interrupt, request.json, members
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb" and not self._quiet
         self._drawn = 0.0
@@ -98,7 +107,7 @@ class ProgressReporter:
             say(f"slipbench: {printable(text)}\n")
 
     def show_read(self, done: int, trials: int) -> None:
-        """Draws a bar on a terminal. Raises Interrupted after a signal."""
+        """Draws a bar on a terminal. Raises KeyboardInterrupt after a signal."""
         self._interrupt.check()
         now = time.monotonic()
         if not self._bar or (done < trials and now - self._drawn < BAR_PERIOD):
@@ -200,9 +209,9 @@ def run(request: Request) -> int:
     )  # reports a missing PyTorch before reading data
     from slipbench.learning._names import naming_options
 
-    interrupt = Interrupt("stopping; the state of the last validation is kept")
-    reporter = ProgressReporter(request, interrupt, find_recipe(request.recipe).members)
-    with naming_options():
+    notice = "stopping; the state of the last validation is kept"
+    with interruptible(notice) as interrupt, naming_options():
+        reporter = ProgressReporter(request, interrupt, find_recipe(request.recipe).members)
         trained = train(
             request.datasets,
             output=request.output,
@@ -248,9 +257,8 @@ def interrupted_text(request: Request) -> str:
     return "interrupted; nothing is kept"
 
 
-def main(text: str) -> int:
+def main(request: Request) -> int:
     """Runs the request; returns the exit status."""
-    request = Request(**json.loads(text))
     return run_command(
         lambda: run(request),
         needs=f"train --recipe {request.recipe}",
@@ -260,4 +268,4 @@ def main(text: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(Request(**read_request())))

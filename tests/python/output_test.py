@@ -17,7 +17,7 @@ from slipbench._export import card
 from slipbench._output import NewFiles, create_locked, write_whole
 from slipbench._program import printable
 
-ENTRY = "import sys\nfrom slipbench._program import Interrupted, run_command, write_result\ndef work():\n    {}\nsys.exit(run_command(work, needs='x', target='out.h5'))"
+ENTRY = "import sys\nfrom slipbench._program import run_command, write_result\ndef work():\n    {}\nsys.exit(run_command(work, needs='x', target='out.h5'))"
 
 
 class OutputTest(unittest.TestCase):
@@ -146,7 +146,6 @@ class EntryTest(unittest.TestCase):
             ("open('no/file')", 2, "slipbench: no/file: No such file or directory\n"),
             ("raise MemoryError", 2, "slipbench: out of memory\n"),
             ("raise KeyboardInterrupt", 130, "slipbench: interrupted; nothing is kept\n"),
-            ("raise Interrupted", 130, "slipbench: interrupted; nothing is kept\n"),
             (
                 "import no_such_package",
                 2,

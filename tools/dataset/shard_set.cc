@@ -169,7 +169,7 @@ std::vector<FailedTrial> ShardSet::failed() const {
   return failed;
 }
 
-Merged merge_shards(const std::vector<std::string>& paths, const std::string& output) {
+Merged merge_shards(const std::vector<std::string>& paths, const std::string& output, const std::atomic<bool>* interrupt) {
   const ShardSet set(paths);
   refuse_input_as_output(set.files(), output);
   if (const std::vector<std::string> gaps = set.gaps(); !gaps.empty()) {
@@ -179,9 +179,17 @@ Merged merge_shards(const std::vector<std::string>& paths, const std::string& ou
   // Chunks are copied compressed, so this check is the only one that detects disk damage.
   for (const std::string& shard : set.paths()) check_readable(FileKind::dataset, shard);
   DatasetWriter writer(output, whole_header(set.header()));
-  copy_trials(set.trials(), writer);
+  copy_trials(set.trials(), writer, interrupt);
   for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
   return {set.size(), set.failed().size(), set.duplicates(), set.within_rounding(), writer.commit()};
+}
+
+Json merged_json(const Merged& merged) {
+  return {{"files", merged.files},
+          {"trials", merged.trials},
+          {"failed", merged.failed},
+          {"duplicates", merged.duplicates},
+          {"within_rounding", merged.within_rounding}};
 }
 
 }  // namespace slipbench

@@ -1,6 +1,7 @@
 // Reads and merges the shards of one sweep.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "tools/dataset/header.h"
 #include "tools/dataset/reader.h"
+#include "tools/dataset/record/json.h"
 #include "tools/dataset/stored_trial.h"
 
 namespace slipbench {
@@ -73,7 +75,11 @@ struct Merged {
 // the undivided sweep would have written, with its digests. Chunks are copied without
 // decompression. Throws InputError, and writes nothing, if a file is not a complete shard or is
 // damaged, if it belongs to another sweep, if trials are missing, if two files disagree on a trial,
-// and if `output` cannot be written.
-Merged merge_shards(const std::vector<std::string>& paths, const std::string& output);
+// and if `output` cannot be written; Interrupted once `interrupt`, which may be null, is true.
+Merged merge_shards(const std::vector<std::string>& paths, const std::string& output,
+                    const std::atomic<bool>* interrupt = nullptr);
+
+// The result as `slipbench merge --json` prints it.
+Json merged_json(const Merged& merged);
 
 }  // namespace slipbench

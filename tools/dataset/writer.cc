@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/process/interrupted.h"
 #include "tools/dataset/dataset_file.h"
 #include "tools/dataset/dataset_target.h"
 #include "tools/dataset/hdf5/hdf5_place.h"
@@ -80,10 +81,11 @@ std::vector<std::string> DatasetWriter::commit() {
   return names;
 }
 
-void copy_trials(const std::vector<StoredTrial>& trials, DatasetWriter& writer) {
+void copy_trials(const std::vector<StoredTrial>& trials, DatasetWriter& writer, const std::atomic<bool>* interrupt) {
   constexpr std::size_t most_open = 64;
   std::map<std::string, hdf5::Handle> files;
   for (const StoredTrial& trial : trials) {
+    end_if(interrupt);
     if (!files.contains(trial.file)) {
       if (files.size() == most_open) files.clear();
       const hdf5::Handle& file = files[trial.file] = hdf5::open_file(trial.file);

@@ -1,6 +1,7 @@
 // Writes datasets.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -62,6 +63,6 @@ class DatasetWriter {
 
 // Copies trials in the order of the list, which must be ascending, from their files. Chunks are
 // copied without decompression.
-void copy_trials(const std::vector<StoredTrial>& trials, DatasetWriter& writer);
+void copy_trials(const std::vector<StoredTrial>& trials, DatasetWriter& writer, const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace slipbench

@@ -13,6 +13,7 @@
 
 #include "sim/api/detector.h"
 #include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/dataset/checked_dataset.h"
@@ -225,6 +226,7 @@ Gathered gather(const DatasetReader& dataset, const std::string& path, const Rep
   Gathered gathered;
   for (const std::size_t trial : dataset.trials()) {
     if (!std::ranges::binary_search(shown, trial)) continue;
+    end_if_interrupted();
     const TrialRecord record = dataset.read_trial(trial);
     const std::string subject = subject_of(path, trial);
     gathered.rows.push_back(trial_row(record, subject));
@@ -307,6 +309,10 @@ void write_report(const std::string& dataset_path, const std::string& html_path,
   if (options.max_trials == std::size_t{0}) throw std::logic_error("a report embeds at least one trial");
   check_report_target(html_path, dataset_path);
   write_text_file(html_path, page_of(dataset_path, options));
+}
+
+std::string report_path(const std::string& dataset_path) {
+  return std::filesystem::path(dataset_path).replace_extension(".html").string();
 }
 
 }  // namespace slipbench

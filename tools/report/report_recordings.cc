@@ -13,6 +13,7 @@
 
 #include "sim/api/pad_state.h"
 #include "sim/core/counted.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/dataset/reader.h"
 #include "tools/files/reject.h"
 #include "tools/page/page.h"
@@ -163,6 +164,7 @@ std::string recordings_body(const DatasetReader& dataset, const std::string& fil
   std::set<std::string> rules;
   std::string drawings, sensors;
   for (const std::size_t number : read) {
+    end_if_interrupted();
     const TrialRecord record = dataset.read_trial(number);
     if (sensors.empty()) sensors = page::table_html(sensors_table(record)) + axes_html(record);
     add_rows(table, record);

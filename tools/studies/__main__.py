@@ -1,4 +1,4 @@
-"""`python -m slipbench_studies REQUEST`: the command `reproduce`, started by the program. Exit
+"""`python -m slipbench_studies FILE`: the command `reproduce`, started by the program. Exit
 status 2 for bad input, with its message, 130 after Ctrl-C."""
 
 import importlib
@@ -6,7 +6,14 @@ import json
 import sys
 from typing import Any
 
-from slipbench._program import catch_signals, printable, run_command, say, write_result
+from slipbench._program import (
+    catch_signals,
+    printable,
+    read_request,
+    run_command,
+    say,
+    write_result,
+)
 from slipbench_studies.catalogue import STUDIES, check_options, find_study
 from slipbench_studies.kept import remove_kept
 from slipbench_studies.result import Options, Result, result_object, say_nothing
@@ -111,4 +118,4 @@ def _print_result(name: str, result: Result, files: list[str], as_json: bool) ->
 
 
 if __name__ == "__main__":
-    sys.exit(main(json.loads(sys.argv[1])))
+    sys.exit(main(read_request()))

@@ -48,13 +48,13 @@ class DatasetCheck {
       : reader_(dataset_header_at(path)), catalogues_(program_catalogues()), digests_(reader_.files().size()) {}
 
   // Uses one process per hardware thread; damage may crash it.
-  Json run(const std::string& path) {
+  Json run(const std::string& path, const std::atomic<bool>* interrupt) {
     check_order();
     const std::size_t parts = std::max(1U, std::thread::hardware_concurrency());
     const std::vector<std::size_t>& trials = reader_.trials();
     const double limit = longest_part(reader_);
     OrderedChildren children(
-        parts, parts, [&](std::size_t part) { return check_part(part, parts); }, nullptr, limit);
+        parts, parts, [&](std::size_t part) { return check_part(part, parts); }, interrupt, limit);
     auto trial = trials.begin();
     while (std::optional<ChildEnd> end = children.next()) {
       if (end->kind == ChildEnd::Kind::lost) reject("{}: is damaged: the process that read it {}", path, end->loss(limit));
@@ -65,6 +65,7 @@ class DatasetCheck {
         ++trial;
       }
     }
+    end_if(interrupt);
     check_file_digests();
     Json result{{"files", reader_.files()},
                 {"schema", reader_.schema(0)},
@@ -296,7 +297,7 @@ Json shards_result(const std::vector<std::string>& paths) {
 
 }  // namespace
 
-Verified verify_datasets(const std::vector<std::string>& paths) {
+Verified verify_datasets(const std::vector<std::string>& paths, const std::atomic<bool>* interrupt) {
   Verified verified;
   std::set<std::string> seen;  // files of verified datasets
   std::vector<std::string> further;
@@ -304,6 +305,8 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
   const auto run = [&](const std::string& path, const auto& action) {
     try {
       action();
+    } catch (const Interrupted&) {
+      throw;
     } catch (const std::runtime_error& error) {
       verified.readable = false;
       verified.datasets.push_back({{"file", path}, {"error", error.what()}});
@@ -315,7 +318,7 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
         further.push_back(path);
         return;
       }
-      Json result = Json::parse(dumped(DatasetCheck(path).run(path)));
+      Json result = Json::parse(dumped(DatasetCheck(path).run(path, interrupt)));
       for (const Json& file : result["files"])
         seen.insert(std::filesystem::path(file.get<std::string>()).lexically_normal().string());
       verified.holds = verified.holds && result["holds"].get<bool>();
@@ -340,6 +343,12 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
     });
   }
   return verified;
+}
+
+Json verified_json(const Verified& verified) {
+  Json object{{"holds", verified.holds && verified.readable}, {"datasets", verified.datasets}};
+  if (!verified.sweep.is_null()) object["sweep"] = verified.sweep;
+  return object;
 }
 
 }  // namespace slipbench

@@ -2,6 +2,7 @@
 // element.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,11 @@ struct Verified {
 };
 
 // `paths`: datasets by their first files, and optionally further files of them. Does not throw for
-// an unreadable file: the others are verified.
-Verified verify_datasets(const std::vector<std::string>& paths);
+// an unreadable file: the others are verified. Throws Interrupted once `interrupt`, which may be
+// null, is true.
+Verified verify_datasets(const std::vector<std::string>& paths, const std::atomic<bool>* interrupt = nullptr);
+
+// The result as `slipbench verify --json` prints it.
+Json verified_json(const Verified& verified);
 
 }  // namespace slipbench

@@ -44,7 +44,8 @@ InterruptGuard::InterruptGuard(std::string_view notice) {
   on_terminal = isatty(STDERR_FILENO);
   struct sigaction action {};
   action.sa_handler = &note_interrupt;
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  // SA_NODEFER: the second signal ends the process even if a full pipe blocks the announcement.
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART | SA_NODEFER;
   sigemptyset(&action.sa_mask);
   catch_unless_ignored(SIGINT, action, previous_int_);
   catch_unless_ignored(SIGTERM, action, previous_term_);

@@ -1,4 +1,4 @@
-"""`python -m slipbench._detect REQUEST`: started by the program. Exit status 2 for bad input, with
+"""`python -m slipbench._detect FILE`: started by the program. Exit status 2 for bad input, with
 its message."""
 
 from __future__ import annotations
@@ -8,32 +8,31 @@ import sys
 from typing import Any
 
 from slipbench._detect import write_parquet
-from slipbench._program import Interrupt, run_command, write_result
+from slipbench._program import interruptible, read_request, run_command, write_result
 from slipbench.bin import _core
 
 
 def run(request: dict[str, Any]) -> int:
     """Writes the alarms and prints the result; returns the exit status."""
-    interrupt = Interrupt("stopping; nothing is kept")
-    import pyarrow  # noqa: F401  # fails before the work if it is missing
+    with interruptible("stopping; nothing is kept") as interrupt:
+        import pyarrow  # noqa: F401  # fails before the work if it is missing
 
-    result, _ = _core.detect(
-        request["detector"],
-        list(request["parameters"].items()),
-        request["recordings"],
-        request["sensor"],
-        "",
-        request["resample"],
-    )
-    interrupt.check()
-    files = write_parquet(request["output"], json.loads(result))
+        result, _ = _core.detect(
+            request["detector"],
+            list(request["parameters"].items()),
+            request["recordings"],
+            request["sensor"],
+            "",
+            request["resample"],
+        )
+        interrupt.check()
+        files = write_parquet(request["output"], json.loads(result))
     return write_result(lambda: _core.print_detection(result, files, request["json"]))
 
 
-def main(text: str) -> int:
-    """Runs the request, in JSON: the arguments of detect(), `json` and `install`; returns the exit
+def main(request: dict[str, Any]) -> int:
+    """Runs the request: the arguments of detect(), `json` and `install`; returns the exit
     status."""
-    request = json.loads(text)
     return run_command(
         lambda: run(request),
         needs="detect -o FILE.parquet",
@@ -43,4 +42,4 @@ def main(text: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(read_request()))

@@ -1,44 +1,49 @@
 """`python -m slipbench._export FILE`: started by the program; FILE holds the request. Exit status 2
 for bad input, with its message."""
 
-import importlib
-import json
 import sys
-from pathlib import Path
+from typing import Any
 
-from slipbench import open as open_dataset
-from slipbench._export.request import Progress, Request, tell
-from slipbench._program import Interrupt, run_command, write_result
-
-
-def run(request: Request, progress: Progress) -> int:
-    """Writes the requested files; returns the exit status."""
-    try:
-        writer = importlib.import_module(
-            f"slipbench._export.{'card' if request.files else request.format}"
-        )
-        with open_dataset(
-            request.dataset, check=False
-        ) as data:  # the program has checked the digests
-            files = writer.write(data, request, progress)
-        progress.end_notes()
-    finally:
-        progress.clear()
-    return write_result(lambda: tell(request, files))
+from slipbench._export import write
+from slipbench._export.request import Progress, Request
+from slipbench._program import (
+    interruptible,
+    printable,
+    read_request,
+    run_command,
+    say,
+    write_result,
+)
+from slipbench.bin import _core
 
 
-def main(path: str) -> int:
-    """Runs the request in the file `path`; returns the exit status."""
-    request = Request(**json.loads(Path(path).read_bytes()))
-    progress = Progress(request, Interrupt("stopping after this trial"))
+def run(request: Request, json: bool, quiet: bool, verbose: bool) -> int:
+    """Writes the requested files and prints the result; returns the exit status."""
+    with interruptible("stopping after this trial") as interrupt:
+
+        def note(text: str) -> None:
+            say(f"slipbench: note: {printable(text)}\n")
+
+        files = write(request, Progress(request, interrupt, note, json or quiet))
+    return write_result(lambda: _core.print_export(files, request.out, json, quiet, verbose))
+
+
+def main(words: dict[str, Any]) -> int:
+    """Runs the program's request; returns the exit status.
+
+    Args:
+        words: export, the fields of Request; json, quiet and verbose, the program's options;
+            install, the command that installs the format's requirements
+    """
+    request = Request(**words["export"])
     return run_command(
-        lambda: run(request, progress),
+        lambda: run(request, words["json"], words["quiet"], words["verbose"]),
         needs=f"export: --format {request.format}",
-        install=request.install,
+        install=words["install"],
         target=request.out,
         interrupted=lambda: "",
     )
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(read_request()))

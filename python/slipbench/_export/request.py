@@ -1,32 +1,28 @@
-"""Request of the program, and progress output."""
+"""Request of an export, its progress, and its files."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
-import json
 import os
 import shutil
-import sys
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from slipbench import Dataset, InputError
 from slipbench._output import RUNNING, NewFiles, create_locked, partial_path
-from slipbench._program import Interrupt, counted, printable, say
+from slipbench._program import counted
+from slipbench.bin import _core
 
-LINE_PERIOD = 5.0  # s, between lines if stderr is not a terminal
-BAR_PERIOD = 0.1  # s, between redraws
 MOST_NOTES = 10
 ALLOWED = "expected a folder, or a new name in an existing folder"
 
 
 @dataclass(frozen=True)
 class Request:
-    """Request of the program, from JSON. The program has checked all values.
+    """What to export. C++ has checked all values (export_request() in tools/formats/export).
 
     Attributes:
         format: name on the command line
@@ -40,11 +36,7 @@ class Request:
         label_speed: m/s, tip speed from which a pillar slips by that rule; None: not used
         points: True: LeRobot gets position and force of each unit as one feature
         licence: licence of the data, for its card, such as "cc-by-4.0"; empty: not stated
-        json: True: print one JSON object on stdout and no progress on stderr
-        install: command that installs the formats' requirements
-        files: paths of files that the program has written and that only need the card; empty: none
-        quiet: True: print neither progress nor a summary
-        verbose: True: name every file in the summary
+        files: paths of files that C++ has written and that only need the card; empty: none
     """
 
     format: str
@@ -57,25 +49,12 @@ class Request:
     label_speed: float | None
     points: bool
     licence: str
-    json: bool
-    install: str
     files: list[str]
-    quiet: bool = False
-    verbose: bool = False
 
 
 def split_of(data: Dataset) -> dict[int, str]:
     """The part of each trial; a killed run has no parts."""
     return {trial: part for part in ("train", "valid", "test") for trial in data.mask(part)}
-
-
-def size_text(count: float) -> str:
-    """ "318 MB"."""
-    for unit in ("B", "kB", "MB"):
-        if count < 999.5:
-            return f"{count:.3g} {unit}"
-        count /= 1000
-    return f"{count:.3g} GB"
 
 
 def make_folder(folder: Path) -> bool:
@@ -107,79 +86,62 @@ def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
 
 
 class Progress:
-    """Progress on stderr: a bar on a terminal, else plain lines. After the first trial it reports
-    the expected size, and raises InputError if the disk lacks space."""
+    """Progress and notes of an export. After the first trial it raises InputError if the disk lacks
+    space.
 
-    def __init__(self, request: Request, interrupt: Interrupt) -> None:
-        self._interrupt = interrupt
-        self._total, self._out, self._quiet = (
-            len(request.trials),
-            request.out,
-            request.json or request.quiet,
-        )
-        self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
-        self._start = self._drawn = time.monotonic()
+    Args:
+        request: the export
+        interrupt: its check() is called after each trial
+        note: receives notes about the files
+        quiet: True: no progress on stderr
+    """
+
+    def __init__(
+        self,
+        request: Request,
+        interrupt: _core.Interrupt,
+        note: Callable[[str], None],
+        quiet: bool = True,
+    ) -> None:
+        self._interrupt, self._note = interrupt, note
+        self._total, self._out = len(request.trials), request.out
+        self._bar = _core.ExportBar(quiet)
         self._notes = 0
 
     def check(self) -> None:
-        """Raises Interrupted after a signal. Call before the files get their names; afterwards they
-        are kept."""
+        """Raises KeyboardInterrupt after a signal. Call before the files get their names; afterwards
+        they are kept."""
         self._interrupt.check()
 
     def update(self, done: int, written: int) -> None:
-        """Reports that `done` trials are `written` bytes. Raises Interrupted after a signal."""
+        """Reports that `done` trials are `written` bytes. Raises KeyboardInterrupt after a
+        signal."""
         self.check()
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
             if expected - written > free:
                 raise InputError(
-                    f"{self._out}: {counted(self._total, 'trial')} would need about {size_text(expected)}, but {size_text(free)} are "
-                    f"free; export fewer trials (--split, --trial), fewer --sensors or a lower --rate"
+                    f"{self._out}: {counted(self._total, 'trial')} would need about "
+                    f"{_core.size_text(expected)}, but {_core.size_text(free)} are free; export "
+                    f"fewer trials (--split, --trial), fewer --sensors or a lower --rate"
                 )
-            if self._total > 1:
-                self._say(f"{self._total} trials, about {size_text(expected)}\n")
-        now = time.monotonic()
-        if self._total < 2 or (
-            done < self._total and now - self._drawn < (BAR_PERIOD if self._bar else LINE_PERIOD)
-        ):
-            return
-        self._drawn, elapsed = now, now - self._start
-        left = (
-            f"{elapsed:.0f} s"
-            if done == self._total
-            else f"ETA {elapsed * (self._total - done) / done:.0f} s"
-        )
-        text = f"{done}/{self._total}  {done / max(elapsed, 1e-9):.0f} trials/s  {left}"
-        if self._bar:
-            filled = 30 * done // self._total
-            self._say(
-                f"\r\033[K[{'#' * filled}{'-' * (30 - filled)}] {100 * done / self._total:3.0f} % {text}"
-                + ("\n" if done == self._total else "")
-            )
-        elif done < self._total:
-            self._say(text + "\n")
+        self._bar.update(done, self._total, written)
 
     def note(self, text: str) -> None:
-        """Prints a note about the files on stderr, even with --json. The first MOST_NOTES are
-        shown, then their number."""
+        """Reports a note about the files. The first MOST_NOTES are reported, then their number."""
         self._notes += 1
         if self._notes <= MOST_NOTES:
-            self.clear()
-            say(f"slipbench: note: {printable(text)}\n")
+            self.end()
+            self._note(text)
 
     def end_notes(self) -> None:
-        """Prints the number of notes that were not shown."""
+        """Reports the number of notes that were left out."""
         if self._notes > MOST_NOTES:
-            say(f"slipbench: note: {counted(self._notes - MOST_NOTES, 'more note')}\n")
+            self._note(counted(self._notes - MOST_NOTES, "more note"))
 
-    def clear(self) -> None:
+    def end(self) -> None:
         """Removes an unfinished bar, so that a message starts on an empty line."""
-        if self._bar:
-            self._say("\r\033[K")
-
-    def _say(self, text: str) -> None:
-        if not self._quiet:
-            say(text)
+        self._bar.clear()
 
 
 @contextlib.contextmanager
@@ -282,21 +244,3 @@ class Output:
     def _make(self, folder: Path) -> None:
         if make_folder(folder):
             self._made.append(folder)
-
-
-def tell(request: Request, files: list[str]) -> None:
-    """Prints the closing line, or with --json the names of the files."""
-    if request.json:
-        print(json.dumps({"files": files}, separators=(",", ":")))
-        return
-    if request.quiet:
-        return
-    if request.verbose:
-        for file in files:
-            print(f"written: {printable(file)}")
-    size = size_text(sum(os.path.getsize(file) for file in files))
-    print(
-        f"written: {printable(files[0])}, {size}"
-        if len(files) == 1
-        else f"written: {len(files)} files, {size}, in {printable(request.out)}"
-    )

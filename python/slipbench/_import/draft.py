@@ -1,4 +1,4 @@
-"""`python -m slipbench._import.draft REQUEST`: a map for a table of text, from the titles of its
+"""`python -m slipbench._import.draft FILE`: a map for a table of text, from the titles of its
 columns; started by `slipbench import --draft`."""
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from slipbench._import.recordings import list_files
 from slipbench._import.text import TextTable
 from slipbench._import.times import is_moment
 from slipbench._output import write_whole
-from slipbench._program import counted, run_command, write_result
+from slipbench._program import counted, read_request, run_command, write_result
 
 TABLES = (".csv", ".tsv", ".tab", ".txt", ".dat", ".lvm")
 AXES = "xyz"
@@ -284,9 +285,8 @@ def run(sources: list[str], type: str, output: str) -> int:
     )
 
 
-def main(text: str) -> int:
+def main(request: dict[str, Any]) -> int:
     """Runs the request; returns the exit status."""
-    request = json.loads(text)
     return run_command(
         lambda: run(request["sources"], request["type"], request["output"]),
         needs="import --draft",
@@ -296,4 +296,4 @@ def main(text: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(read_request()))

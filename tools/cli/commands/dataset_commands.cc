@@ -46,33 +46,8 @@ constexpr std::array<std::string_view, 2> schema_kinds{"map", "scene"};
 // A folder may hold thousands of recordings.
 constexpr std::size_t most_import_warnings = 10;
 
-// Lists the trials of the run that the dataset lacks.
 void say_failed(const std::string& dataset) {
-  const DatasetReader reader = dataset_header_at(dataset);
-  const std::string text = failures_text(reader.failed(), reader.trials().size() + reader.failed().size());
-  if (!text.empty())
-    say(stderr, fmt::format("slipbench: {}: {}; the attribute `failed` of the dataset gives the reasons\n", dataset, text));
-}
-
-// "318 MB"
-std::string size_text(std::uintmax_t bytes) {
-  auto value = static_cast<double>(bytes);
-  constexpr std::array units{"B", "kB", "MB", "GB"};
-  std::size_t unit = 0;
-  for (; value >= 999.5 && unit + 1 < units.size(); ++unit) value /= 1000.0;
-  return fmt::format("{:.3g} {}", value, units[unit]);
-}
-
-// Prints the expected size of the export after its first trial, then the progress.
-ExportProgress progress_of(bool quiet) {
-  if (quiet) return {};
-  const std::shared_ptr<Progress> bar(new Progress(Progress::for_stream(stderr, false)));  // Progress cannot be moved
-  return [bar](std::size_t done, std::size_t total, std::uintmax_t bytes) {
-    if (done == 1 && total > 1) {
-      say(stderr, fmt::format("{}, about {}\n", counted(total, "trial"), size_text(bytes * total)));
-    }
-    bar->update(done, total, std::nullopt);
-  };
+  if (const std::string text = failed_text(dataset); !text.empty()) say(stderr, fmt::format("slipbench: {}\n", text));
 }
 
 // Returns the text of a value from a dataset, made safe for a terminal: the file may be untrusted.
@@ -127,6 +102,12 @@ std::string sweep_report(const Json& sweep, const Style& style) {
 
 }  // namespace
 
+std::string failed_text(const std::string& dataset) {
+  const DatasetReader reader = dataset_header_at(dataset);
+  const std::string text = failures_text(reader.failed(), reader.trials().size() + reader.failed().size());
+  return text.empty() ? "" : fmt::format("{}: {}; the attribute `failed` of the dataset gives the reasons", dataset, text);
+}
+
 void ReportCommand::declare(Arguments& arguments) {
   arguments.about("report", "Turn a dataset into an HTML page", R"(
 Writes a self-contained HTML file that opens in any browser, without a network. The page of
@@ -143,7 +124,7 @@ Examples:
 }
 
 int ReportCommand::run() {
-  const std::string page = output.empty() ? std::filesystem::path(dataset).replace_extension(".html").string() : output;
+  const std::string page = output.empty() ? report_path(dataset) : output;
   write_report(dataset, page, options);
   say_failed(dataset);
   if (json) return print_json({{"report", page}});
@@ -195,10 +176,7 @@ Examples:
       fmt::format(
           "Rule by which a unit slips: {}, or recorded (labels of recordings) (default: all rules; formats of the PapillArray: strict)",
           fmt::join(label_rule_names(LabelUse::pillars), ", ")),
-      [this](const std::string& name) {
-        options.recorded = name == "recorded";
-        if (!options.recorded) options.slip_rule = parse_label_rule(name, LabelUse::pillars);
-      });
+      [this](const std::string& name) { set_label_rule(options, name); });
   arguments.quantity("--label-speed SPEED", options.label_speed,
                      "Tip speed above which a pillar slips by the rules paper and has_slipped (default: 0.1 mm/s)",
                      Quantity::speed);
@@ -219,28 +197,70 @@ Examples:
 }
 
 int ExportCommand::run() {
-  if (is_python_format(options.format)) {
-    say_failed(dataset);
-    take_stdout_back();
-    start_python_export(dataset, output, options, {.json = json, .quiet = quiet, .verbose = verbose});
+  check_export_options(options);
+  const std::optional<PythonModule> python = python_writer();
+  std::vector<std::string> files;
+  if (!is_python_format(options.format)) {
+    check_card_target(output);
+    // The progress is destroyed before an error is reported.
+    const auto bar = std::make_shared<ExportBar>(silent());
+    files = export_dataset(dataset, output, options,
+                           [bar](std::size_t done, std::size_t total, std::uintmax_t bytes) { bar->update(done, total, bytes); });
   }
-  const std::string no_card = check_card(output, options);
-  if (!no_card.empty()) say(stderr, fmt::format("slipbench: note: README.md and croissant.json were not written: {}\n", no_card));
-  const std::vector<std::string> files = export_dataset(dataset, output, options, progress_of(silent()));
   say_failed(dataset);
-  if (no_card.empty()) {
+  if (python) {
     take_stdout_back();
-    start_card(dataset, output, options, files, {.json = json, .quiet = quiet, .verbose = verbose});
+    python->start({{"export", export_request(dataset, output, options, files)},
+                   {"json", json},
+                   {"quiet", quiet},
+                   {"verbose", verbose},
+                   {"install", python->install()}});
   }
-  if (json) return print_json({{"files", files}});
-  if (quiet) return exit_good;
-  if (verbose) print_written(files);
+  print_export(files, output, {.json = json, .quiet = quiet, .verbose = verbose});
+  return exit_good;
+}
+
+// The module that writes the format, or else the card. Empty, with a note, if only the card needs
+// it and the program has no Python.
+std::optional<PythonModule> ExportCommand::python_writer() const {
+  const bool writes_format = is_python_format(options.format);
+  try {
+    return PythonModule("slipbench._export",
+                        writes_format ? "--format " + export_format_name(options.format) : std::string("the dataset card"),
+                        writes_format ? "export" : "");
+  } catch (const InputError& error) {
+    if (writes_format || !options.licence.empty()) throw;
+    say(stderr, fmt::format("slipbench: note: README.md and croissant.json were not written: {}\n", error.what()));
+    return std::nullopt;
+  }
+}
+
+std::string size_text(std::uintmax_t bytes) {
+  auto value = static_cast<double>(bytes);
+  constexpr std::array units{"B", "kB", "MB", "GB"};
+  std::size_t unit = 0;
+  for (; value >= 999.5 && unit + 1 < units.size(); ++unit) value /= 1000.0;
+  return fmt::format("{:.3g} {}", value, units[unit]);
+}
+
+void ExportBar::update(std::size_t done, std::size_t total, std::uintmax_t bytes) {
+  if (quiet_) return;
+  if (done == 1 && total > 1) say(stderr, fmt::format("{}, about {}\n", counted(total, "trial"), size_text(bytes * total)));
+  progress_.update(done, total, std::nullopt);
+}
+
+void print_export(const std::vector<std::string>& files, const std::string& folder, const ExportOutput& how) {
+  if (how.json) {
+    print_json({{"files", files}});
+    return;
+  }
+  if (how.quiet) return;
+  if (how.verbose) print_written(files);
   std::uintmax_t bytes = 0;
   for (const std::string& file : files) bytes += std::filesystem::file_size(file);
   const std::string what = files.size() == 1 ? files.front() : fmt::format("{} files", files.size());
   print_text("{} {}, {}{}\n", style_for(stdout).good("written:"), what, size_text(bytes),
-             files.size() == 1 ? "" : ", in " + output);
-  return exit_good;
+             files.size() == 1 ? "" : ", in " + folder);
 }
 
 void ImportCommand::declare(Arguments& arguments) {
@@ -270,7 +290,7 @@ Examples:
   arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments
       .read("--format NAME", "Format of SOURCE, see the list below (default: as --map describes)",
-            [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); })
+            [this](const std::string& name) { options.format = chosen_import_format(name); })
       .offers(import_format_names);
   arguments.input("--map MAP", options.map, "Description of the recordings: a YAML file, or the name of an included map");
   arguments.text("--draft TYPE", draft, "Write a map of SOURCE for this type of sensor to the file of -o, instead of importing");
@@ -283,14 +303,7 @@ Examples:
   arguments.then([this] {
     if (!draft.empty() && (options.format != nullptr || !options.map.empty() || options.rate || json))
       reject("import: --draft writes a map; expected only -o FILE.yaml next to it");
-    if (draft.empty() && options.format == nullptr && options.map.empty())
-      reject(
-          "import: give --map MAP, a description of the recordings, or --format NAME; names: {}; --draft TYPE writes a map of a "
-          "table, where TYPE is the type of the sensor, such as papillarray",
-          fmt::join(import_format_names(), ", "));
-    if (options.format != nullptr && !options.map.empty())
-      reject("import: --map {}: the format {} has no map; give either --map or --format", options.map,
-             format_name(*options.format));
+    if (draft.empty()) check_import_options(options);
   });
 }
 
@@ -317,7 +330,7 @@ void ImportCommand::import_by_map() {
                      {"json", json},
                      {"install", module.install()}};
   take_stdout_back();
-  module.start(request_text(request));
+  module.start(request);
 }
 
 // Python reads the table.
@@ -325,7 +338,7 @@ void ImportCommand::draft_map() {
   const PythonModule module("slipbench._import.draft", "import --draft", "import");
   const Json request{{"sources", options.sources}, {"type", draft}, {"output", options.output}, {"install", module.install()}};
   take_stdout_back();
-  module.start(request_text(request));
+  module.start(request);
 }
 
 namespace {
@@ -364,13 +377,7 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
                             counted(summary.warnings.size() - shown, "more warning")));
   }
   if (json) {
-    print_json({{"sources", summary.sources},
-                {"trials", summary.trials},
-                {"samples", summary.samples},
-                {"repeated_rows", summary.repeated_rows},
-                {"objects", summary.objects},
-                {"warnings", warnings_json(summary.warnings)},
-                {"files", summary.files}});
+    print_json(import_json(summary));
     return;
   }
   print_text("{} of {}, {}{}\n", counted(summary.trials, "recording"), counted(summary.sources, "file"),
@@ -411,11 +418,7 @@ Examples:
 int VerifyCommand::run() {
   const Verified verified = verify_datasets(datasets);
   const Style style = style_for(stdout);
-  if (json) {
-    Json object{{"holds", verified.holds && verified.readable}, {"datasets", verified.datasets}};
-    if (!verified.sweep.is_null()) object["sweep"] = verified.sweep;
-    print_json(object);
-  }
+  if (json) print_json(verified_json(verified));
   for (const Json& dataset : verified.datasets) {
     if (dataset.contains("error")) {
       say(stderr,
@@ -486,7 +489,7 @@ int DescribeCommand::run() {
   if (train::is_network_recipe(name)) {
     const PythonModule module("slipbench._recipe", "describe " + name, "");
     take_stdout_back();
-    module.start(Json{{"name", name}, {"json", json}}.dump());
+    module.start({{"name", name}, {"json", json}});
   }
   const std::vector<CatalogueItem> items = catalogue_items(catalogues);
   const std::vector<std::string> keys = scene_key_names();
@@ -530,7 +533,7 @@ int SchemaCommand::run() {
   if (std::ranges::find(schema_kinds, schema_kind) == schema_kinds.end())
     reject("schema: unknown kind {}{}", quote(schema_kind), allowed_names(schema_kind, schema_kinds));
   take_stdout_back();
-  if (schema_kind == "map") PythonModule("slipbench._import.schema", "schema map", "").start("");
+  if (schema_kind == "map") PythonModule("slipbench._import.schema", "schema map", "").start({});
   constexpr int indent = 1;
   fmt::print("{}\n", scene_schema(program_catalogues()).dump(indent));
   return exit_good;

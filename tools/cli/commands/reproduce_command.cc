@@ -51,22 +51,22 @@ int ReproduceCommand::run() {
   if (!output.empty()) page::check_page_files(output, page_kind);
   const PythonModule module("slipbench_studies", name.empty() ? "reproduce" : "reproduce " + name, "studies");
   take_stdout_back();
-  module.start(request_text(Json{{"name", name},
-                                 {"json", json},
-                                 {"quiet", quiet},
-                                 {"install", module.install()},
-                                 {"data", data},
-                                 {"real", real},
-                                 {"recordings", recordings},
-                                 {"seed", or_null(seed)},
-                                 {"jobs", jobs},
-                                 {"full", full},
-                                 {"synthesise", synthesise},
-                                 {"trials", trials},
-                                 {"only", only},
-                                 {"memories", memories},
-                                 {"output", output},
-                                 {"resume", resume}}));
+  module.start({{"name", name},
+                {"json", json},
+                {"quiet", quiet},
+                {"install", module.install()},
+                {"data", data},
+                {"real", real},
+                {"recordings", recordings},
+                {"seed", or_null(seed)},
+                {"jobs", jobs},
+                {"full", full},
+                {"synthesise", synthesise},
+                {"trials", trials},
+                {"only", only},
+                {"memories", memories},
+                {"output", output},
+                {"resume", resume}});
 }
 
 }  // namespace slipbench

@@ -1,6 +1,5 @@
 #include "tools/formats/export/export.h"
 
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,7 +25,6 @@
 #include "tools/formats/export/formats.h"
 #include "tools/learning_data/label_rules.h"
 #include "tools/learning_data/myrmex_images.h"
-#include "tools/workers/python_package/python_package.h"
 
 namespace slipbench {
 namespace {
@@ -202,7 +200,6 @@ std::string names_with(bool FormatKind::*trait) {
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
-std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
 
 // Throws InputError if the dataset has no labels by the requested rule.
 void check_labels(const DatasetReader& reader, const ExportOptions& options) {
@@ -306,43 +303,6 @@ std::vector<std::string> sensors_of(const DatasetReader& reader, const std::vect
   return sensors;
 }
 
-// Returns the request for Python (python/slipbench/_export/request.py).
-Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {
-  const DatasetReader reader = checked_dataset(dataset_path);
-  const std::vector<std::size_t> trials = trials_to_export(reader, options);
-  const bool is_log = is_pillar_log(options.format);
-  return {{"format", export_format_name(options.format)},
-          {"dataset", dataset_path},
-          {"out", out_dir},
-          {"trials", trials},
-          {"sensors", sensors_of(reader, trials, options)},
-          {"rate", or_null(options.rate)},
-          {"labels", is_log || options.slip_rule ? Json(label_rule_name(slip_rule(options))) : Json()},
-          {"label_speed", is_log && is_of_the_tip(options) ? Json(label_speed(options)) : Json()},
-          {"points", options.points},
-          {"licence", options.licence},
-          {"files", Json::array()}};
-}
-
-// Replaces the process by Python with a request. The request may exceed the size of a process
-// argument, so the argument names a file in memory that the process inherits.
-[[noreturn]] void start_with(const PythonModule& module, Json request, const ExportOutput& said) {
-  request["json"] = said.json;
-  request["quiet"] = said.quiet;
-  request["verbose"] = said.verbose;
-  request["install"] = module.install();
-  const std::string text = request_text(request);
-  const int file = ::memfd_create("slipbench-export", 0);
-  for (std::size_t done = 0; done < text.size();) {
-    const ::ssize_t count = ::write(file, text.data() + done, text.size() - done);
-    if (count < 0 && errno != EINTR) reject("export: cannot pass the request to Python: {}", std::strerror(errno));
-    done += count < 0 ? 0 : static_cast<std::size_t>(count);
-  }
-  module.start(fmt::format("/proc/self/fd/{}", file));
-}
-
-PythonModule card_module() { return PythonModule("slipbench._export", "the dataset card", ""); }
-
 void check_licence(const ExportOptions& options) {
   const auto is_plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '+';
@@ -352,7 +312,21 @@ void check_licence(const ExportOptions& options) {
            quote(options.licence));
 }
 
-// Throws InputError if the options contradict each other.
+}  // namespace
+
+ExportFormat parse_export_format(const std::string& name) {
+  const auto found = std::ranges::find(formats, name, &FormatKind::name);
+  if (found != formats.end()) return found->format;
+  reject("unknown format {}{}", quote(name), allowed_names(name, export_format_names()));
+}
+std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
+std::vector<std::string> export_format_names() { return choice_names(formats); }
+
+void set_label_rule(ExportOptions& options, const std::string& name) {
+  options.recorded = name == "recorded";
+  if (!options.recorded) options.slip_rule = parse_label_rule(name, LabelUse::pillars);
+}
+
 void check_export_options(const ExportOptions& options) {
   const FormatKind& kind = kind_of(options.format);
   const bool pillars_only = is_pillar_log(options.format);
@@ -389,15 +363,6 @@ void check_export_options(const ExportOptions& options) {
     reject("unknown split {}{}", quote(options.split), allowed_names(options.split, splits));
   }
 }
-
-}  // namespace
-
-ExportFormat parse_export_format(const std::string& name) {
-  const auto found = std::ranges::find(formats, name, &FormatKind::name);
-  if (found != formats.end()) return found->format;
-  reject("unknown format {}{}", quote(name), allowed_names(name, export_format_names()));
-}
-std::vector<std::string> export_format_names() { return choice_names(formats); }
 
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress) {
@@ -488,36 +453,31 @@ std::string beginning_of_gzip(std::string_view bytes) {
 
 bool is_python_format(ExportFormat format) { return std::ranges::find(python_formats, format) != python_formats.end(); }
 
-void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                         const ExportOutput& said) {
-  check_export_options(options);
-  const PythonModule module("slipbench._export", "--format " + export_format_name(options.format), "export");
-  start_with(module, request_of(dataset_path, out_dir, options), said);
+void check_card_target(const std::string& out_dir) {
+  if (std::error_code error; !std::filesystem::is_directory(out_dir, error)) return;
+  const auto begins_with = [](std::string_view beginning) {
+    return [beginning](std::string_view text) { return text.starts_with(beginning); };
+  };
+  check_text_target(out_dir + "/README.md", {}, {"dataset card of an export", begins_with(card_beginning)});
+  check_text_target(out_dir + "/croissant.json", {}, {"description of an export", begins_with(croissant_beginning)});
 }
 
-std::string check_card(const std::string& out_dir, const ExportOptions& options) {
-  check_export_options(options);
-  if (std::error_code error; std::filesystem::is_directory(out_dir, error)) {
-    const auto begins_with = [](std::string_view beginning) {
-      return [beginning](std::string_view text) { return text.starts_with(beginning); };
-    };
-    check_text_target(out_dir + "/README.md", {}, {"dataset card of an export", begins_with(card_beginning)});
-    check_text_target(out_dir + "/croissant.json", {}, {"description of an export", begins_with(croissant_beginning)});
-  }
-  try {
-    const PythonModule module = card_module();
-    return {};
-  } catch (const InputError& error) {
-    if (!options.licence.empty()) throw;
-    return error.what();
-  }
-}
-
-void start_card(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                const std::vector<std::string>& files, const ExportOutput& said) {
-  Json request = request_of(dataset_path, out_dir, options);
-  request["files"] = files;
-  start_with(card_module(), std::move(request), said);
+Json export_request(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                    const std::vector<std::string>& files) {
+  const DatasetReader reader = checked_dataset(dataset_path);
+  const std::vector<std::size_t> trials = trials_to_export(reader, options);
+  const bool is_log = is_pillar_log(options.format);
+  return {{"format", export_format_name(options.format)},
+          {"dataset", dataset_path},
+          {"out", out_dir},
+          {"trials", trials},
+          {"sensors", sensors_of(reader, trials, options)},
+          {"rate", or_null(options.rate)},
+          {"labels", is_log || options.slip_rule ? Json(label_rule_name(slip_rule(options))) : Json()},
+          {"label_speed", is_log && is_of_the_tip(options) ? Json(label_speed(options)) : Json()},
+          {"points", options.points},
+          {"licence", options.licence},
+          {"files", files}};
 }
 
 }  // namespace slipbench

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tools/dataset/reader.h"
+#include "tools/dataset/record/json.h"
 #include "tools/files/output_file.h"
 #include "tools/learning_data/label_rules.h"
 #include "tools/learning_data/samples.h"
@@ -32,13 +33,6 @@ enum class ExportFormat {
   myrmex_rotated,  // npz with every Myrmex's images augmented as in its paper
 };
 
-// Output of an export that Python does.
-struct ExportOutput {
-  bool json = false;     // one JSON object on stdout
-  bool quiet = false;    // neither progress nor a summary
-  bool verbose = false;  // the name of every file
-};
-
 struct ExportOptions {
   ExportFormat format = ExportFormat::vendor_csv;
   std::optional<LabelRule> slip_rule;  // empty: strict in the PapillArray's formats, every rule in the general formats
@@ -57,7 +51,14 @@ struct ExportOptions {
 // Names of the formats on the command line: "vendor-csv". The parser throws InputError with the
 // nearest name.
 ExportFormat parse_export_format(const std::string& name);
+std::string export_format_name(ExportFormat format);
 std::vector<std::string> export_format_names();
+
+// Sets the rule of `--labels`: a slip rule, or "recorded". Throws InputError with the nearest name.
+void set_label_rule(ExportOptions& options, const std::string& name);
+
+// Throws InputError if the options contradict each other.
+void check_export_options(const ExportOptions& options);
 
 // Called with the number of written trials, of all trials, and of bytes so far.
 using ExportProgress = std::function<void(std::size_t done, std::size_t total, std::uintmax_t bytes)>;
@@ -67,7 +68,7 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 // InputError if the options contradict each other, the dataset is damaged or does not fit the
 // format, a trial has no recording, or a file cannot be written; files finished before are kept,
 // and a folder without any is removed. `progress` is destroyed before an error is thrown. lerobot,
-// parquet, mcap and rosbag2 are written by start_python_export() instead.
+// parquet, mcap and rosbag2 are written by Python instead (export_request()).
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 
@@ -75,24 +76,15 @@ std::vector<std::string> export_dataset(const std::string& dataset_path, const s
 // every format.
 bool is_python_format(ExportFormat format);
 
-// Call before export_dataset(), which may take long. Returns the reason why README.md and
-// croissant.json cannot be written next to its files, namely that the program has no Python; empty
-// if they can. Throws InputError if the options contradict each other, if they have a licence
-// without a Python to state it, and if a file of another kind has one of these names.
-std::string check_card(const std::string& out_dir, const ExportOptions& options);
+// Call before export_dataset(), which may take long. Throws InputError if a file that is not a card
+// has the name of one, so that Python would not replace it.
+void check_card_target(const std::string& out_dir);
 
-// Replaces the process by the Python that writes README.md and croissant.json next to the `files`
-// returned by export_dataset(), and reports all of them as start_python_export() does. Throws
-// InputError if it cannot start.
-[[noreturn]] void start_card(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                             const std::vector<std::string>& files, const ExportOutput& said);
-
-// Replaces the process by the Python that writes the trials of a dataset to `out_dir`. `json`:
-// prints one JSON object on stdout. The dataset and the options are checked first. Throws
-// InputError as export_dataset(), and if there is no such Python: that of build/venv, or the one in
-// SLIPBENCH_PYTHON, which the package `slipbench` sets when it runs the program.
-[[noreturn]] void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                                      const ExportOutput& said);
+// Returns the request to python/slipbench/_export (request.py) to write the trials of a dataset to
+// `out_dir` or, if export_dataset() has written `files`, to write their card. Checks the dataset and
+// the options; throws InputError as export_dataset().
+Json export_request(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                    const std::vector<std::string>& files);
 
 // The output folder of an export.
 // Created when the first file is ready to be written, and removed if none was.

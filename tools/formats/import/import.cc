@@ -320,4 +320,24 @@ ImportSummary import_recordings(const ImportOptions& options) {
   return writer.finish(sources.size());
 }
 
+const ImportFormat* chosen_import_format(const std::string& name) { return name == "csv" ? nullptr : &import_format(name); }
+
+void check_import_options(const ImportOptions& options) {
+  if (options.format == nullptr && options.map.empty())
+    reject(
+        "import: give --map MAP, a description of the recordings, or --format NAME; names: {}; --draft TYPE writes a map of a "
+        "table, where TYPE is the type of the sensor, such as papillarray",
+        fmt::join(import_format_names(), ", "));
+  if (options.format != nullptr && !options.map.empty())
+    reject("import: --map {}: the format {} has no map; give either --map or --format", options.map,
+           format_name(*options.format));
+}
+
+Json import_json(const ImportSummary& summary) {
+  return {{"sources", summary.sources}, {"trials", summary.trials},
+          {"samples", summary.samples}, {"repeated_rows", summary.repeated_rows},
+          {"objects", summary.objects}, {"warnings", warnings_json(summary.warnings)},
+          {"files", summary.files}};
+}
+
 }  // namespace slipbench

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/dataset/record/json.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/trial/sweep/warnings.h"
 
@@ -77,6 +78,10 @@ class RecordingWriter {
 std::vector<std::string> import_format_names();
 // Entry of the catalogue. Throws InputError with the nearest name.
 const ImportFormat& import_format(const std::string& name);
+// The entry of ImportOptions: null for `csv`, a table whose columns only a map describes.
+const ImportFormat* chosen_import_format(const std::string& name);
+// Throws InputError unless exactly one of `format` and `map` is set.
+void check_import_options(const ImportOptions& options);
 // Name of the format on the command line.
 std::string format_name(const ImportFormat& format);
 // One line of help per format: name and content.
@@ -93,5 +98,8 @@ void for_each_recording(const std::vector<std::string>& sources, const ImportFor
 // and if the output cannot be written; Interrupted on an interrupt (InterruptScope). No partial
 // dataset remains.
 ImportSummary import_recordings(const ImportOptions& options);
+
+// The result as `slipbench import --json` prints it.
+Json import_json(const ImportSummary& summary);
 
 }  // namespace slipbench

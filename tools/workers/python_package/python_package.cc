@@ -1,5 +1,6 @@
 #include "tools/workers/python_package/python_package.h"
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -60,6 +62,18 @@ void check_utf8(const Json& value, const std::string& owner = "") {
   }
 }
 
+// Returns the descriptor of a file in memory with this content, which the process that replaces this
+// one inherits. An argument of a process could not exceed 128 kB.
+int file_of(std::string_view text) {
+  const int file = ::memfd_create("slipbench-request", 0);
+  while (!text.empty()) {
+    const ::ssize_t count = ::write(file, text.data(), text.size());
+    if (count < 0 && errno != EINTR) reject("cannot pass the request to Python: {}", std::strerror(errno));
+    if (count > 0) text.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return file;
+}
+
 }  // namespace
 
 PythonModule::PythonModule(std::string name, std::string purpose, const std::string& extra)
@@ -84,16 +98,13 @@ PythonModule::PythonModule(std::string name, std::string purpose, const std::str
       purpose_, folder_, package);
 }
 
-std::string request_text(const Json& request) {
+void PythonModule::start(const Json& request) const {
   check_utf8(request);
-  return request.dump();
-}
-
-void PythonModule::start(std::string request) const {
+  std::string path = fmt::format("/proc/self/fd/{}", file_of(request.dump()));
   const char* const others = std::getenv("PYTHONPATH");
   ::setenv("PYTHONPATH", others == nullptr ? folder_.c_str() : (folder_ + ":" + others).c_str(), 1);
   // -P: no package of the user's current folder. -B: no byte code is written into the package.
-  std::vector<std::string> all{program_, "-P", "-B", "-m", name_, std::move(request)};
+  std::vector<std::string> all{program_, "-P", "-B", "-m", name_, std::move(path)};
   const std::vector<char*> arguments = pointers_to(all);
   std::fflush(nullptr);
   sigset_t signals, before;

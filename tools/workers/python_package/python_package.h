@@ -1,5 +1,4 @@
-// Runs parts of a command that are written in Python: the program becomes `python -m MODULE
-// REQUEST`.
+// Runs parts of a command that are written in Python: the program becomes `python -m MODULE FILE`.
 #pragma once
 
 #include <string>
@@ -7,10 +6,6 @@
 #include "tools/dataset/record/json.h"
 
 namespace slipbench {
-
-// Returns a request as the JSON that a module reads. Throws InputError for a text that is not UTF-8,
-// such as the name of a folder in Latin-1.
-std::string request_text(const Json& request);
 
 // A module of the package `slipbench`.
 //
@@ -28,10 +23,11 @@ class PythonModule {
   // Command that installs the module's imports.
   [[nodiscard]] const std::string& install() const { return install_; }
 
-  // Replaces this process by `python -m NAME REQUEST`. SIGINT, SIGTERM and SIGHUP are blocked until
-  // the module unblocks them (slipbench/_program.py, Interrupt), since Python takes a while to
-  // start. Throws InputError if it cannot start.
-  [[noreturn]] void start(std::string request) const;
+  // Replaces this process by `python -m NAME FILE`; FILE holds the request as JSON. SIGINT, SIGTERM
+  // and SIGHUP are blocked until the module unblocks them (slipbench/_program.py), since Python
+  // takes a while to start. Throws InputError if it cannot start, and for a text that is not UTF-8,
+  // such as the name of a folder in Latin-1.
+  [[noreturn]] void start(const Json& request) const;
 
  private:
   std::string name_, purpose_;

@@ -102,7 +102,7 @@ void DetectCommand::detect_in_python() {
                      {"json", json},
                      {"install", module.install()}};
   take_stdout_back();
-  module.start(request_text(request));
+  module.start(request);
 }
 
 }  // namespace slipbench

@@ -242,7 +242,7 @@ int TrainCommand::run() {
   const PythonModule module("slipbench._train", "train --recipe " + recipe_, "");
   take_stdout_back();
   request["json"] = json;
-  module.start(request_text(request));
+  module.start(request);
 }
 
 int TrainCommand::train_hd() {

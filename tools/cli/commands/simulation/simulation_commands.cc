@@ -324,12 +324,7 @@ Examples:
 
 int MergeCommand::run() {
   const Merged merged = merge_shards(shards, output);
-  if (json)
-    return print_json(Json{{"files", merged.files},
-                           {"trials", merged.trials},
-                           {"failed", merged.failed},
-                           {"duplicates", merged.duplicates},
-                           {"within_rounding", merged.within_rounding}});
+  if (json) return print_json(merged_json(merged));
   std::string about = counted(merged.trials, "trial");
   if (merged.failed > 0) about += fmt::format(", {} failed", merged.failed);
   if (merged.duplicates > 0) {
