@@ -109,12 +109,15 @@ double positive_quantity(const std::string& key, const std::string& text, Quanti
 void bind_commands(nb::module_& module) {
   nb::class_<Interrupt>(module, "Interrupt")
       .def(nb::init<std::string>(), nb::arg("notice"))
-      .def("__enter__",
-           [](nb::handle self) {
-             nb::cast<Interrupt&>(self).enter();
-             return nb::borrow(self);
-           })
-      .def("__exit__", [](Interrupt& self, const nb::args&) { self.exit(); })
+      .def(
+          "__enter__",
+          [](nb::handle self) {
+            nb::cast<Interrupt&>(self).enter();
+            return nb::borrow(self);
+          },
+          nb::sig("def __enter__(self) -> Interrupt"))
+      .def(
+          "__exit__", [](Interrupt& self, const nb::args&) { self.exit(); }, nb::sig("def __exit__(self, *args: object) -> None"))
       .def_static("check", &Interrupt::check);
   nb::class_<ExportBar>(module, "ExportBar")
       .def(nb::init<bool>(), nb::arg("quiet"))

@@ -1,6 +1,6 @@
 // Bindings for tools/studies: result pages, replay of recorded trials by detectors, figures of
-// answers, timing of the hyperdimensional engines, cross-validation of hyperdimensional detectors,
-// positions of electrodes.
+// answers, timing of the hyperdimensional engines, cross-validation and training of hyperdimensional
+// detectors, boards of detectors, positions of electrodes.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -21,11 +21,13 @@
 #include "detectors/hd/model.h"
 #include "detectors/hd/words.h"
 #include "python/arrays.h"
+#include "python/library_call.h"
 #include "python/module.h"
 #include "sensors/biotac_sp/skin.h"
 #include "sim/api/detector.h"
 #include "sim/core/choice.h"
 #include "sim/core/error.h"
+#include "tools/benchmark/benchmark.h"
 #include "tools/dataset/record/json.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/doctor/doctor.h"
@@ -209,6 +211,31 @@ class HdSequences {
   TrainingData data_;
 };
 
+// The board of `slipbench benchmark` for one detector and the sensors of one type, as JSON.
+std::string benchmark_detector(const std::string& detector, const std::string& sensor, std::size_t jobs) {
+  benchmark::Options options;
+  options.asked.detectors = {detector};
+  options.asked.sensor = sensor;
+  options.jobs = jobs;
+  options.interrupt = &InterruptGuard::flag();
+  return call_library([&] { return benchmark::benchmark(options).dump(); });
+}
+
+// Trains a hyperdimensional detector on all trials of a dataset, and writes its memories to the
+// folder `output`.
+void train_hd_on(const std::string& dataset, const std::string& output, const std::string& labels, std::size_t window,
+                 std::uint64_t seed, std::size_t jobs) {
+  HdTraining options;
+  options.dataset = dataset;
+  options.all = true;
+  options.seed = seed;
+  options.jobs = jobs;
+  options.output = output;
+  options.sequences.labels = parse_slip_rule(labels);
+  options.model.window = window;
+  call_library([&] { return train_hd(options).trials; });
+}
+
 template <class T>
 using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
@@ -269,6 +296,9 @@ void bind_studies(nb::module_& module) {
   module.def("machine", [] { return environment_json().dump(); });
   module.def("hd_size", [] { return std::pair(hd::Model{}.dimension, hd::Model{}.window); });
   module.def("hd_engines", &hd_engines);
+  module.def("benchmark", &benchmark_detector, nb::arg("detector"), nb::arg("sensor"), nb::arg("jobs"));
+  module.def("train_hd", &train_hd_on, nb::arg("dataset"), nb::arg("output"), nb::arg("labels"), nb::arg("window"),
+             nb::arg("seed"), nb::arg("jobs"));
   module.def("hd_time", &hd_time_of_levels, nb::arg("engine"), nb::arg("levels"), nb::arg("passes"));
   module.def("hd_time_from_displacements", &hd_time_of_displacements, nb::arg("engine"), nb::arg("displacements"),
              nb::arg("passes"));

@@ -307,9 +307,8 @@ class Fuzzer:
         source, map = self.write(kind, data)
         (self.folder / "map.yaml").write_bytes(map if isinstance(map, bytes) else map.encode())
         described = recordings.Map(block.read_map(str(self.folder / "map.yaml")))
-        writer = _core.MappedImport(
-            [str(source)], "map.yaml", "", 1, None, "object" if described.object else "trial"
-        )
+        options = _core.import_options([str(source)], "", "map.yaml", "", 1, None)
+        writer = _core.MappedImport(options, "object" if described.object else "trial")
         importer = recordings.Importer(described, writer)
         for file in described.files([str(source)]):
             importer.add(file)

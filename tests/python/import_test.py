@@ -80,14 +80,10 @@ class ImportTest(unittest.TestCase):
         self.count += 1
         output = self.folder / f"out_{self.count}.h5"
         described = Map(read_map(str(self.write("map.yaml", map))))
-        writer = _core.MappedImport(
-            [str(source) for source in sources],
-            "map.yaml",
-            str(output),
-            1,
-            None,
-            "object" if described.object else "trial",
+        options = _core.import_options(
+            [str(source) for source in sources], "", "map.yaml", str(output), 1, None
         )
+        writer = _core.MappedImport(options, "object" if described.object else "trial")
         importer = Importer(described, writer)
         files = described.files([str(source) for source in sources])
         for file in files:

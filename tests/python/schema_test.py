@@ -10,7 +10,7 @@ from pathlib import Path
 import slipbench
 import yaml
 from jsonschema import Draft202012Validator
-from slipbench._import.__main__ import MAPS
+from slipbench._import import MAPS
 from slipbench._import.block import read_map
 
 PROGRAM = sys.argv.pop(1)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from slipbench._commands import _run as run_command
+from slipbench.bin import _core
 from slipbench_studies.grid import Cell, check_only, chosen, make_dataset, run_grid
 from slipbench_studies.result import Options, Result, Table
 from slipbench_studies.statistics import clopper_pearson, median
@@ -218,17 +218,13 @@ def train_all(names: Sequence[str], folder: str, options: Options) -> dict[str, 
     accuracy = {recipe: train_network(recipe, dataset, folder, options) for recipe in recipes}
     if MEMORIES in names:
         options.say("gst_hd")
-        run_command(
-            "train",
-            [dataset],
-            {
-                "output": file_of(folder, MEMORIES),
-                "all": True,
-                "labels": "has_slipped",
-                "window": MEMORY_WINDOW,
-                "seed": options.draws_seed,
-                "jobs": options.jobs or None,
-            },
+        _core.train_hd(
+            dataset,
+            file_of(folder, MEMORIES),
+            labels="has_slipped",
+            window=MEMORY_WINDOW,
+            seed=options.draws_seed,
+            jobs=options.jobs,
         )
     return accuracy
 

@@ -3,6 +3,7 @@ scenes/learn, scored by the benchmark."""
 
 from __future__ import annotations
 
+import json
 import math
 import tempfile
 from dataclasses import dataclass, field, replace
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from slipbench import InputError
-from slipbench._commands import _run as run_command
+from slipbench.bin import _core
 from slipbench.learning import find_recipe, train
 from slipbench_studies.grid import Cell, check_only, chosen, make_dataset
 from slipbench_studies.network_training import train_all
@@ -291,7 +292,7 @@ def train_and_score(task: Task, options: Options) -> Json:
             by_score=True,
         )
         Path(dataset).unlink()
-        board = run_command("benchmark", [file], {"sensor": task.subject, "jobs": 1})
+        board = json.loads(_core.benchmark(file, task.subject, 1))
     return {"trials": sum(trained.parts.values())} | figures_of(board)
 
 
