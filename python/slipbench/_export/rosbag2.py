@@ -1,38 +1,31 @@
-"""ROS 2 bags: one folder per trial, with an MCAP file and metadata.yaml, for `ros2 bag play` and
-`rosbags`."""
+"""ROS 2 bags, written by the package rosbags: one folder per trial, with an MCAP file and
+metadata.yaml, for `ros2 bag play`."""
 
 from __future__ import annotations
 
+import heapq
 import re
-from collections.abc import Iterator
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
 from slipbench._data import check_units
 from slipbench._export.card import CARDS, check_card, without_folders, write_card
-from slipbench._export.cdr import Messages
-from slipbench._export.mcap_rows import MAGIC, Topic, write_mcap
 from slipbench._export.meanings import LABELS, codes_of
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
 PACKAGE = "slipbench_msgs"
 NOTICE = "# Written by slipbench: a message of the package slipbench_msgs.\n"
-BREAK = "=" * 80 + "\n"
-# Types of ROS 2 (packages builtin_interfaces, std_msgs, geometry_msgs, tf2_msgs), from their public
-# definitions.
-STANDARD = {
-    "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
-    "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
-    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
-    "geometry_msgs/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
-    "geometry_msgs/Transform": "Vector3 translation\nQuaternion rotation\n",
-    "geometry_msgs/TransformStamped": "std_msgs/Header header\nstring child_frame_id\nTransform transform\n",
-    "geometry_msgs/Twist": "Vector3 linear\nVector3 angular\n",
-}
 # The driver's messages, from its documentation (papillarray_interfaces/README_zh.md of
 # langxin11/contactile-papillarray-ros2) and the vendor's manual PTSROS_2.0_MAN_MAR23, tables 7.2
 # and 7.3.
@@ -46,17 +39,6 @@ float32 fz
 bool in_contact
 int64 slip_state  # -2 not in contact at the start, -1 lost contact, 1 in contact, 2 tangentially loaded, 3 slipped; 0 unknown
 """
-# PILLAR_STATE in CDR; `align` adds the padding after in_contact.
-PILLAR_TYPE = np.dtype(
-    [
-        ("id", "<i8"),
-        ("displacement", "<f4", 3),
-        ("force", "<f4", 3),
-        ("in_contact", "u1"),
-        ("slip_state", "<i8"),
-    ],
-    align=True,
-)
 SENSOR_STATE = """std_msgs/Header header
 int64 tus  # us, the sensor's time
 PillarState[] pillars
@@ -72,6 +54,10 @@ bool is_sd_active
 bool is_ref_loaded
 bool is_contact
 """
+DRIVER = "papillarray_interfaces/msg/"
+HEADER, TIME = "std_msgs/msg/Header", "builtin_interfaces/msg/Time"
+FORMAT = 8  # version of the bag, the oldest that rosbags writes
+MAGIC = b"\x89MCAP0\r\n"
 PILLARS, CENTRE = 9, 4
 CONTACT_FORCE = 0.5  # N, reported normal force from which the vendor's software reports contact
 LOADED_FORCE = (
@@ -96,48 +82,80 @@ def _camel(words: str) -> str:
     return "".join(word.capitalize() for word in ros_name(words).split("_"))
 
 
-def _definition(text: str, *used: str) -> str:
-    """A definition followed by those of the types that it uses, in the encoding ros2msg."""
-    return text + "".join(f"{BREAK}MSG: {name}\n{STANDARD[name]}" for name in used)
-
-
-TF = _definition(
-    "geometry_msgs/TransformStamped[] transforms\n",
-    "geometry_msgs/TransformStamped",
-    "std_msgs/Header",
-    "builtin_interfaces/Time",
-    "geometry_msgs/Transform",
-    "geometry_msgs/Vector3",
-    "geometry_msgs/Quaternion",
-)
-TWIST = _definition(
-    "std_msgs/Header header\nTwist twist\n",
-    "std_msgs/Header",
-    "builtin_interfaces/Time",
-    "geometry_msgs/Twist",
-    "geometry_msgs/Vector3",
-)
-SENSOR = f"{_definition(SENSOR_STATE, 'std_msgs/Header', 'builtin_interfaces/Time')}{BREAK}MSG: papillarray_interfaces/PillarState\n{PILLAR_STATE}"
-
-
 class Types:
-    """The message types of the package slipbench_msgs used by an export.
+    """The message types of an export.
 
     Attributes:
-        texts: definition of each type, by name
+        texts: definition of each type of the package slipbench_msgs, by name
     """
 
     def __init__(self) -> None:
+        self._store = get_typestore(Stores.ROS2_HUMBLE)
+        self._definitions: dict[str, str] = {}  # with comments, which the store drops
         self.texts: dict[str, str] = {}
+        self._register(f"{DRIVER}PillarState", PILLAR_STATE)
+        self._register(f"{DRIVER}SensorState", SENSOR_STATE)
+
+    def _register(self, name: str, text: str) -> None:
+        self._store.register(get_types_from_msg(text, name))
+        self._definitions[name] = text
 
     def name(self, wanted: str, text: str) -> str:
-        """Full name of the type with this definition: `wanted`, with a number if another type has
-        that name."""
+        """Full name of the type of slipbench_msgs with this definition: `wanted`, with a number if
+        another type has that name."""
         name, number = wanted, 1
-        while self.texts.setdefault(name, text) != text:
+        while self.texts.get(name, text) != text:
             number += 1
             name = f"{wanted}{number}"
-        return f"{PACKAGE}/msg/{name}"
+        full = f"{PACKAGE}/msg/{name}"
+        if name not in self.texts:
+            self.texts[name] = text
+            self._register(full, text)
+        return full
+
+    def message(self, name: str, *values: Any) -> Any:
+        """A message of the type `name` with these values of its fields, in order."""
+        return self._store.types[name](*values)
+
+    def header(self, time: int, frame: str) -> Any:
+        """std_msgs/Header. `time`: ns."""
+        return self.message(HEADER, self.message(TIME, *divmod(time, 10**9)), frame)
+
+    def add(self, bag: Writer, topic: Topic) -> Any:
+        """Adds a topic to a bag; returns rosbags' connection."""
+        generated, _ = self._store.generate_msgdef(topic.type, ros_version=2)
+        own = self._definitions.get(topic.type)
+        if own is not None:
+            _, separator, used = generated.partition("=" * 80 + "\n")
+            generated = own + separator + used
+        return bag.add_connection(
+            topic.name, topic.type, msgdef=generated, rihs01=self._store.hash_rihs01(topic.type)
+        )
+
+    def encoded(self, topic: Topic, connection: Any) -> Iterator[tuple[int, int, Any, Any]]:
+        """Time in ns, the connection's number, the connection and the encoded message, for each
+        message of a topic."""
+        for time, message in zip(topic.times, topic.messages, strict=True):
+            yield time, connection.id, connection, self._store.serialize_cdr(message, topic.type)
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic of a bag.
+
+    Attributes:
+        name: name of the topic
+        type: full name of the messages' type
+        times: of the messages [ns], ascending
+        messages: objects of rosbags
+        about: unit, shape and value names of each field
+    """
+
+    name: str
+    type: str
+    times: list[int]
+    messages: Iterable[Any]
+    about: dict[str, str] = field(default_factory=dict)
 
 
 def _unit(unit: str) -> str:
@@ -164,18 +182,18 @@ def _fields(series: list[Series]) -> str:
     return "".join(lines)
 
 
-def _times(t: NDArray[np.float64], what: str) -> NDArray[np.uint64]:
+def _times(t: NDArray[np.float64], what: str) -> list[int]:
     """Nanoseconds, ascending."""
     times = np.round(t * 1e9)
     if np.any(times < 0) or np.any(np.diff(times) < 0):
         raise InputError(
             f"{what}: the times do not ascend from 0, as a bag requires; use --format parquet"
         )
-    return times.astype(np.uint64)
+    return times.astype(np.int64).tolist()  # type: ignore[no-any-return]
 
 
 def _about(series: list[Series]) -> dict[str, str]:
-    """Metadata of a channel: unit, shape and value names of each field."""
+    """Unit, shape and value names of each field."""
     return {
         ros_name(
             one.name
@@ -186,24 +204,16 @@ def _about(series: list[Series]) -> dict[str, str]:
 
 def _own(topic: str, wanted: str, series: list[Series], frame: str, types: Types) -> Topic:
     """A topic of slipbench_msgs with these series, which share their times, as fields."""
-    text = _fields(series)
-    times = _times(series[0].t, topic)
-    messages = Messages(len(times))
-    messages.header(times, frame)
+    name, times = types.name(wanted, _fields(series)), _times(series[0].t, topic)
+    columns: list[Any] = []
     for one in series:
-        kind = {"f": "<f4", "u": "u1"}[one.values.dtype.kind]
-        if one.shape:
-            messages.sequence(one.values, kind)
-        else:
-            messages.numbers(one.values, kind)
-    return Topic(
-        topic,
-        types.name(wanted, text),
-        _definition(text, "std_msgs/Header", "builtin_interfaces/Time"),
-        times,
-        messages,
-        _about(series),
+        values = np.ascontiguousarray(one.values, {"f": "f4", "u": "u1"}[one.values.dtype.kind])
+        columns.append(values.reshape(len(times), -1) if one.shape else values.ravel().tolist())
+    messages = (
+        types.message(name, types.header(time, frame), *row)
+        for time, *row in zip(times, *columns, strict=True)
     )
+    return Topic(topic, name, times, messages, _about(series))
 
 
 def _slipping(labels: dict[str, Series], rule: str | None) -> NDArray[np.bool_]:
@@ -273,6 +283,7 @@ def _sensor_state(
     labels: list[Series],
     group: Arrays | None,
     rule: str | None,
+    types: Types,
 ) -> Topic:
     """A PapillArray's topic in the driver's format; `number`: number of the sensor at its hub."""
     values = {one.name: one for one in channels}
@@ -288,27 +299,36 @@ def _sensor_state(
     metres = displacement.reshape(count, PILLARS, 3).astype(float)
     states, reference = _slip_states({one.name: one for one in labels}, rule, count)
     contact = newtons[..., 2] >= CONTACT_FORCE
-    messages = Messages(count)
-    messages.header(times, f"hub_0/sensor_{number}")
-    messages.numbers(times // np.uint64(1000), "<i8")
-    messages.numbers(PILLARS, "<u4")
-    pillars = np.zeros((count, PILLARS), PILLAR_TYPE)
-    pillars["id"] = np.arange(PILLARS)
-    pillars["displacement"] = 1e3 * metres
-    pillars["force"] = newtons
-    pillars["in_contact"] = contact
-    pillars["slip_state"] = states
-    messages.structures(pillars)
-    messages.numbers(newtons.sum(axis=1, dtype=float), "<f4")
-    messages.numbers(_torque(newtons.astype(float), metres, group), "<f4")
-    messages.numbers(-1.0, "<f4")
-    messages.numbers(-1.0, "<f4")
-    messages.numbers(bool(labels) and bool(np.any(states)), "u1")
-    messages.numbers(reference, "u1")
-    messages.numbers(contact.any(axis=1), "u1")
-    return Topic(
-        topic, "papillarray_interfaces/msg/SensorState", SENSOR, times, messages, {"sensor": sensor}
+    pillars = zip(
+        (1e3 * metres).astype(np.float32).tolist(),
+        newtons.tolist(),
+        contact.tolist(),
+        states.tolist(),
+        strict=True,
     )
+    sums = np.concatenate(
+        [newtons.sum(axis=1, dtype=float), _torque(newtons.astype(float), metres, group)], axis=1
+    )
+    active = bool(labels) and bool(np.any(states))
+
+    def messages() -> Iterator[Any]:
+        for time, of_pillars, total, loaded in zip(
+            times, pillars, sums.tolist(), reference.tolist(), strict=True
+        ):
+            each = [
+                types.message(f"{DRIVER}PillarState", pillar, *moved, *pushed, touches, state)
+                for pillar, (moved, pushed, touches, state) in enumerate(
+                    zip(*of_pillars, strict=True)
+                )
+            ]
+            header = types.header(time, f"hub_0/sensor_{number}")
+            yield types.message(
+                f"{DRIVER}SensorState",
+                *(header, time // 1000, each, *total, -1.0, -1.0),
+                *(active, loaded, any(of_pillars[2])),
+            )
+
+    return Topic(topic, f"{DRIVER}SensorState", times, messages(), {"sensor": sensor})
 
 
 def _sensor_topics(
@@ -339,23 +359,49 @@ def _events(sensor: str, events: Arrays, types: Types) -> Topic:
         _fields([key])
         + "\n# number of the unit\nuint32 unit\n\n# exact time, resolved inside the time step [s]\nfloat64 t\n"
     )
-    times = _times(t, topic)
-    messages = Messages(len(times))
-    messages.header(times, sensor)
-    messages.numbers(kind, "u1")
-    messages.numbers(unit, "<u4")
-    messages.numbers(t, "<f8")
-    return Topic(
-        topic,
-        types.name("Event", text),
-        _definition(text, "std_msgs/Header", "builtin_interfaces/Time"),
-        times,
-        messages,
+    times, name = _times(t, topic), types.name("Event", text)
+    messages = (
+        types.message(name, types.header(time, sensor), *row)
+        for time, *row in zip(times, kind.tolist(), unit.tolist(), t.tolist(), strict=True)
     )
+    return Topic(topic, name, times, messages)
 
 
-def _body_topics(trial: StoredTrial) -> Iterator[Topic]:
-    """Poses of all bodies in the frame `world`, then the velocity of each."""
+def _transforms(times: list[int], poses: list[Series], types: Types) -> Iterator[Any]:
+    """Messages with the poses of all bodies in the frame `world`."""
+    of = "geometry_msgs/msg/"
+    rows = [one.values.astype(float).tolist() for one in poses]
+    for time, *places in zip(times, *rows, strict=True):
+        header = types.header(time, "world")
+        yield types.message(
+            "tf2_msgs/msg/TFMessage",
+            [
+                types.message(
+                    f"{of}TransformStamped",
+                    header,
+                    one.owner,
+                    types.message(
+                        f"{of}Transform",
+                        types.message(f"{of}Vector3", x, y, z),
+                        types.message(f"{of}Quaternion", qx, qy, qz, qw),
+                    ),
+                )
+                for one, (x, y, z, qw, qx, qy, qz) in zip(poses, places, strict=True)
+            ],
+        )
+
+
+def _twists(times: list[int], velocity: Series, types: Types) -> Iterator[Any]:
+    """Messages with the velocity of a body in the frame `world`."""
+    of = "geometry_msgs/msg/"
+    for time, row in zip(times, velocity.values.astype(float).tolist(), strict=True):
+        linear, angular = (types.message(f"{of}Vector3", *part) for part in (row[:3], row[3:]))
+        twist = types.message(f"{of}Twist", linear, angular)
+        yield types.message(f"{of}TwistStamped", types.header(time, "world"), twist)
+
+
+def _body_topics(trial: StoredTrial, types: Types) -> Iterator[Topic]:
+    """Poses of all bodies, then the velocity of each."""
     series = list(body_series(trial))
     poses, velocities = (
         [one for one in series if one.name == name] for name in ("pose", "velocity")
@@ -363,23 +409,13 @@ def _body_topics(trial: StoredTrial) -> Iterator[Topic]:
     if not poses:
         return
     times = _times(poses[0].t, "/truth/tf")
-    messages = Messages(len(times))
-    messages.numbers(len(poses), "<u4")
-    for one in poses:
-        messages.header(times, "world")
-        messages.text(one.owner)
-        messages.numbers(one.values[:, [0, 1, 2, 4, 5, 6, 3]], "<f8")  # position, then x, y, z, w
-    yield Topic("/truth/tf", "tf2_msgs/msg/TFMessage", TF, times, messages)
+    yield Topic("/truth/tf", "tf2_msgs/msg/TFMessage", times, _transforms(times, poses, types))
     for one in velocities:
-        messages = Messages(len(times))
-        messages.header(times, "world")
-        messages.numbers(one.values, "<f8")
         yield Topic(
             f"/truth/velocity/{ros_name(one.owner)}",
             "geometry_msgs/msg/TwistStamped",
-            TWIST,
             times,
-            messages,
+            _twists(times, one, types),
         )
 
 
@@ -390,7 +426,7 @@ def _topics(number: int, trial: StoredTrial, request: Request, types: Types) -> 
         channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
         truth = trial.labels.get(sensor)
         if group.attrs["type"] == "papillarray" and _is_of_the_driver(channels):
-            yield _sensor_state(hub, sensor, channels, labels, truth, request.labels)
+            yield _sensor_state(hub, sensor, channels, labels, truth, request.labels, types)
             hub += 1
         else:
             own = {
@@ -401,7 +437,7 @@ def _topics(number: int, trial: StoredTrial, request: Request, types: Types) -> 
             yield _own(f"/truth/{ros_name(sensor)}", "Labels", labels, sensor, types)
         if truth is not None and "events" in truth:
             yield _events(sensor, trial.labels[sensor]["events"], types)
-    yield from _body_topics(trial)
+    yield from _body_topics(trial, types)
     if trial.control is not None:
         yield _own("/control", "Control", list(control_series(trial)), "", types)
 
@@ -414,27 +450,6 @@ def _checked(topics: list[Topic]) -> list[Topic]:
                 f"two sensors or channels would have the topic {name}: their names differ in characters that ROS 2 does not allow; {ALLOWED}"
             )
     return topics
-
-
-def _metadata(file: str, topics: list[Topic]) -> str:
-    """metadata.yaml of version 5, the oldest with a list of files; later versions of rosbag2 read
-    it too."""
-    filled = [topic.times for topic in topics if len(topic.times)]
-    start, end = min(int(times[0]) for times in filled), max(int(times[-1]) for times in filled)
-    count = sum(map(len, filled))
-    listed = "".join(
-        f"    - topic_metadata:\n        name: {topic.name}\n        type: {topic.type}\n        serialization_format: cdr\n"
-        f'        offered_qos_profiles: ""\n      message_count: {len(topic.times)}\n'
-        for topic in topics
-    )
-    return (
-        "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n"
-        f"  duration:\n    nanoseconds: {end - start}\n  starting_time:\n    nanoseconds_since_epoch: {start}\n"
-        f"  message_count: {count}\n  topics_with_message_count:\n{listed}"
-        f'  compression_format: ""\n  compression_mode: ""\n  relative_file_paths:\n    - {file}\n'
-        f"  files:\n    - path: {file}\n      starting_time:\n        nanoseconds_since_epoch: {start}\n"
-        f"      duration:\n        nanoseconds: {end - start}\n      message_count: {count}\n"
-    )
 
 
 XML = '<?xml version="1.0"?>\n<!-- Written by slipbench. -->\n'
@@ -478,24 +493,40 @@ BEGINNINGS = (
 )
 
 
-def _write_trial(
-    number: int,
-    trial: StoredTrial,
-    data: Dataset,
-    request: Request,
-    types: Types,
-    output: Output,
-    about: dict[str, str],
-) -> int:
-    """Writes demo_<k>/ and returns its size in bytes."""
-    folder = f"demo_{number}"
-    file = f"{folder}_0.mcap"
-    topics = _checked(list(_topics(number, trial, request, types)))
-    with output.create(f"{folder}/{file}") as stream:
-        write_mcap(stream, topics, "ros2", f"slipbench {data.version}", ("ros2msg", "cdr"), about)
-        size = stream.tell()
-    output.write(f"{folder}/metadata.yaml", _metadata(file, topics))
-    return size
+@contextmanager
+def _scratch(folder: Path) -> Iterator[Path]:
+    """A folder in which rosbags writes a bag: it opens files under their own names."""
+    scratch = folder / "rosbag2.partial"
+    shutil.rmtree(scratch, ignore_errors=True)  # left by a killed run
+    scratch.mkdir()
+    try:
+        yield scratch
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _write_bag(bag: Path, topics: list[Topic], types: Types, about: dict[str, str]) -> None:
+    """Writes the bag `bag`, with the messages in the order of their times."""
+    writer = Writer(bag, version=FORMAT, storage_plugin=StoragePlugin.MCAP)
+    writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    for key, text in about.items():
+        writer.set_custom_data(key, text)
+    with writer:
+        encoded = [types.encoded(topic, types.add(writer, topic)) for topic in topics]
+        for time, _, connection, data in heapq.merge(*encoded):
+            writer.write(connection, time, data)
+
+
+def _about_trial(number: int, trial: StoredTrial, part: str, data: Dataset) -> dict[str, str]:
+    """What metadata.yaml states about a trial, next to its topics."""
+    return {
+        "trial": str(number),
+        "seed": str(trial.seed),
+        "sha256": trial.sha256,
+        "split": part,
+        "command": without_folders(data.command),
+        "scene": data.scene,
+    }
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
@@ -503,31 +534,30 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     names."""
     parts, types = split_of(data), Types()
     check_card(request)
-    with Output(request.out, "a file of a ROS 2 bag by slipbench", *BEGINNINGS) as output:
+    with (
+        Output(request.out, "a file of a ROS 2 bag by slipbench", *BEGINNINGS) as output,
+        _scratch(Path(request.out)) as scratch,
+    ):
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]
-            about: dict[str, Any] = {
-                "trial": number,
-                "seed": trial.seed,
-                "sha256": trial.sha256,
-                "split": parts.get(number, ""),
-                "command": without_folders(data.command),
-                "scene": data.scene,
+            topics = _checked(list(_topics(number, trial, request, types)))
+            about = _about_trial(number, trial, parts.get(number, ""), data)
+            about |= {
+                f"{topic.name} {key}": text for topic in topics for key, text in topic.about.items()
             }
-            written += _write_trial(
-                number,
-                trial,
-                data,
-                request,
-                types,
-                output,
-                {key: str(value) for key, value in about.items()},
-            )
+            bag = scratch / f"demo_{number}"
+            names = [f"{bag.name}/{bag.name}.mcap", f"{bag.name}/metadata.yaml"]
+            files = [output.create(name) for name in names]
+            _write_bag(bag, topics, types, about)
+            for name, file in zip(names, files, strict=True):
+                with file, (scratch / name).open("rb") as made:
+                    shutil.copyfileobj(made, file)
+                    written += file.tell()
+            shutil.rmtree(bag)
             progress.update(done, written)
-        if types.texts:
-            for name, text in _package(types, data.version):
-                output.write(name, text)
+        for name, text in _package(types, data.version) if types.texts else ():
+            output.write(name, text)
         write_card(data, request, output)
         progress.check()
         return output.publish()
