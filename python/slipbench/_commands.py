@@ -1,4 +1,8 @@
-"""The program's commands on dataset files, as functions."""
+"""The program's commands on dataset files, as functions that run in this process.
+
+What a command prints as a note or warning is a Python warning (UserWarning) here. Ctrl-C, SIGTERM
+or SIGHUP ends the work with KeyboardInterrupt, and no file is left half-written.
+"""
 
 from __future__ import annotations
 

@@ -1,15 +1,20 @@
 """The commands on dataset files as functions, and the pytest plugin. Argument: the program."""
 
+import gc
 import json
 import re
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import slipbench
+from slipbench.bin import _core
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
 
@@ -268,6 +273,105 @@ class Commands(unittest.TestCase):
         ):
             with self.assertRaisesRegex(slipbench.InputError, words):
                 call()
+
+
+class InProcess(unittest.TestCase):
+    """The commands work in the process that calls them."""
+
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.path = self.folder / "a.h5"
+        slipbench.Scene.load("papillarray/stage.yaml").set(sweep={"trials": 2}).write(self.path)
+
+    def test_no_process_is_started(self):
+        """Neither Python nor the program: the check of a file's structure has slipbench-reader."""
+        started = []
+
+        def audit(event, arguments):
+            if event in ("subprocess.Popen", "os.exec", "os.posix_spawn", "os.fork"):
+                started.append((event, arguments))
+
+        sys.addaudithook(audit)
+        slipbench.export(self.path, self.folder / "parquet", format="parquet")
+        slipbench.export(self.path, self.folder / "csv", format="csv")
+        slipbench.report(self.path)
+        slipbench.verify(self.path)
+        self.assertEqual(started, [])
+
+    def test_errors_of_the_system_are_the_programs_message(self):
+        """A limit on a file's size emulates a full disk."""
+        unraisable = self.enterContext(mock.patch("sys.unraisablehook"))
+        whole = slipbench.export(self.path, self.folder / "whole", format="parquet")["files"]
+        limit = max(Path(file).stat().st_size for file in whole) // 2
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
+        try:
+            with self.assertRaisesRegex(slipbench.InputError, "^cannot write .*: File too large$"):
+                slipbench.export(self.path, self.folder / "out", format="parquet")
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        gc.collect()
+        unraisable.assert_not_called()  # such as the destructor of a writer that is not closed
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_a_missing_package_is_named(self):
+        with (
+            mock.patch.dict(sys.modules, {"rosbags.rosbag2": None}),
+            self.assertRaisesRegex(
+                slipbench.InputError,
+                r"^export: --format rosbag2 needs the Python package rosbags.*slipbench\[export\]",
+            ),
+        ):
+            sys.modules.pop("slipbench._export.rosbag2", None)
+            slipbench.export(self.path, self.folder / "out", format="rosbag2")
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_a_note_is_a_warning(self):
+        """At the line that called the function."""
+        dataset = self.folder / "two.h5"
+        told("run", str(slipbench.scenes() / "grasp/two_skins.yaml"), "-o", str(dataset))
+        with self.assertWarnsRegex(UserWarning, "^skin has no points: the forces or ") as warned:
+            slipbench.export(dataset, self.folder / "out", format="lerobot", points=True)
+        self.assertEqual(warned.filename, __file__)
+
+    def test_a_signal_leaves_nothing(self):
+        """A signal has come before the work: the first look at it ends the work."""
+        logs = slipbench.export(self.path, self.folder / "logs", format="vendor-csv")["files"]
+        (self.folder / "map.yaml").write_text(
+            "{sensor: pad, type: own, time: {column: T_us, unit: us}, channels: {force: {unit: N, columns: [S0_GG_FX]}}}\n"
+        )
+        shards = [self.folder / f"shard-{k}.h5" for k in (1, 2)]
+        scene = str(slipbench.scenes() / "papillarray/stage.yaml")
+        for k, shard in enumerate(shards, 1):
+            told(
+                "sweep", scene, "--set", "sweep={trials: 2}", "--shard", f"{k}/2", "-o", str(shard)
+            )
+        before = sorted(self.folder.rglob("*"))
+        out = self.folder / "out"
+        for name, work in {
+            "report": lambda: slipbench.report(self.path, out),
+            "verify": lambda: slipbench.verify(self.path),
+            "merge": lambda: slipbench.merge(shards, out),
+            "import": lambda: slipbench.import_recordings(logs, out, format="papillarray-csv"),
+            "import by a map": lambda: slipbench.import_recordings(
+                logs, out, map=self.folder / "map.yaml"
+            ),
+            **{
+                format: lambda format=format: slipbench.export(self.path, out, format=format)
+                for format in ("csv", "robomimic", "parquet", "lerobot", "mcap", "rosbag2")
+            },
+        }.items():
+            with (
+                self.subTest(name),
+                self.assertRaises(KeyboardInterrupt),
+                _core.Interrupt("a test stops"),
+            ):
+                signal.raise_signal(signal.SIGINT)
+                work()
+            self.assertEqual(sorted(self.folder.rglob("*")), before, name)
+        self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
+        with self.assertRaises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)  # reaches Python again
 
 
 class Pytest(unittest.TestCase):

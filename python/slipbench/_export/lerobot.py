@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import re
@@ -21,7 +20,7 @@ from numpy.typing import NDArray
 from slipbench import Arrays, Dataset, InputError, StoredTrial
 from slipbench._data import check_evenly_spaced, check_units
 from slipbench._export.card import card_text, croissant_text
-from slipbench._export.parquet import encodings
+from slipbench._export.parquet import abandon, encodings
 from slipbench._export.request import Progress, Request, locked_folder, make_folder, split_of
 from slipbench._export.series import (
     TIME_ROUNDING,
@@ -388,10 +387,7 @@ class _Writer:
     def abandon(self) -> None:
         """Closes the unfinished data file, which will be removed."""
         if self._data is not None and self._data_file is not None:
-            # The Parquet writer first: its destructor would write to the closed file.
-            for unfinished in (self._data, self._data_file):
-                with contextlib.suppress(OSError):  # a full disk: the buffer cannot be written
-                    unfinished.close()
+            abandon(self._data, self._data_file)
 
     def _splits(self) -> dict[str, str]:
         """The episodes of each part, as FIRST:END."""

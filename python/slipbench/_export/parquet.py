@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 from collections.abc import Iterator
@@ -48,6 +49,14 @@ def _leaf(field: pa.Field) -> str:
     return str(path)
 
 
+def abandon(writer: pq.ParquetWriter, file: BinaryIO) -> None:
+    """Closes an unfinished file, which will be removed. pyarrow's destructor must not try to
+    complete it: the file is closed, or the disk full."""
+    writer.is_open = False
+    with contextlib.suppress(OSError):  # a full disk: the buffer cannot be written
+        file.close()
+
+
 class _Files:
     """Files that grow trial by trial, one row group each."""
 
@@ -84,6 +93,11 @@ class _Files:
         for writer, file in zip(self._writers.values(), self._files, strict=True):
             writer.close()
             file.close()
+
+    def abandon(self) -> None:
+        """Closes the unfinished files, which will be removed."""
+        for writer, file in zip(self._writers.values(), self._files, strict=False):
+            abandon(writer, file)
 
 
 def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, About]:
@@ -200,8 +214,10 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
                 for name, columns, about in _tables(number, data[number], request):
                     files.append(name, number, columns, about)
                 progress.update(done, output.size())
-        finally:
             files.close()
+        except BaseException:
+            files.abandon()
+            raise
         table = _trials_table(data, request, origin)
         with output.create("trials.parquet") as file:
             pq.write_table(table, file, compression="zstd")

@@ -270,7 +270,9 @@ class Rosbag2(ExportTest):
                 (about["trial"], about["sha256"]), ("1", file["data/demo_1"].attrs["sha256"])
             )
             # As the label `slip_velocity` is stored: of 9 pillars, x and y.
-            self.assertRegex(about["/truth/pad slip_velocity"], r"^unit m/s; shape \[9, 2\]; values ")
+            self.assertRegex(
+                about["/truth/pad slip_velocity"], r"^unit m/s; shape \[9, 2\]; values "
+            )
         export(dataset, out, "--format", "rosbag2")  # replaces its own files
         self.assertEqual(contents(out), before)
 
