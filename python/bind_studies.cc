@@ -231,7 +231,7 @@ void train_hd_on(const std::string& dataset, const std::string& output, const st
   options.seed = seed;
   options.jobs = jobs;
   options.output = output;
-  options.sequences.labels = parse_slip_rule(labels);
+  options.sequences.labels = parse_label_rule(labels, LabelUse::pillars);
   options.model.window = window;
   call_library([&] { return train_hd(options).trials; });
 }

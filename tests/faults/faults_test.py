@@ -171,7 +171,7 @@ def cases(bench):
             ["import", bench.path("vendor"), "--format", "papillarray-csv", "-o", "OUT/a.h5"],
             [],
         ),
-        "train": (["train", bench.path("many.h5"), "-o", "OUT/memories"], []),
+        "train_hd": (["train-hd", bench.path("many.h5"), "-o", "OUT/memories"], []),
         "recipe": (
             [
                 "train",

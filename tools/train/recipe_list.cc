@@ -9,7 +9,6 @@ namespace slipbench::train {
 namespace {
 
 constexpr std::array all{
-    RecipeLine{"gst_hd", "The hyperdimensional detector of a PapillArray, trained in one pass; writes a folder"},
     RecipeLine{"piezo_mlp", "Single spectra of 20 ms through four layers of 32"},
     RecipeLine{"piezo_mlp_128", "Single spectra of 20 ms through four layers of 128"},
     RecipeLine{"piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8"},
@@ -56,13 +55,12 @@ std::vector<std::string> recipe_names() {
   return names;
 }
 
-bool is_network_recipe(const std::string& name) {
-  return name != hd_recipe && std::ranges::find(all, name, &RecipeLine::name) != all.end();
-}
+bool is_recipe(const std::string& name) { return std::ranges::find(all, name, &RecipeLine::name) != all.end(); }
 
 void check_recipe(const std::string& name) {
-  if (std::ranges::find(all, name, &RecipeLine::name) == all.end())
-    reject("train: unknown recipe {}{}", quote(name), allowed_names(name, recipe_names()));
+  if (is_recipe(name)) return;
+  if (name == "gst_hd") reject("train: the memories of gst_hd are trained by `slipbench train-hd`");
+  reject("train: unknown recipe {}{}", quote(name), allowed_names(name, recipe_names()));
 }
 
 }  // namespace slipbench::train

@@ -1,5 +1,4 @@
-// Names of the recipes of `train`. The recipes are in
-// python/slipbench/learning/recipes.py; gst_hd is in train_hd.h.
+// Names of the recipes of `train`, which are in python/slipbench/learning/recipes.py.
 #pragma once
 
 #include <span>
@@ -9,21 +8,17 @@
 
 namespace slipbench::train {
 
-// Training of the hyperdimensional detector, which is not a network.
-inline constexpr const char* hd_recipe = "gst_hd";
-
 // A line of `list`. A test compares names and summaries with those in Python, which needs PyTorch.
 struct RecipeLine {
   std::string_view name, summary;
 };
 
-// gst_hd, then the networks by sensor.
+// By sensor.
 std::span<const RecipeLine> recipe_list();
 std::vector<std::string> recipe_names();
 
-// True if the recipe trains a network.
-bool is_network_recipe(const std::string& name);
-// Throws InputError for an unknown name, with the nearest one.
+bool is_recipe(const std::string& name);
+// Throws InputError for an unknown name, with the nearest one; for gst_hd it names train-hd.
 void check_recipe(const std::string& name);
 
 }  // namespace slipbench::train

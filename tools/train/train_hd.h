@@ -113,7 +113,7 @@ struct HdSummary {
   std::string trained;  // training record in model.txt
 };
 
-// `slipbench train`: runs the draws, then trains a classifier on every training sequence and saves
+// `slipbench train-hd`: runs the draws, then trains a classifier on every training sequence and saves
 // it with the digests of their trials. Throws InputError; if the output cannot be written, before
 // anything is read.
 HdSummary train_hd(const HdTraining& options);

@@ -10,7 +10,7 @@ namespace slipbench {
 
 Commands command_table() {
   return make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
-                       VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, DetectCommand,
+                       VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, TrainHdCommand, EvalCommand, DetectCommand,
                        BenchmarkCommand, CalibrateCommand, ReproduceCommand, CostCommand, ListCommand, DescribeCommand,
                        SchemaCommand, DoctorCommand, PluginPathCommand, HelpCommand, CompletionCommand, ManCommand>();
 }

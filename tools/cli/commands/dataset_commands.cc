@@ -486,7 +486,7 @@ Examples:
 
 int DescribeCommand::run() {
   const Catalogues catalogues = program_catalogues();
-  if (train::is_network_recipe(name)) {
+  if (train::is_recipe(name)) {
     const PythonModule module("slipbench._recipe", "describe " + name, "");
     take_stdout_back();
     module.start({{"name", name}, {"json", json}});

@@ -47,7 +47,7 @@ WIDE_PRELOAD = {
     "sweep.trials": "4",
 }
 
-Draws = dict[str, Any]  # six tests of a model, as in `slipbench train --json`
+Draws = dict[str, Any]  # six tests of a model, as in `slipbench train-hd --json`
 OfModels = dict[str, Draws]
 
 

@@ -164,12 +164,12 @@ TEST(CommandLine, ExportReadsTheRuleAndItsSpeed) {
               HasSubstr("export: --label-speed"));
 }
 
-TEST(CommandLine, TrainTakesEverything) {
+TEST(CommandLine, TrainHdTakesEverything) {
   const HdTraining options =
-      parsed<TrainCommand>({"train",         "a.h5",     "-o",  "m",      "--encoder", "sthdc",       "--context", "--dimension",
-                            "512",           "--window", "7",   "--ties", "zero",      "--quantiser", "exact",     "--labels",
-                            "micro",         "--sensor", "pad", "--seed", "3",         "--jobs",      "2",         "--compat",
-                            "published_core"})
+      parsed<TrainHdCommand>(
+          {"train-hd", "a.h5",   "-o",     "m",      "--encoder",   "sthdc",    "--context",     "--dimension", "512",
+           "--window", "7",      "--ties", "zero",   "--quantiser", "exact",    "--labels",      "micro",       "--sensor",
+           "pad",      "--seed", "3",      "--jobs", "2",           "--compat", "published_core"})
           .options;
   EXPECT_EQ(options.dataset, "a.h5");
   EXPECT_EQ(options.output, "m");
@@ -207,50 +207,62 @@ TEST(CommandLine, TrainTakesARecipe) {
   const TrainCommand& plain = parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru"});
   for (const char* key : {"labels", "split", "held_out", "steps", "turned", "rates", "alarms"})
     EXPECT_TRUE(plain.request[key].is_null()) << key;
-  const TrainCommand& hd =
-      parsed<TrainCommand>({"train", "a.h5", "-o", "m", "--recipe", "gst_hd", "--with", "b.h5", "--alarms", "30/h"});
-  EXPECT_TRUE(hd.request.is_null());
+  const TrainHdCommand& hd = parsed<TrainHdCommand>({"train-hd", "a.h5", "-o", "m", "--with", "b.h5", "--alarms", "30/h"});
   EXPECT_THAT(hd.options.with, ElementsAre("b.h5"));
   EXPECT_TRUE(hd.options.point);
   EXPECT_EQ(hd.options.alarms, 0.5);
 }
 
-TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
+TEST(CommandLine, TrainRefuses) {
   const auto refused = [](std::vector<std::string> words) {
-    words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
+    words.insert(words.begin(), {"train", "a.h5", "-o", "m.onnx"});
     return refusal(words);
   };
+  EXPECT_THAT(refused({}), mentions({"--recipe", "list recipes", "train-hd"}));
+  EXPECT_THAT(refused({"--recipe", "gst_hd"}), mentions({"gst_hd", "train-hd"}));
   EXPECT_THAT(refused({"--recipe", "piezo_fft_gr"}), mentions({"piezo_fft_gr", "piezo_fft_gru"}));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--encoder", "shdc"}), mentions({"--encoder", "gst_hd"}));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--jobs", "1"}), mentions({"--jobs", "gst_hd"}));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--encoder", "shdc"}), mentions({"--encoder"}));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--labels", "has_slipped"}), mentions({"--labels", "has_slipped"}));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), mentions({"--split", "window"}));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp"}), mentions({"-o m", "ONNX", ".onnx"}));
-  for (const char* rate : {"1", "-1/min", "1/s", "nan/min", "often"}) {
-    EXPECT_THAT(refusal({"train", "a.h5", "-o", "m.onnx", "--recipe", "piezo_mlp", "--alarms", rate}),
-                mentions({"--alarms", rate, "1/min"}));
-  }
+  EXPECT_THAT(refusal({"train", "a.h5", "-o", "m", "--recipe", "piezo_mlp"}), mentions({"-o m", "ONNX", ".onnx"}));
   for (const char* rates : {"50 Hz", "1 kHz..50 Hz", "0 Hz..1 kHz", "50 mm..1 m", "..", "50 Hz.."}) {
-    EXPECT_THAT(refusal({"train", "a.h5", "-o", "m.onnx", "--recipe", "piezo_mlp", "--rates", rates}),
-                mentions({"--rates", rates, "50 Hz..1 kHz"}));
+    EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--rates", rates}), mentions({"--rates", rates, "50 Hz..1 kHz"}));
   }
-  EXPECT_THAT(refused({"--rates", "50 Hz..1 kHz"}), mentions({"--rates", "networks"}));
-  EXPECT_THAT(refused({"--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
-  EXPECT_THAT(refused({"--recipe", "slip_gru", "--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
-  EXPECT_THAT(refused({"--specificity", "90"}), mentions({"--specificity", "--score"}));
-  EXPECT_THAT(refused({"--score", "--specificity", "101"}), mentions({"--specificity", "101"}));
-  EXPECT_THAT(refused({"--steps", "3"}), mentions({"--steps", "networks"}));
-  EXPECT_THAT(refused({"--resume"}), mentions({"--resume", "networks"}));
-  EXPECT_THAT(refused({"--labels", "latched"}), mentions({"--labels", "latched", "gst_hd"}));
+}
+
+TEST(CommandLine, TrainHdRefuses) {
+  const auto refused = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"train-hd", "a.h5", "-o", "m"});
+    return refusal(words);
+  };
+  EXPECT_THAT(refused({"--steps", "3"}), mentions({"--steps"}));
+  EXPECT_THAT(refused({"--labels", "latched"}), mentions({"train-hd", "--labels", "latched"}));
+  EXPECT_THAT(refused({"--context", "--no-context"}), mentions({"--context", "--no-context"}));
+}
+
+TEST(CommandLine, BothTrainingsRefuseAWrongOperatingPoint) {
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"train", "a.h5", "-o", "m.onnx", "--recipe", "slip_gru"}, {"train-hd", "a.h5", "-o", "m"}}) {
+    const auto refused = [&](const std::vector<std::string>& words) {
+      std::vector<std::string> all = command;
+      all.insert(all.end(), words.begin(), words.end());
+      return refusal(all);
+    };
+    for (const char* rate : {"1", "-1/min", "1/s", "nan/min", "often"})
+      EXPECT_THAT(refused({"--alarms", rate}), mentions({command[0], "--alarms", rate, "1/min"}));
+    EXPECT_THAT(refused({"--alarms", "1/min", "--score"}), mentions({command[0], "--score", "--alarms"}));
+    EXPECT_THAT(refused({"--specificity", "90"}), mentions({"--specificity", "--score"}));
+    EXPECT_THAT(refused({"--score", "--specificity", "101"}), mentions({"--specificity", "101"}));
+  }
 }
 
 TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
   const auto model = [](std::vector<std::string> words) {
-    words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
-    return parsed<TrainCommand>(words).options.model;
+    words.insert(words.begin(), {"train-hd", "a.h5", "-o", "m"});
+    return parsed<TrainHdCommand>(words).options.model;
   };
   EXPECT_EQ(model({}), hd::Model());
-  EXPECT_EQ(parsed<TrainCommand>({"train", "a.h5", "-o", "m"}).options.sequences.labels, LabelRule::paper);
+  EXPECT_EQ(parsed<TrainHdCommand>({"train-hd", "a.h5", "-o", "m"}).options.sequences.labels, LabelRule::paper);
   // Only the ablation of graphs includes the context.
   EXPECT_FALSE(model({"--encoder", "shdc"}).context_driven);
   EXPECT_FALSE(model({"--no-context"}).context_driven);
@@ -305,10 +317,10 @@ TEST(CommandLine, HelpIsTextToPrint) {
   EXPECT_TRUE(parse({"--version"}).version);
 }
 
-const std::vector<std::string> command_names{"run",       "sweep",       "check",     "report",     "view",  "export",   "import",
-                                             "verify",    "merge",       "cluster",   "hd",         "train", "eval",     "detect",
-                                             "benchmark", "calibrate",   "reproduce", "cost",       "list",  "describe", "schema",
-                                             "doctor",    "plugin-path", "help",      "completion", "man"};
+const std::vector<std::string> command_names{
+    "run",     "sweep", "check",    "report",   "view",   "export",      "import",    "verify",     "merge",
+    "cluster", "hd",    "train",    "train-hd", "eval",   "detect",      "benchmark", "calibrate",  "reproduce",
+    "cost",    "list",  "describe", "schema",   "doctor", "plugin-path", "help",      "completion", "man"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {
@@ -395,13 +407,13 @@ TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
       {{"import", "a.csv"}, "import", {"--format"}},
       {{"train", "a.h5"}, "train", {"--output"}},
       {{"train", "a.h5", "-o", ""}, "train", {"-o", "file name"}},
-      {{"train", "a.h5", "-o", "m", "--encoder", "gshdc"}, "train", {"--encoder", "gshdc", "shdc"}},
-      {{"train", "a.h5", "-o", "m", "--ties", "up"}, "train", {"--ties", "up", "one, zero"}},
-      {{"train", "a.h5", "-o", "m", "--compat", "papr"}, "train", {"--compat", "papr", "paper"}},
-      {{"train", "a.h5", "-o", "m", "--quantiser", "fixed"}, "train", {"--quantiser", "fixed", "exact"}},
-      {{"train", "a.h5", "-o", "m", "--dimension", "7"}, "train", {"--dimension", "7", "8", "65535"}},
-      {{"train", "a.h5", "-o", "m", "--window", "0"}, "train", {"--window", "0", "1000"}},
-      {{"train", "a.h5", "-o", "m", "--context", "--no-context"}, "train", {"--context", "--no-context"}},
+      {{"train-hd", "a.h5", "-o", "m", "--encoder", "gshdc"}, "train-hd", {"--encoder", "gshdc", "shdc"}},
+      {{"train-hd", "a.h5", "-o", "m", "--ties", "up"}, "train-hd", {"--ties", "up", "one, zero"}},
+      {{"train-hd", "a.h5", "-o", "m", "--compat", "papr"}, "train-hd", {"--compat", "papr", "paper"}},
+      {{"train-hd", "a.h5", "-o", "m", "--quantiser", "fixed"}, "train-hd", {"--quantiser", "fixed", "exact"}},
+      {{"train-hd", "a.h5", "-o", "m", "--dimension", "7"}, "train-hd", {"--dimension", "7", "8", "65535"}},
+      {{"train-hd", "a.h5", "-o", "m", "--window", "0"}, "train-hd", {"--window", "0", "1000"}},
+      {{"train-hd", "a.h5", "-o", "m", "--context", "--no-context"}, "train-hd", {"--context", "--no-context"}},
       {{"eval", "m"}, "eval", {"FILE"}},
       {{"eval", "m", "a.h5", "--labels", "stric"}, "", {"stric", "strict"}},
       {{"detect", "m"}, "detect", {"RECORDING"}},

@@ -56,7 +56,7 @@ void check_examples(std::initializer_list<const char*> commands) {
 
 // The example of `benchmark` takes minutes; tests/tools/benchmark tests the same with fewer trials.
 TEST(Help, EveryExampleWorks) {
-  check_examples({"run", "sweep", "check", "report", "verify", "merge", "export", "import", "train", "eval", "detect",
+  check_examples({"run", "sweep", "check", "report", "verify", "merge", "export", "import", "train", "train-hd", "eval", "detect",
                   "reproduce", "list", "describe", "schema", "help", "completion", "man"});
 }
 

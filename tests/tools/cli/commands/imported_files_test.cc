@@ -96,7 +96,7 @@ TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {
                    {std::string("--format ") + format, truth, origin});
   expect_refusal({"export", data_, "--format", "myrmex-csv", "-o", folder_ / "out"}, {"myrmex"});
   expect_refusal({"export", data_, "--format", "myrmex-rotated", "-o", folder_ / "out"}, {"myrmex"});
-  expect_refusal({"train", data_, "-o", folder_ / "memories"}, {truth, origin});
+  expect_refusal({"train-hd", data_, "-o", folder_ / "memories"}, {truth, origin});
   for (const char* rule : {"strict", "paper"}) {
     for (const char* format : {"csv", "npz", "parquet"})
       expect_refusal({"export", data_, "--format", format, "--labels", rule, "-o", folder_ / "out"},

@@ -87,7 +87,7 @@ TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
   said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
         "sensors={pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, follows: pad}}", "--set",
         "detector={type: truth, sensor: pad}"});
-  const std::vector<std::string> words = next_command(said({"train", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
+  const std::vector<std::string> words = next_command(said({"train-hd", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
   EXPECT_THAT(words,
               ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro", "--split", "test"));
   said(words);
@@ -96,7 +96,7 @@ TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
 TEST_F(LearnedLoop, MemoriesFromSweepToGrip) {
   make_grasps("10");
   const std::string memories = folder_ / "memories";
-  json({"train", grasps_, "--labels", "micro", "--quantiser", "unrounded", "-o", memories});
+  json({"train-hd", grasps_, "--labels", "micro", "--quantiser", "unrounded", "-o", memories});
   const Json lift = lifted("{type: gst_hd, memories: " + memories + "}", memories);
   EXPECT_EQ(lift["all"]["trials"], 2);
   EXPECT_EQ(lift["loop"]["detector"], "gst_hd");

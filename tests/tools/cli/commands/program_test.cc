@@ -58,7 +58,7 @@ TEST(Program, WhatIsWrongIsRefused) {
   expect_refusal({"describe", "papilarray"}, mentions({"papilarray", "papillarray"}));
   expect_refusal({"list", "effect"}, mentions({"effect", "effects"}));
   expect_refusal({"export", "a.h5", "--format", "vendor-cvs", "-o", "dir"}, HasSubstr("vendor-csv"));
-  expect_refusal({"train", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
+  expect_refusal({"train-hd", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
   expect_refusal({"eval", "force_ratio", "nowhere.h5"}, HasSubstr("nowhere.h5"));
   expect_refusal({"report", "nowhere.h5"}, HasSubstr("nowhere.h5"));
   expect_refusal({"export", "nowhere.h5", "--format", "vendor-csv", "-o", "dir"}, HasSubstr("nowhere.h5"));
@@ -192,7 +192,7 @@ TEST_F(Pipes, TakePagesAndTables) {
   EXPECT_EQ(shell("slipbench detect force_ratio named.h5 -o alarms.csv").status, 0);
   EXPECT_EQ(shell("slipbench detect force_ratio named.h5 -o -").out, bytes("alarms.csv"));
   for (const char* command :
-       {"export named.h5 --format csv -o -", "train named.h5 -o -", "import named.csv --format csv --map m -o -"}) {
+       {"export named.h5 --format csv -o -", "train-hd named.h5 -o -", "import named.csv --format csv --map m -o -"}) {
     EXPECT_THAT(shell(std::string("slipbench ") + command).err, HasSubstr("standard output")) << command;
   }
   EXPECT_FALSE(std::filesystem::exists(folder_ / "-"));
@@ -344,7 +344,7 @@ TEST(Program, ListAndDescribe) {
        {"effects", "sensors", "surfaces", "materials", "motions", "electronics", "grasp", "contact", "detectors", "recipes"}) {
     EXPECT_FALSE(list.at(kind).empty()) << kind;
   }
-  EXPECT_EQ(json_of(run_program_file({"list", "recipes", "--json"}))["recipes"].at(0)["name"], "gst_hd");
+  EXPECT_EQ(json_of(run_program_file({"list", "recipes", "--json"}))["recipes"].at(0)["name"], "piezo_mlp");
   EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);
   const nlohmann::json entry = json_of(run_program_file({"describe", "papillarray", "--json"}))["entries"].at(0);
   EXPECT_EQ(entry["kind"], "sensor");

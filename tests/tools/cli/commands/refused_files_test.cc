@@ -35,7 +35,7 @@ TEST_F(RefusedFiles, PipesAreRefusedByEveryReader) {
   expect_refusal({"verify", pipe_}, a_pipe);
   expect_refusal({"export", pipe_, "--format", "npz", "-o", folder_ / "out"}, a_pipe);
   expect_refusal({"import", pipe_, "--format", "bts3v2"}, a_pipe);
-  expect_refusal({"train", pipe_, "-o", folder_ / "memories"}, a_pipe);
+  expect_refusal({"train-hd", pipe_, "-o", folder_ / "memories"}, a_pipe);
   expect_refusal({"hd", "replay", pipe_, "--memories", published, "--encoder", "paper"}, a_pipe);
   expect_refusal({"run", pipe_}, a_pipe);
   expect_refusal({"run", block, "--set", "model=" + pipe_}, a_pipe);

@@ -13,6 +13,7 @@
 #include "tools/benchmark/benchmark.h"
 #include "tools/calibrate/calibrate.h"
 #include "tools/cli/command.h"
+#include "tools/cli/commands/detectors/training_options.h"
 #include "tools/dataset/record/json.h"
 #include "tools/eval/detect.h"
 #include "tools/eval/evaluate.h"
@@ -21,37 +22,39 @@
 
 namespace slipbench {
 
-// `train` trains slip detectors on datasets.
+// `train` trains networks on datasets.
 struct TrainCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  // The request, once the words have been read.
-  HdTraining options;  // options of the recipe gst_hd
-  Json request;        // request to slipbench/_train.py for all other recipes; null: gst_hd
+  Json request;  // to slipbench/_train.py, once the words have been read
 
  private:
-  void read_hd();
-  void read_network();
-  int train_hd();
+  void read();
 
   // Options as given; empty: not given.
-  std::string recipe_;
-  std::optional<hd::Encoding> encoding_;
-  std::optional<hd::Compat> compat_;
-  std::optional<hd::Ties> ties_;
-  std::optional<hd::Quantiser> quantiser_;
-  std::optional<std::size_t> dimension_, window_, epochs_, jobs_;
-  bool context_ = false, no_context_ = false;  // neither is set: the default of the encoding
-  std::string labels_;
+  std::string dataset_, output_, recipe_, labels_, sensor_, rates_;
+  std::vector<std::string> with_;
+  std::uint64_t seed_ = 1;
   std::optional<train::Split> split_;
   std::optional<std::size_t> steps_, held_out_, turned_;
-  std::string alarms_;
-  bool score_ = false;
-  std::optional<std::size_t> specificity_;  // percent
-  std::string rates_;
-  std::vector<std::string> with_;
+  PointOptions point_;
   bool all_ = false, resume_ = false;
+};
+
+// `train-hd` trains the memories of the hyperdimensional detector.
+struct TrainHdCommand final : Command {
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  HdTraining options;
+
+ private:
+  void read();
+
+  std::string labels_;                         // as given; empty: not given
+  bool context_ = false, no_context_ = false;  // neither is set: the default of the encoding
+  PointOptions point_;
 };
 
 // Help of the option --resample of `eval` and `detect`.
