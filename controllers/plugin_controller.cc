@@ -33,15 +33,16 @@ class PluginController final : public Controller, private SampleListener {
         .stopped = input.gripper.stopped ? 1 : 0,
         .preset = preset_,
     };
-    slipbench_grip_command said{.position = -1, .speed = 0, .force = 0};
-    made_.library.call("update", [&] { made_.object.update(made_.object.self, &handed, &said); });
+    slipbench_grip_command command{.position = -1, .speed = 0, .force = 0};
+    made_.library.call("update", [&] { made_.object.update(made_.object.self, &handed, &command); });
     samples_.forget();
-    for (const auto& [name, value] : {std::pair{"position", said.position}, {"speed", said.speed}, {"force", said.force}}) {
+    for (const auto& [name, value] :
+         {std::pair{"position", command.position}, {"speed", command.speed}, {"force", command.force}}) {
       if (value >= 0 && value <= max_register) continue;
       made_.library.refuse("commands in update " + std::string(name) + " " + std::to_string(value) + "; allowed: 0 to " +
                            std::to_string(max_register));
     }
-    return {.position = said.position, .speed = said.speed, .force = said.force};
+    return {.position = command.position, .speed = command.speed, .force = command.force};
   }
 
   [[nodiscard]] SampleListener* listener() override { return this; }

@@ -36,11 +36,11 @@ class PluginDetector final : public Detector, private SampleListener {
     if (frames_++ % stride_ != 0) return estimate_;
     const std::span<const slipbench_samples> sensors = samples_.handed();
     const slipbench_detector_input input{.time = frame.time, .sensors = sensors.data(), .sensor_count = sensors.size()};
-    slipbench_estimate said{.state = -1, .latency = 0.0, .stuck_fraction = std::numeric_limits<double>::quiet_NaN()};
-    made_.library.call("update", [&] { made_.object.update(made_.object.self, &input, &said); });
+    slipbench_estimate estimate{.state = -1, .latency = 0.0, .stuck_fraction = std::numeric_limits<double>::quiet_NaN()};
+    made_.library.call("update", [&] { made_.object.update(made_.object.self, &input, &estimate); });
     samples_.forget();
-    check(said, frame.time);
-    estimate_ = {frame.time, said.latency, static_cast<PadState>(said.state), said.stuck_fraction};
+    check(estimate, frame.time);
+    estimate_ = {frame.time, estimate.latency, static_cast<PadState>(estimate.state), estimate.stuck_fraction};
     return estimate_;
   }
 
@@ -66,17 +66,18 @@ class PluginDetector final : public Detector, private SampleListener {
     return static_cast<std::size_t>(frames);
   }
 
-  void check(const slipbench_estimate& said, double time) const {
+  void check(const slipbench_estimate& estimate, double time) const {
     const auto refuse = [&](const char* member, const std::string& value, const char* allowed) {
       made_.library.refuse("returns in update " + std::string(member) + " " + value + " at " + format_number(time) +
                            " s; allowed: " + allowed);
     };
-    if (said.state < 0 || said.state > 3) {
-      refuse("state", std::to_string(said.state), "0 no contact, 1 non-slip, 2 incipient, 3 gross");
+    if (estimate.state < 0 || estimate.state > 3) {
+      refuse("state", std::to_string(estimate.state), "0 no contact, 1 non-slip, 2 incipient, 3 gross");
     }
-    if (!(said.latency >= 0.0) || std::isinf(said.latency)) refuse("latency", format_number(said.latency), "0 s or more, finite");
-    if (said.stuck_fraction < 0.0 || said.stuck_fraction > 1.0) {
-      refuse("stuck_fraction", format_number(said.stuck_fraction), "0 to 1, or NaN for none");
+    if (!(estimate.latency >= 0.0) || std::isinf(estimate.latency))
+      refuse("latency", format_number(estimate.latency), "0 s or more, finite");
+    if (estimate.stuck_fraction < 0.0 || estimate.stuck_fraction > 1.0) {
+      refuse("stuck_fraction", format_number(estimate.stuck_fraction), "0 to 1, or NaN for none");
     }
   }
 

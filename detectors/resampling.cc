@@ -210,22 +210,22 @@ class Resampled final : public Detector {
 
   void pass_on(const std::vector<float>& values) {
     const double time = first_ + static_cast<double>(made_count_) / about_.rate;
-    const SlipEstimate& said = detector_->update({std::min(time, now_), values});
-    if (said.time == said_) return;
-    said_ = said.time;
-    estimate_ = said;
+    const SlipEstimate& estimate = detector_->update({std::min(time, now_), values});
+    if (estimate.time == estimated_at_) return;
+    estimated_at_ = estimate.time;
+    estimate_ = estimate;
     estimate_.time = now_;  // of the newest sample that it uses
   }
 
   std::unique_ptr<Detector> detector_;
   Resampling about_;
   std::string notice_;
-  std::vector<bool> held_;                                  // by value: its channel is slower than the samples
-  std::array<Sample, 3> latest_;                            // in order of time
-  std::vector<float> made_;                                 // a new frame
-  double first_ = 0.0, now_ = 0.0;                          // s, of the first and the newest sample
-  std::size_t taken_ = 0, made_count_ = 0;                  // samples, new frames
-  double said_ = -std::numeric_limits<double>::infinity();  // s, time of the detector's latest estimate
+  std::vector<bool> held_;                                          // by value: its channel is slower than the samples
+  std::array<Sample, 3> latest_;                                    // in order of time
+  std::vector<float> made_;                                         // a new frame
+  double first_ = 0.0, now_ = 0.0;                                  // s, of the first and the newest sample
+  std::size_t taken_ = 0, made_count_ = 0;                          // samples, new frames
+  double estimated_at_ = -std::numeric_limits<double>::infinity();  // s, time of the detector's latest estimate
   SlipEstimate estimate_;
 };
 
@@ -265,7 +265,7 @@ Resampling resampling_of(const FrameSource& source, double rate, const std::stri
   return resampling;
 }
 
-Resampling evening_of(const FrameSource& source, const std::string& reader) {
+Resampling even_resampling_of(const FrameSource& source, const std::string& reader) {
   constexpr double any_rate = std::numeric_limits<double>::min();
   return resampling_of(source, sampled_rate(source.uneven_times), reader, any_rate);
 }

@@ -61,7 +61,7 @@ Resampling resampling_of(const FrameSource& source, double rate, const std::stri
 
 // For a detector that needs even frames, at any rate: those at the sampled_rate() of the source's
 // stamps. Throws InputError for gaps alone, as above.
-Resampling evening_of(const FrameSource& source, const std::string& reader);
+Resampling even_resampling_of(const FrameSource& source, const std::string& reader);
 
 // "resampled from 1.5 kHz to 1 kHz for file.onnx", with gaps and slower stretches; empty if it is
 // not needed(). `reader`: as above.

@@ -59,9 +59,9 @@ class FrameArrays {
 };
 
 // Subject of an error message.
-struct Blame {
+struct ErrorSubject {
   std::string path;         // path of the type in the scene: "detector.type"
-  std::string whose;        // "detector mine"
+  std::string name;         // "detector mine"
   std::string method = {};  // called method: "update"
 };
 
@@ -69,9 +69,9 @@ struct Blame {
 // lock held. `Real`: type of its frames' values.
 template <class Real>
 struct Own {
-  Own(const Blame& subject, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
+  Own(const ErrorSubject& subject, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
       const std::vector<Channel>& channels)
-      : blame{subject.path, subject.whose, method},
+      : subject{subject.path, subject.name, method},
         package(nb::module_::import_("slipbench._own")),
         frame_type(package.attr("Frame")),
         made(type(source, **keywords)),
@@ -83,7 +83,7 @@ struct Own {
     return frame_type(time, arrays->filled(parts));
   }
 
-  Blame blame;
+  ErrorSubject subject;
   nb::object package, frame_type, made, call, shapes;
   std::optional<FrameArrays<Real>> arrays;
 };
@@ -112,14 +112,14 @@ std::string text_of(const nb::python_error& error) {
 
 // Runs `work` with Python's lock; exceptions of the class become errors of the scene that names it.
 template <class Work>
-auto locked(const Blame& blame, Work&& work) {
+auto locked(const ErrorSubject& subject, Work&& work) {
   const nb::gil_scoped_acquire acquire;
   try {
     return work();
   } catch (const nb::python_error& error) {
-    throw SceneValueError(blame.path, blame.whose + ": " + text_of(error));
+    throw SceneValueError(subject.path, subject.name + ": " + text_of(error));
   } catch (const nb::cast_error&) {
-    throw SceneValueError(blame.path, blame.whose + ": returned a value of the wrong type");
+    throw SceneValueError(subject.path, subject.name + ": returned a value of the wrong type");
   }
 }
 
@@ -152,14 +152,14 @@ class PythonDetector final : public Detector {
   explicit PythonDetector(OwnPart<float> own) : own_(std::move(own)) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
-    locked(own_->blame, [&] { read(own_->call(own_->frame(frame.time, {frame.values}))); });
+    locked(own_->subject, [&] { read(own_->call(own_->frame(frame.time, {frame.values}))); });
     estimate_.time = frame.time;
     return estimate_;
   }
 
  private:
-  void read(const nb::object& said) {
-    const nb::object estimate = own_->package.attr("estimate_of")(said);
+  void read(const nb::object& returned) {
+    const nb::object estimate = own_->package.attr("estimate_of")(returned);
     estimate_.state = static_cast<PadState>(nb::cast<int>(nb::int_(estimate.attr("state"))));
     estimate_.latency = nb::cast<double>(estimate.attr("latency"));
     estimate_.stuck_fraction = nb::cast<double>(estimate.attr("stuck_fraction"));
@@ -174,7 +174,7 @@ class PythonController final : public Controller {
   explicit PythonController(OwnPart<float> own) : own_(std::move(own)) {}
 
   GripCommand update(const ControlInput& input) override {
-    locked(own_->blame, [&] {
+    locked(own_->subject, [&] {
       const nb::object slip = own_->package.attr("Slip")(static_cast<int>(input.slip.state), input.slip.stuck_fraction,
                                                          input.gripper.position, input.gripper.moving, input.gripper.stopped);
       const nb::object command =
@@ -194,15 +194,15 @@ class PythonController final : public Controller {
 // A class receives the part of the truth that slipbench_contact has (sensors/plugin_abi.h).
 class PythonSensor final : public OwnSensor {
  public:
-  explicit PythonSensor(OwnPart<double> own) : OwnSensor(own->blame.path, own->blame.whose), own_(std::move(own)) {
-    locked(own_->blame, [&] {
-      const auto said = nb::cast<Said>(own_->package.attr("layout_of")(own_->made.attr("layout")()));
-      OwnLayout layout{.rate = std::get<0>(said), .elements = {}, .units = std::get<2>(said), .channels = {}};
-      for (const std::array<double, 8>& row : std::get<1>(said)) {
+  explicit PythonSensor(OwnPart<double> own) : OwnSensor(own->subject.path, own->subject.name), own_(std::move(own)) {
+    locked(own_->subject, [&] {
+      const auto returned = nb::cast<LayoutValues>(own_->package.attr("layout_of")(own_->made.attr("layout")()));
+      OwnLayout layout{.rate = std::get<0>(returned), .elements = {}, .units = std::get<2>(returned), .channels = {}};
+      for (const std::array<double, 8>& row : std::get<1>(returned)) {
         layout.elements.push_back(
             {.tip = {row[0], row[1], row[2]}, .axis = {row[3], row[4], row[5]}, .k_normal = row[6], .k_tangential = row[7]});
       }
-      for (const auto& [channel, unit, shape] : std::get<3>(said)) layout.channels.push_back({channel, unit, shape, {}});
+      for (const auto& [channel, unit, shape] : std::get<3>(returned)) layout.channels.push_back({channel, unit, shape, {}});
       set(std::move(layout));
       const std::size_t units = this->layout().units.size(), elements = this->layout().elements.size();
       own_->arrays.emplace(std::vector<Channel>{{"force", "N", {units, 3}, {}},
@@ -214,14 +214,14 @@ class PythonSensor final : public OwnSensor {
   }
 
  private:
-  using Said = std::tuple<double, std::vector<std::array<double, 8>>, std::vector<std::size_t>,
-                          std::vector<std::tuple<std::string, std::string, std::vector<std::size_t>>>>;
+  using LayoutValues = std::tuple<double, std::vector<std::array<double, 8>>, std::vector<std::size_t>,
+                                  std::vector<std::tuple<std::string, std::string, std::vector<std::size_t>>>>;
 
   void read(const ContactFrame& truth, std::span<float> values) override {
     const auto span = [](const auto& array) {
       return std::span<const double>(array.data(), static_cast<std::size_t>(array.size()));
     };
-    locked(own_->blame, [&] {
+    locked(own_->subject, [&] {
       const nb::object frame = own_->frame(
           truth.time, {span(truth.force), span(truth.displacement), span(truth.element_depth), span(truth.element_shear)});
       float* at = values.data();
@@ -241,11 +241,11 @@ nb::object* kept(const nb::object& type) { return new nb::object(type); }
 void add_detector(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {
   nb::object* const held = kept(type);
   register_detector(entry_of(name, summary, declared), [=](const Parameters& parameters, const FrameSource& source) {
-    const Blame blame{"detector.type", "detector " + name};
-    OwnPart<float> own = locked(blame, [&] {
+    const ErrorSubject subject{"detector.type", "detector " + name};
+    OwnPart<float> own = locked(subject, [&] {
       const nb::object about = nb::module_::import_("slipbench._own")
                                    .attr("Source")(source.sensor, source.type, source.rate, shapes_of(source.channels));
-      return OwnPart<float>(new Own<float>(blame, *held, "update", about, keywords_of(parameters, declared), source.channels));
+      return OwnPart<float>(new Own<float>(subject, *held, "update", about, keywords_of(parameters, declared), source.channels));
     });
     return std::make_unique<PythonDetector>(std::move(own));
   });
@@ -254,12 +254,12 @@ void add_detector(const std::string& name, const nb::object& type, const std::st
 void add_controller(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {
   nb::object* const held = kept(type);
   register_controller(entry_of(name, summary, declared), [=](const Parameters& parameters, const GripSource& source) {
-    const Blame blame{"controller.type", "controller " + name};
-    OwnPart<float> own = locked(blame, [&] {
+    const ErrorSubject subject{"controller.type", "controller " + name};
+    OwnPart<float> own = locked(subject, [&] {
       const SensorSource& first = source.sensors.front();
       const nb::object about = nb::module_::import_("slipbench._own")
                                    .attr("Source")(first.name, first.type, first.rate, shapes_of(first.channels), source.preset);
-      return OwnPart<float>(new Own<float>(blame, *held, "act", about, keywords_of(parameters, declared), source.channels));
+      return OwnPart<float>(new Own<float>(subject, *held, "act", about, keywords_of(parameters, declared), source.channels));
     });
     return std::make_unique<PythonController>(std::move(own));
   });
@@ -268,10 +268,10 @@ void add_controller(const std::string& name, const nb::object& type, const std::
 void add_sensor(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {
   nb::object* const held = kept(type);
   register_sensor(entry_of(name, summary, declared), [=](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
-    const Blame blame{"sensors." + scene.name + ".type", "sensor " + name};
-    OwnPart<double> own = locked(blame, [&] {
+    const ErrorSubject subject{"sensors." + scene.name + ".type", "sensor " + name};
+    OwnPart<double> own = locked(subject, [&] {
       const nb::object about = nb::module_::import_("slipbench._own").attr("SensorSource")(scene.name, seed, trial);
-      return OwnPart<double>(new Own<double>(blame, *held, "measure", about, keywords_of(scene.parameters, declared), {}));
+      return OwnPart<double>(new Own<double>(subject, *held, "measure", about, keywords_of(scene.parameters, declared), {}));
     });
     return std::make_unique<PythonSensor>(std::move(own));
   });

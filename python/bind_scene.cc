@@ -125,7 +125,7 @@ class Scene {
     const nb::gil_scoped_release release;
     const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
     if (build) return texts_of(scene_warnings(read, options));
-    std::vector<std::size_t> trials(read.planned.asked);
+    std::vector<std::size_t> trials(read.planned.requested);
     std::iota(trials.begin(), trials.end(), std::size_t{0});
     return texts_of(scene_warnings(read.planned.plan, trials, false));
   }
@@ -279,7 +279,7 @@ class Scene {
                                                           std::uint64_t seed) const {
     const std::lock_guard lock(plan_->mutex);
     const std::array<std::uint64_t, 3> wanted{draws, limit, seed};
-    if (!plan_->kept || plan_->key != wanted || trial >= plan_->kept->asked) {
+    if (!plan_->kept || plan_->key != wanted || trial >= plan_->kept->requested) {
       SweepOptions options = options_;
       options.trials = draws;
       options.limit = limit;

@@ -37,7 +37,7 @@ def run(*command, **more):
     )
 
 
-def said(*command, **more):
+def output_of(*command, **more):
     return run(*command, capture_output=True, **more).stdout
 
 
@@ -52,7 +52,7 @@ def fetch_headers():
     for name in ("lists/partial", "cache/archives/partial"):
         (apt / name).mkdir(parents=True)
     (apt / "status").touch()
-    mirrors = said("apt-get", "indextargets", "--format", "$(REPO_URI)").split()
+    mirrors = output_of("apt-get", "indextargets", "--format", "$(REPO_URI)").split()
     mirror = next(
         (mirror for mirror in mirrors if mirror.rstrip("/").endswith("/debian")),
         "http://deb.debian.org/debian",
@@ -100,7 +100,7 @@ def stage(folder):
         "$ORIGIN/../../../openvino/libs",
         package / "lib/slipbench/libslipbench_network.so",
     )
-    made = said(
+    made = output_of(
         sys.executable,
         "-c",
         "import sys; from scikit_build_core.build import prepare_metadata_for_build_wheel as prepare; "
@@ -119,10 +119,10 @@ def carry_licences(files, info):
     loaded = {
         os.path.realpath(path)
         for file in files
-        for path in re.findall(r"=> (/\S+)", said("ldd", file))
+        for path in re.findall(r"=> (/\S+)", output_of("ldd", file))
     }
     # By file name: dpkg lists some under /lib, which is /usr/lib.
-    for line in said(
+    for line in output_of(
         "dpkg-query",
         "--search",
         *(f"*/{Path(path).name}" for path in sorted(loaded) if path.startswith("/usr/")),
@@ -135,7 +135,7 @@ def carry_licences(files, info):
             shutil.copy(text, folder / f"{name}.txt")
     there = [path.stem for path in folder.glob("*.txt")]
     (folder / "libraries.txt").write_text(
-        said("dpkg-query", "--show", *sorted(there)), encoding="utf-8"
+        output_of("dpkg-query", "--show", *sorted(there)), encoding="utf-8"
     )
     shutil.copy(
         next(VENV.glob("lib/python3*/site-packages/nanobind-*.dist-info/licenses/LICENSE")),

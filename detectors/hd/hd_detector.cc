@@ -36,12 +36,12 @@ class HdDetector final : public Detector {
   const SlipEstimate& update(const SensorFrame& frame) override {
     if (frames_++ % stride_ != 0) return estimate_;
     const Classified classified = classify_(frame.values.subspan(displacement_.first, 3 * pillar_count));
-    estimate_ = {frame.time, classified.latency, said(classified.state)};
+    estimate_ = {frame.time, classified.latency, reported(classified.state)};
     return estimate_;
   }
 
  private:
-  PadState said(PadState state) {
+  PadState reported(PadState state) {
     if (state == PadState::no_contact) return state;
     if (slips(state)) slip_ = state;
     return gate_.push(slips(state)) ? slip_ : PadState::non_slip;
@@ -67,10 +67,10 @@ SavedModel load_memories(const std::string& path) {
   }
 }
 
-// Replaces `value` by the one that `said` names; a word outside the table ("as saved") keeps it.
+// Replaces `value` by the one that `word` names; a word outside the table ("as saved") keeps it.
 template <class Words, class Value>
-void take(const Words& words, const std::string& said, Value& value) {
-  value = choice_value(words, said).value_or(value);
+void take(const Words& words, const std::string& word, Value& value) {
+  value = choice_value(words, word).value_or(value);
 }
 
 std::vector<std::string> or_as_saved(std::vector<std::string> words) {

@@ -307,9 +307,9 @@ class OpenVinoEngine final : public Engine {
       refuse(path_ + ": the network cannot be run: ", error);
     }
     for (auto& [in, out] : states_) std::copy_n(out.data<float>(), out.get_size(), in.data<float>());
-    const std::span<const float> said{output_.data<float>(), output_.get_size()};
-    check(said);
-    return said;
+    const std::span<const float> output{output_.data<float>(), output_.get_size()};
+    check(output);
+    return output;
   }
 
  private:
@@ -330,12 +330,12 @@ class OpenVinoEngine final : public Engine {
     throw InputError(path_ + ": the network " + verb + " " + text_of(*found) + "; allowed: finite numbers");
   }
 
-  void check(std::span<const float> said) const {
-    check_finite(said, "returns");
+  void check(std::span<const float> output) const {
+    check_finite(output, "returns");
     constexpr double rounding = 1e-3;  // of a sum of probabilities
     double sum = 0.0;
     bool probabilities = true;
-    for (const float value : said) {
+    for (const float value : output) {
       if (!std::isfinite(value))
         throw InputError(path_ + ": the network returns " + text_of(value) + "; allowed: finite numbers");
       sum += double{value};

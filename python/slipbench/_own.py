@@ -199,41 +199,41 @@ class OwnSensor(Protocol):
 
 
 def layout_of(
-    said: Any,
+    returned: Any,
 ) -> tuple[float, list[list[float]], list[int], list[tuple[str, str, list[int]]]]:
     """Checks the result of a sensor's layout() and converts it for the program."""
-    if not isinstance(said, Layout):
-        raise TypeError(f"layout() returned {said!r}; expected a Layout")
-    tips = np.asarray(said.tips, float)
+    if not isinstance(returned, Layout):
+        raise TypeError(f"layout() returned {returned!r}; expected a Layout")
+    tips = np.asarray(returned.tips, float)
     if tips.ndim != 2 or tips.shape[1] != 3:
         raise ValueError(f"tips of shape {tips.shape}; expected (points, 3)")
     each = [
         np.broadcast_to(np.asarray(value, float), shape)
         for value, shape in (
-            (said.directions, tips.shape),
-            (said.k_normal, len(tips)),
-            (said.k_tangential, len(tips)),
+            (returned.directions, tips.shape),
+            (returned.k_normal, len(tips)),
+            (returned.k_tangential, len(tips)),
         )
     ]
     units = (
         range(len(tips))
-        if said.units is None
-        else np.broadcast_to(np.asarray(said.units, int), len(tips))
+        if returned.units is None
+        else np.broadcast_to(np.asarray(returned.units, int), len(tips))
     )
     return (
-        float(said.rate),
+        float(returned.rate),
         np.column_stack([tips, *each]).tolist(),
         [int(unit) for unit in units],
         [
             (name, unit, [int(extent) for extent in shape])
-            for name, (shape, unit) in said.channels.items()
+            for name, (shape, unit) in returned.channels.items()
         ],
     )
 
 
-def readings_of(said: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[np.float32]]:
+def readings_of(returned: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[np.float32]]:
     """Checks the result of a sensor's measure(), and returns it in the order of the channels."""
-    channels = said if isinstance(said, dict) else {name: said for name in shapes}
+    channels = returned if isinstance(returned, dict) else {name: returned for name in shapes}
     if channels.keys() != shapes.keys():
         raise KeyError(
             f"measure() returned {', '.join(map(str, channels))}; allowed: {', '.join(shapes)}"
@@ -245,15 +245,15 @@ def readings_of(said: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[n
     return arrays
 
 
-def estimate_of(said: Any) -> Estimate:
+def estimate_of(returned: Any) -> Estimate:
     """Checks the result of a detector."""
-    estimate = said if isinstance(said, Estimate) else Estimate(said)
+    estimate = returned if isinstance(returned, Estimate) else Estimate(returned)
     if (
         isinstance(estimate.state, bool)
         or not isinstance(estimate.state, numbers.Integral)
         or not 0 <= int(estimate.state) <= 3
     ):
-        raise TypeError(f"update() returned {said!r}; expected a State, 0 to 3, or an Estimate")
+        raise TypeError(f"update() returned {returned!r}; expected a State, 0 to 3, or an Estimate")
     if not 0.0 <= estimate.latency < math.inf:
         raise ValueError(f"a latency of {estimate.latency} s; allowed: 0 s or more")
     if estimate.stuck_fraction < 0.0 or estimate.stuck_fraction > 1.0:
@@ -261,9 +261,9 @@ def estimate_of(said: Any) -> Estimate:
     return estimate
 
 
-def command_of(said: Any) -> Command:
+def command_of(returned: Any) -> Command:
     """Checks the result of a controller."""
-    command = said if isinstance(said, Command) else Command(said)
+    command = returned if isinstance(returned, Command) else Command(returned)
     for name in ("position", "speed", "force"):
         value = getattr(command, name)
         if (
@@ -272,7 +272,7 @@ def command_of(said: Any) -> Command:
             or not 0 <= int(value) <= 255
         ):
             raise TypeError(
-                f"act() returned {said!r}; expected a position of 0 to 255, or a Command with such numbers"
+                f"act() returned {returned!r}; expected a position of 0 to 255, or a Command with such numbers"
             )
     return command
 

@@ -176,10 +176,10 @@ class Scene:
         self,
         path: str,
         overrides: list[tuple[str, str]],
-        told: dict[str, str] | None = None,
+        issued: dict[str, str] | None = None,
         text: str | None = None,
     ) -> None:
-        """`told`: warnings issued so far, by subject. `text`: text of a scene that is not read from
+        """`issued`: warnings issued so far, by subject. `text`: text of a scene that is not read from
         the file at `path`."""
         self.path = path
         self.overrides = overrides
@@ -191,7 +191,7 @@ class Scene:
         if not self._has_own_parts():
             found = self._warnings(0, 0, None, False, "", False, math.inf)
             self._told.update(found)
-            warn(text for about, text in found.items() if (told or {}).get(about) != text)
+            warn(text for about, text in found.items() if (issued or {}).get(about) != text)
 
     def _warn(
         self,
@@ -518,7 +518,7 @@ class Scene:
 
 
 def _restored(
-    path: str, overrides: list[tuple[str, str]], told: dict[str, str], text: str
+    path: str, overrides: list[tuple[str, str]], issued: dict[str, str], text: str
 ) -> Scene:
     """Restores a pickled scene. Reads its file again if it is unchanged, else uses the pickled
     text."""
@@ -526,7 +526,7 @@ def _restored(
         same = Path(path).read_text(encoding="utf-8") == text
     except (OSError, ValueError):
         same = False
-    return Scene(path, overrides, told, None if same else text)
+    return Scene(path, overrides, issued, None if same else text)
 
 
 def check_counts(**counts: int | None) -> None:

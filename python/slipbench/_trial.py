@@ -271,11 +271,11 @@ class Trial:
         self.seed: int = record.seed
         self.params: dict[str, Any] = json.loads(record.params_json)
         self.outcome: dict[str, Any] = json.loads(record.outcome_json)
-        told = record.sensors(record)
+        sensors = record.sensors(record)
         self.labels: dict[str, Labels] = {
-            name: Labels(t=one["t"], **one.pop("labels")) for name, one in told.items()
+            name: Labels(t=one["t"], **one.pop("labels")) for name, one in sensors.items()
         }
-        self.sensors: dict[str, Sensor] = {name: Sensor(**one) for name, one in told.items()}
+        self.sensors: dict[str, Sensor] = {name: Sensor(**one) for name, one in sensors.items()}
         self.bodies: dict[str, Body] = {
             name: Body(**one) for name, one in record.bodies(record).items()
         }
@@ -319,10 +319,10 @@ class Trial:
 
 def trial_text(number: int, seed: int, sensors: Mapping[str, Sensor]) -> str:
     """Short representation of a trial."""
-    told = "; ".join(
+    arrays = "; ".join(
         f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in sensors.items()
     )
-    return f"<slipbench.Trial {number} of seed {seed}: {told or 'only the outcome'}>"
+    return f"<slipbench.Trial {number} of seed {seed}: {arrays or 'only the outcome'}>"
 
 
 def trial_table(title: str, sensors: Mapping[str, Sensor]) -> str:

@@ -417,11 +417,11 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         return result
 
     def _batch(
-        self, told: Any
+        self, results: Any
     ) -> tuple[
         Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
     ]:
-        observations, numbers, flags, self._episodes, drawn, outcomes = told
+        observations, numbers, flags, self._episodes, drawn, outcomes = results
         rewards, *truths = numbers.reshape(-1, self.num_envs)
         terminated, truncated, lifting = flags.view(np.bool_).reshape(-1, self.num_envs)
         # Built as by `_add_info`, whose call takes as long as a step of a grasp; constant entries

@@ -148,13 +148,13 @@ class _Measured:
         self, time: float, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]
     ) -> Reading:
         frame = _own.Frame(time, {name: arrays[name] for name in self.contact})
-        said = {
+        readings = {
             name: values.astype(float)
             for name, values in zip(
                 self._shapes, _own.readings_of(self._made.measure(frame), self._shapes), strict=True
             )
         }
-        for name, values in said.items():
+        for name, values in readings.items():
             if not np.isfinite(values).all():
                 raise InputError(f"measure() returned {name} that is not finite at {time:g} s")
         truth = [name for name in arrays if name not in self.contact]
@@ -163,7 +163,7 @@ class _Measured:
                 f"the channel {min(both)!r} has the name of an array of the truth; choose another name, or truth=False"
             )
         return Reading(
-            said | {name: arrays[name] for name in truth},
+            readings | {name: arrays[name] for name in truth},
             self._units | {name: units[name] for name in truth},
         )
 

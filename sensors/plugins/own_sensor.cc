@@ -26,18 +26,18 @@ std::vector<std::string> value_names(const Channel& channel) {
 
 }  // namespace
 
-void OwnSensor::refuse(const std::string& what) const { throw SceneValueError(where_, whose_ + " " + what); }
+void OwnSensor::refuse(const std::string& what) const { throw SceneValueError(where_, subject_ + " " + what); }
 
-void OwnSensor::set(OwnLayout said) {
-  if (!(said.rate > 0.0) || std::isinf(said.rate))
-    refuse("has a rate of " + format_number(said.rate) + " Hz; it must be finite and above 0 Hz");
-  std::vector<Element>& elements = said.elements;
+void OwnSensor::set(OwnLayout layout) {
+  if (!(layout.rate > 0.0) || std::isinf(layout.rate))
+    refuse("has a rate of " + format_number(layout.rate) + " Hz; it must be finite and above 0 Hz");
+  std::vector<Element>& elements = layout.elements;
   if (elements.empty() || elements.size() > OwnLayout::most_elements)
     refuse("has a layout of " + counted(elements.size(), "element") + "; allowed: 1 to " +
            std::to_string(OwnLayout::most_elements));
   for (std::size_t i = 0; i < elements.size(); ++i) {
     Element& element = elements[i];
-    const std::size_t unit = said.units.at(i), units = layout_.units.size();
+    const std::size_t unit = layout.units.at(i), units = layout_.units.size();
     const auto bad = [&](const std::string& problem) {
       refuse("has a layout in which element " + std::to_string(i) + " " + problem);
     };
@@ -54,14 +54,14 @@ void OwnSensor::set(OwnLayout said) {
     if (unit == units) layout_.units.push_back({i, 0});
     ++layout_.units.back().count;
   }
-  if (said.channels.empty() || said.channels.size() > OwnLayout::most_channels)
-    refuse("has " + counted(said.channels.size(), "channel") + "; allowed: 1 to " + std::to_string(OwnLayout::most_channels));
+  if (layout.channels.empty() || layout.channels.size() > OwnLayout::most_channels)
+    refuse("has " + counted(layout.channels.size(), "channel") + "; allowed: 1 to " + std::to_string(OwnLayout::most_channels));
   std::size_t size = 0;
-  for (Channel& channel : said.channels) {
+  for (Channel& channel : layout.channels) {
     const auto bad = [&](const std::string& problem) { refuse("has the channel " + quote(channel.name) + " " + problem); };
     if (!is_identifier(channel.name) || channel.name == "t")
       bad("with an invalid name; allowed: letters, digits and '_', no digit first, and not t, the name of the times");
-    if (std::ranges::count(said.channels, channel.name, &Channel::name) != 1) bad("twice");
+    if (std::ranges::count(layout.channels, channel.name, &Channel::name) != 1) bad("twice");
     double values = 1.0;
     for (const std::size_t extent : channel.shape) values *= static_cast<double>(extent);
     if (channel.shape.empty() || channel.shape.size() > OwnLayout::most_dimensions || !(values >= 1.0) ||
@@ -71,10 +71,10 @@ void OwnSensor::set(OwnLayout said) {
     channel.channel_names = value_names(channel);
     size += channel.size();
   }
-  rate_ = said.rate;
+  rate_ = layout.rate;
   layout_.elements = std::move(elements);
   layout_.element_truth = true;
-  channels_ = std::move(said.channels);
+  channels_ = std::move(layout.channels);
   values_.resize(size);
   frame_.values = values_;
 }

@@ -35,13 +35,13 @@ class OwnSensor : public Sensor {
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const final { return truth.state; }
 
  protected:
-  // `where`: key of the scene for errors, "sensors.pad.library"; `whose`: the sensor's source for
+  // `where`: key of the scene for errors, "sensors.pad.library"; `subject`: the sensor's source for
   // errors, "'mine.so'".
-  OwnSensor(std::string where, std::string whose) : where_(std::move(where)), whose_(std::move(whose)) {}
+  OwnSensor(std::string where, std::string subject) : where_(std::move(where)), subject_(std::move(subject)) {}
 
   // Must be called once, before the first measure(). Throws SceneValueError for a layout that
   // cannot be simulated and for channels that a dataset cannot store (limits: README.md).
-  void set(OwnLayout said);
+  void set(OwnLayout layout);
 
   // Writes one sample, all channels in order. `values` are NaN on entry.
   virtual void read(const ContactFrame& truth, std::span<float> values) = 0;
@@ -49,7 +49,7 @@ class OwnSensor : public Sensor {
   [[noreturn]] void refuse(const std::string& what) const;
 
  private:
-  std::string where_, whose_;
+  std::string where_, subject_;
   double rate_ = 0.0;
   PadLayout layout_;
   std::vector<Channel> channels_;

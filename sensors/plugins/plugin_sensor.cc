@@ -15,21 +15,21 @@ namespace {
 // Copies the layout that the library points to. Counts beyond a limit are cut to one above it, so
 // that set() refuses them.
 OwnLayout layout_of(const slipbench_readout& readout) {
-  OwnLayout said{.rate = readout.rate, .elements = {}, .units = {}, .channels = {}};
+  OwnLayout layout{.rate = readout.rate, .elements = {}, .units = {}, .channels = {}};
   for (std::size_t i = 0; i < std::min(readout.element_count, OwnLayout::most_elements + 1); ++i) {
     const slipbench_element& from = readout.elements[i];
-    said.elements.push_back({.tip = Eigen::Vector3d(from.tip),
-                             .axis = Eigen::Vector3d(from.direction),
-                             .k_normal = from.k_normal,
-                             .k_tangential = from.k_tangential});
-    said.units.push_back(from.unit);
+    layout.elements.push_back({.tip = Eigen::Vector3d(from.tip),
+                               .axis = Eigen::Vector3d(from.direction),
+                               .k_normal = from.k_normal,
+                               .k_tangential = from.k_tangential});
+    layout.units.push_back(from.unit);
   }
   for (std::size_t i = 0; i < std::min(readout.channel_count, OwnLayout::most_channels + 1); ++i) {
     const slipbench_channel& from = readout.channels[i];
     const std::size_t dimensions = std::min(from.dimensions, OwnLayout::most_dimensions + 1);
-    said.channels.push_back({from.name, from.unit, {from.shape, from.shape + dimensions}, {}});
+    layout.channels.push_back({from.name, from.unit, {from.shape, from.shape + dimensions}, {}});
   }
-  return said;
+  return layout;
 }
 
 // The parameters that the source declares, with the values from `parameters`, which must outlive
@@ -78,9 +78,9 @@ class PluginSensor final : public OwnSensor {
     } else {
       made_.make<decltype(slipbench_make_sensor)>(parameters, {}, 0, &slipbench_readout::measure);
     }
-    OwnLayout said;
-    made_.library.call("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
-    set(std::move(said));
+    OwnLayout layout;
+    made_.library.call("slipbench_make_sensor", [&] { layout = layout_of(made_.object); });
+    set(std::move(layout));
   }
 
   void finish() override { made_.finish(); }

@@ -232,22 +232,23 @@ class Taxels final : public PadSensor {
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override { return truth.state; }
 
  private:
-  Taxels(const Description& said, const std::vector<Named>& electronics, const ElectronicsKey& key)
-      : PadSensor(said.p.number("rate"), said.layout(), said.made_channels()),
-        area_(said.p.number("width") * said.p.number("width")),
-        curve_(said.curve),
-        electronics_(electronics, said.signal_model(), key),
-        own_(Eigen::Array3Xd::Zero(axes, static_cast<Eigen::Index>(said.places.size()))),
-        matrix_(static_cast<Eigen::Index>(said.matrix.size()), static_cast<Eigen::Index>(axes) * own_.cols()) {
+  Taxels(const Description& description, const std::vector<Named>& electronics, const ElectronicsKey& key)
+      : PadSensor(description.p.number("rate"), description.layout(), description.made_channels()),
+        area_(description.p.number("width") * description.p.number("width")),
+        curve_(description.curve),
+        electronics_(electronics, description.signal_model(), key),
+        own_(Eigen::Array3Xd::Zero(axes, static_cast<Eigen::Index>(description.places.size()))),
+        matrix_(static_cast<Eigen::Index>(description.matrix.size()), static_cast<Eigen::Index>(axes) * own_.cols()) {
     std::size_t count = 0;
     for (const Channel& channel : channels_) count += channel.size();
     values_.resize(count);
     frame_.values = values_;
-    for (const auto& [name, read] : said.channels) reads_.push_back(&reading(read));
+    for (const auto& [name, read] : description.channels) reads_.push_back(&reading(read));
     turned_ = std::ranges::any_of(reads_, [](const Reading* read) { return read->symbol != 'F' && read->symbol != 'D'; });
     for (const UnitRange& unit : layout_.units) turns_.push_back(element_frame(layout_.elements[unit.first].axis).transpose());
     for (Eigen::Index row = 0; row < matrix_.rows(); ++row)
-      matrix_.row(row) = Eigen::Map<const Eigen::RowVectorXd>(said.matrix[static_cast<std::size_t>(row)].data(), matrix_.cols());
+      matrix_.row(row) =
+          Eigen::Map<const Eigen::RowVectorXd>(description.matrix[static_cast<std::size_t>(row)].data(), matrix_.cols());
     signal_.setZero(matrix_.rows() == 0 ? own_.cols() : matrix_.rows());
   }
 

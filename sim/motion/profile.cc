@@ -129,7 +129,7 @@ ProfilePoint Profile::at(double t) const {
           piece->velocity + piece->acceleration * since};
 }
 
-ProfilePoint come_down(double t, double start, double time) {
+ProfilePoint descent(double t, double start, double time) {
   if (t <= start) return {0.0, 0.0};
   if (t >= start + time) return {1.0, 0.0};
   const double s = (t - start) / time;

@@ -54,6 +54,6 @@ class Profile {
 
 // Progress of a descent that begins at `start` and takes `time` [s]: 3 s^2 - 2 s^3 with s the
 // elapsed share of the time.
-ProfilePoint come_down(double t, double start, double time);
+ProfilePoint descent(double t, double start, double time);
 
 }  // namespace slipbench

@@ -145,7 +145,7 @@ class Process {
 
 // The processes of one trial at any time. A chain only runs forwards; for a time before the last
 // one it is restarted.
-class Restlessness {
+class FingerProcesses {
  public:
   enum Which { load, along, around, drive, count };
 
@@ -156,12 +156,12 @@ class Restlessness {
     double rest;         // factor on all other processes until then
   };
 
-  Restlessness(const Settings& settings, const MotionKey& key)
-      : settings_(settings), key_(key), pole_(2.0 * std::numbers::pi * settings.corner), walk_(start()) {}
+  FingerProcesses(const Settings& settings, const MotionKey& key)
+      : settings_(settings), key_(key), pole_(2.0 * std::numbers::pi * settings.corner), chain_(start()) {}
 
   [[nodiscard]] Point at(Which which, double t) const {
     const double s = go_to(t);
-    const Point p = walk_.before.points[which], q = walk_.after.points[which];
+    const Point p = chain_.before.points[which], q = chain_.after.points[which];
     const double rise = (q.value - p.value) / knot;
     return {p.value + knot * s * (p.rate + s * (3.0 * rise - 2.0 * p.rate - q.rate + s * (p.rate + q.rate - 2.0 * rise))),
             p.rate + s * (6.0 * rise - 4.0 * p.rate - 2.0 * q.rate + 3.0 * s * (p.rate + q.rate - 2.0 * rise))};
@@ -169,8 +169,8 @@ class Restlessness {
 
   // Returns the integral of q, and q.
   [[nodiscard]] Point way(double t) const {
-    const double s = go_to(t), first = walk_.before.q, q = first + s * (walk_.after.q - first);
-    return {walk_.before.way + 0.5 * knot * s * (first + q), q};
+    const double s = go_to(t), first = chain_.before.q, q = first + s * (chain_.after.q - first);
+    return {chain_.before.way + 0.5 * knot * s * (first + q), q};
   }
 
   // Upper bounds of the rate of the processes [1/s] and of q. Between knots a cubic is at most
@@ -185,7 +185,7 @@ class Restlessness {
     std::array<Point, count> points;
     double pace, q, way;  // 1/s, 1, s
   };
-  struct Walk {
+  struct Chain {
     RandomStream random;
     Process time;
     std::array<Process, count> processes;
@@ -193,51 +193,51 @@ class Restlessness {
     Knot before, after;
   };
 
-  [[nodiscard]] Walk start() const {
-    Walk walk{RandomStream(key_.seed, key_.trial, "motion.rub"), {}, {}, 1, {}, {}};
-    walk.time.begin(walk.random);
-    for (Process& process : walk.processes) process.begin(walk.random);
-    walk.after = read(walk, 0.0);
-    step(walk);
-    return walk;
+  [[nodiscard]] Chain start() const {
+    Chain chain{RandomStream(key_.seed, key_.trial, "motion.rub"), {}, {}, 1, {}, {}};
+    chain.time.begin(chain.random);
+    for (Process& process : chain.processes) process.begin(chain.random);
+    chain.after = read(chain, 0.0);
+    step(chain);
+    return chain;
   }
 
-  [[nodiscard]] Knot read(const Walk& walk, double t) const {
-    Knot made{{}, pole_ * math::exp(settings_.warp * walk.time.bounded().value), 0.0, 0.0};
+  [[nodiscard]] Knot read(const Chain& chain, double t) const {
+    Knot made{{}, pole_ * math::exp(settings_.warp * chain.time.bounded().value), 0.0, 0.0};
     const double up = std::clamp((t - settings_.begin) / settings_.rise, 0.0, 1.0), more = 1.0 - settings_.rest;
     const double share = settings_.rest + more * up * up * (3.0 - 2.0 * up),
                  growth = more * 6.0 * up * (1.0 - up) / settings_.rise;
     for (std::size_t i = 0; i < count; ++i) {
-      const Point point = walk.processes[i].bounded();
+      const Point point = chain.processes[i].bounded();
       made.points[i] = {share * point.value, share * made.pace * point.rate + growth * point.value};
     }
-    made.q = up * std::max(0.0, settings_.drive + walk.processes[drive].bounded().value);
+    made.q = up * std::max(0.0, settings_.drive + chain.processes[drive].bounded().value);
     return made;
   }
 
-  void step(Walk& walk) const {
-    walk.before = walk.after;
-    walk.time.advance(2.0 * std::numbers::pi * settings_.warp_corner * knot, walk.random);
-    const double mean = 0.5 * (walk.before.pace + pole_ * math::exp(settings_.warp * walk.time.bounded().value));
-    for (Process& process : walk.processes) process.advance(mean * knot, walk.random);
-    walk.after = read(walk, static_cast<double>(walk.knots) * knot);
-    walk.after.way = walk.before.way + 0.5 * knot * (walk.before.q + walk.after.q);
-    ++walk.knots;
+  void step(Chain& chain) const {
+    chain.before = chain.after;
+    chain.time.advance(2.0 * std::numbers::pi * settings_.warp_corner * knot, chain.random);
+    const double mean = 0.5 * (chain.before.pace + pole_ * math::exp(settings_.warp * chain.time.bounded().value));
+    for (Process& process : chain.processes) process.advance(mean * knot, chain.random);
+    chain.after = read(chain, static_cast<double>(chain.knots) * knot);
+    chain.after.way = chain.before.way + 0.5 * knot * (chain.before.q + chain.after.q);
+    ++chain.knots;
   }
 
   // Moves the chain to time t; returns the fraction between `before` and `after`.
   [[nodiscard]] double go_to(double t) const {
     const double place = std::max(0.0, t) / knot, floor = std::floor(place);
     const auto before = static_cast<std::size_t>(floor);
-    if (before + 2 < walk_.knots) walk_ = start();
-    while (walk_.knots < before + 2) step(walk_);
+    if (before + 2 < chain_.knots) chain_ = start();
+    while (chain_.knots < before + 2) step(chain_);
     return place - floor;
   }
 
   Settings settings_;
   MotionKey key_;
   double pole_;  // 1/s
-  mutable Walk walk_;
+  mutable Chain chain_;
 };
 
 class Rub final : public Motion {
@@ -259,15 +259,15 @@ class Rub final : public Motion {
         yaw_(p.number("yaw")),
         speed_(p.number("speed") *
                Eigen::Vector3d(math::cos(yaw_ + p.number("direction")), math::sin(yaw_ + p.number("direction")), 0.0)),
-        restless_({p.number("corner"), p.number("warp_corner"), p.number("warp"), p.number("drive"),
-                   start_ + approach_ + p.number("wait"), approach_, p.number("rest")},
-                  key) {
+        processes_({p.number("corner"), p.number("warp_corner"), p.number("warp"), p.number("drive"),
+                    start_ + approach_ + p.number("wait"), approach_, p.number("rest")},
+                   key) {
     room_ = {room(site_[0], reach_x * a_, "X"), room(site_[1], reach_arc * radius(), "its arc")};
   }
 
   [[nodiscard]] BodyState pad_at(double t) const override {
-    const ProfilePoint down = come_down(t, start_, approach_);
-    const Point load = restless_.at(Restlessness::load, t), way = restless_.way(t);
+    const ProfilePoint down = descent(t, start_, approach_);
+    const Point load = processes_.at(FingerProcesses::load, t), way = processes_.way(t);
     const double asked = compression_ * math::exp(load_sd_ * load.value), share = math::tanh(asked / deepest_);
     const double pressed = deepest_ * share, pressing = (1.0 - share * share) * asked * load_sd_ * load.rate;
     const Spot spot = spot_at(t);
@@ -288,7 +288,7 @@ class Rub final : public Motion {
   }
 
   [[nodiscard]] double top_speed(double reach) const override {
-    const double rate = restless_.top_rate(), q = restless_.top_way_rate();
+    const double rate = processes_.top_rate(), q = processes_.top_way_rate();
     const double vertical = (gap_ + deepest_) * 1.5 / approach_ + most_pressing * deepest_ * load_sd_ * rate;
     // (1 - tanh^2 y) y is at most 0.4477, where 2 y tanh y = 1.
     //
@@ -307,7 +307,7 @@ class Rub final : public Motion {
 
   // Between two knots the sliding speed is linear. Rocking moves the tips in straight lines.
   [[nodiscard]] double longest_step() const override {
-    return std::min(knot, step_per_turn(std::abs(rotation_) * restless_.top_way_rate()));
+    return std::min(knot, step_per_turn(std::abs(rotation_) * processes_.top_way_rate()));
   }
 
   [[nodiscard]] bool turns() const override { return rotation_ != 0.0; }
@@ -343,8 +343,8 @@ class Rub final : public Motion {
   // there is along (x/a^2, k sin(g)/b, -k cos(g)/c). Rx rotates away its Y component, then Ry its X
   // component.
   [[nodiscard]] Spot spot_at(double t) const {
-    const Point along = wandered(0, restless_.at(Restlessness::along, t)),
-                around = wandered(1, restless_.at(Restlessness::around, t));
+    const Point along = wandered(0, processes_.at(FingerProcesses::along, t)),
+                around = wandered(1, processes_.at(FingerProcesses::around, t));
     const double x = along.value, dx = along.rate, g = around.value / radius(), dg = around.rate / radius();
     const double k = std::sqrt(1.0 - x * x / (a_ * a_)), dk = -x * dx / (a_ * a_ * k);
     const auto [sine, cosine] = math::sincos(g);
@@ -364,7 +364,7 @@ class Rub final : public Motion {
   std::array<double, 2> site_, wander_, room_;
   double compression_, deepest_, load_sd_, gap_, start_, approach_, rotation_, yaw_;
   Eigen::Vector3d speed_;
-  Restlessness restless_;
+  FingerProcesses processes_;
 };
 
 }  // namespace

@@ -97,7 +97,7 @@ class Wander final : public Motion {
   }
 
   [[nodiscard]] BodyState pad_at(double t) const override {
-    const ProfilePoint down = come_down(t, start_, approach_);
+    const ProfilePoint down = descent(t, start_, approach_);
     const Wave::Point press = waves_[0].at(t);
     const Wave::Point share{down.position * 0.5 * (1.0 + press.value),
                             down.velocity * 0.5 * (1.0 + press.value) + down.position * 0.5 * press.rate};

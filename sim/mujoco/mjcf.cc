@@ -158,12 +158,12 @@ struct Model {
   std::vector<std::string> folders;                  // all values of assetdir, meshdir and texturedir, in any of the files
   bool strips = false;                               // strippath
   std::vector<fs::path> files;                       // the model file first
-  std::multimap<std::string, std::string> attached;  // names that <attach> may use, and keys of Looked::models
+  std::multimap<std::string, std::string> attached;  // names that <attach> may use, and keys of CheckedFiles::models
 };
 
 // Files already checked. MuJoCo's rules for a name depend on its version and on the order of the elements, so that a
 // name is checked in every folder in which MuJoCo may look for it.
-struct Looked {
+struct CheckedFiles {
   fs::path folder;  // of the main model
   std::map<std::string, std::vector<Tag>> files;
   std::map<std::string, std::string> shown;                      // by canonical path: the key in `files`
@@ -184,15 +184,15 @@ std::string key_of(const fs::path& path, const Model* naming) {
 }
 
 // Returns the tags of a file, read once.
-const std::vector<Tag>& tags_of_file(const fs::path& path, Looked& looked) {
-  const auto [shown, is_new] = looked.shown.emplace(identity_of(path), path.lexically_normal().string());
+const std::vector<Tag>& tags_of_file(const fs::path& path, CheckedFiles& checked) {
+  const auto [shown, is_new] = checked.shown.emplace(identity_of(path), path.lexically_normal().string());
   if (is_new) {
     check_regular_file(path.string(), largest_file);
     std::ifstream stream(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    looked.files[shown->second] = tags_of(text);
+    checked.files[shown->second] = tags_of(text);
   }
-  return looked.files.at(shown->second);
+  return checked.files.at(shown->second);
 }
 
 // MuJoCo takes a backslash as a slash.
@@ -227,17 +227,17 @@ std::vector<fs::path> candidates(const Model& model, const fs::path& file, const
 // Returns the existing files that MuJoCo may open for an attribute. Throws InputError if one of them is outside of the
 // allowed folders, or if none exists and all of them would be outside.
 std::vector<fs::path> named_files(const Model& model, const fs::path& file, const Tag& tag, const std::string& key,
-                                  const Looked& looked) {
+                                  const CheckedFiles& checked) {
   const std::string place = fmt::format("{}:{}: {}", file.string(), tag.line, printable(key));
   const std::vector<fs::path> paths = candidates(model, file, tag.attributes.at(key));
   std::vector<fs::path> found;
   for (const fs::path& path : paths) {
     std::error_code error;
     if (!fs::exists(path, error)) continue;
-    check_named_file(path, looked.folder, place, "");
+    check_named_file(path, checked.folder, place, "");
     found.push_back(path);
   }
-  if (found.empty() && std::ranges::none_of(paths, [&](const fs::path& path) { return may_be_named(path, looked.folder); })) {
+  if (found.empty() && std::ranges::none_of(paths, [&](const fs::path& path) { return may_be_named(path, checked.folder); })) {
     refuse_named_file(paths.front(), place, "");
   }
   return found;
@@ -266,7 +266,7 @@ bool add_folders(const fs::path& file, const std::vector<Tag>& tags, Model& mode
 
 // Reads a model file and all that it includes. A folder named in one of the files holds for all of them, so that the
 // search is repeated until no folder is new.
-Model read_model(const fs::path& path, const Model* naming, Looked& looked) {
+Model read_model(const fs::path& path, const Model* naming, CheckedFiles& checked) {
   Model model;
   if (naming != nullptr) model = *naming;
   model.path = identity_of(path);
@@ -279,17 +279,17 @@ Model read_model(const fs::path& path, const Model* naming, Looked& looked) {
   model.files = {path};
   model.attached.clear();
   std::set<std::string> known{model.path};
-  add_folders(path, tags_of_file(path, looked), model);
+  add_folders(path, tags_of_file(path, checked), model);
   for (bool again = true; again;) {
     again = false;
     for (std::size_t i = 0; i < model.files.size(); ++i) {
       const fs::path file = model.files[i];
-      for (const Tag& tag : tags_of_file(file, looked)) {
+      for (const Tag& tag : tags_of_file(file, checked)) {
         if (!tag.begins || tag.name != "include" || !tag.attributes.contains("file")) continue;
-        for (const fs::path& found : named_files(model, file, tag, "file", looked)) {
+        for (const fs::path& found : named_files(model, file, tag, "file", checked)) {
           if (!known.insert(identity_of(found)).second) continue;
           model.files.push_back(found);
-          again = add_folders(found, tags_of_file(found, looked), model) || again;
+          again = add_folders(found, tags_of_file(found, checked), model) || again;
         }
       }
     }
@@ -297,15 +297,15 @@ Model read_model(const fs::path& path, const Model* naming, Looked& looked) {
   return model;
 }
 
-void check_model(const fs::path& path, const Model* naming, Looked& looked, double copies = 1.0);
+void check_model(const fs::path& path, const Model* naming, CheckedFiles& checked, double copies = 1.0);
 
-void check_file(const fs::path& path, const std::string& model_key, Looked& looked, double copies) {
-  double& known_copies = looked.copies[{model_key, identity_of(path)}];
+void check_file(const fs::path& path, const std::string& model_key, CheckedFiles& checked, double copies) {
+  double& known_copies = checked.copies[{model_key, identity_of(path)}];
   if (copies <= known_copies) return;  // MuJoCo refuses a file that includes itself
   known_copies = copies;
-  Model& model = looked.models.at(model_key);
+  Model& model = checked.models.at(model_key);
   std::vector<double> replicated{copies};  // stack of the open elements' factors
-  for (const Tag& tag : tags_of_file(path, looked)) {
+  for (const Tag& tag : tags_of_file(path, checked)) {
     if (tag.name == "replicate" && !tag.begins && replicated.size() > 1) replicated.pop_back();
     if (!tag.begins) continue;
     check_size(path.string(), tag, "has the cells", hfield_cells(tag), most_cells);
@@ -319,8 +319,8 @@ void check_file(const fs::path& path, const std::string& model_key, Looked& look
       if (key.starts_with("nuser")) check_size(path.string(), tag, ("has the " + key).c_str(), product_of(tag, key), most_values);
       if (tag.name == "attach" && key == "model") {
         for (auto [at, end] = model.attached.equal_range(value); at != end; ++at) {
-          const fs::path child = looked.models.at(at->second).files.front();
-          check_model(child, &model, looked, replicated.back());
+          const fs::path child = checked.models.at(at->second).files.front();
+          check_model(child, &model, checked, replicated.back());
         }
       }
       const bool names_file = key.starts_with("file");  // also of a cube's sides
@@ -333,9 +333,9 @@ void check_file(const fs::path& path, const std::string& model_key, Looked& look
                                      printable(tag.name), printable(key), quote(value)));
       }
       if (!names_file) continue;
-      for (const fs::path& found : named_files(model, path, tag, key, looked)) {
+      for (const fs::path& found : named_files(model, path, tag, key, checked)) {
         if (tag.name == "include") {
-          check_file(found, model_key, looked, replicated.back());
+          check_file(found, model_key, checked, replicated.back());
         } else if (tag.name != "model") {
           check_regular_file(found.string(), largest_file);
         }
@@ -345,62 +345,62 @@ void check_file(const fs::path& path, const std::string& model_key, Looked& look
 }
 
 // `naming`: the model that names this one; null for the main model.
-void check_model(const fs::path& path, const Model* naming, Looked& looked, double copies) {
+void check_model(const fs::path& path, const Model* naming, CheckedFiles& checked, double copies) {
   const std::string key = key_of(path, naming);
-  if (!looked.models.contains(key)) {
-    looked.models.emplace(key, read_model(path, naming, looked));
-    Model& model = looked.models.at(key);
+  if (!checked.models.contains(key)) {
+    checked.models.emplace(key, read_model(path, naming, checked));
+    Model& model = checked.models.at(key);
     for (const fs::path& file : model.files) {
-      for (const Tag& tag : tags_of_file(file, looked)) {
+      for (const Tag& tag : tags_of_file(file, checked)) {
         if (!tag.begins || tag.name != "model" || !tag.attributes.contains("file")) continue;
-        for (const fs::path& found : named_files(model, file, tag, "file", looked)) {
+        for (const fs::path& found : named_files(model, file, tag, "file", checked)) {
           // Without a name here, <attach> uses the name inside the file.
           std::set<std::string> names;
           if (const auto name = tag.attributes.find("name"); name != tag.attributes.end()) names.insert(name->second);
-          for (const Tag& inside : tags_of_file(found, looked)) {
+          for (const Tag& inside : tags_of_file(found, checked)) {
             const auto name = inside.attributes.find("model");
             if (inside.name == "mujoco" && name != inside.attributes.end()) names.insert(name->second);
           }
           for (const std::string& name : names) model.attached.emplace(name, key_of(found, &model));
-          check_model(found, &model, looked);
+          check_model(found, &model, checked);
         }
       }
     }
   }
-  check_file(path, key, looked, copies);
+  check_file(path, key, checked, copies);
 }
 
 // Returns the memory that a model declares, in bytes, with that of a child for each <attach>.
-double declared_memory(const std::string& model_key, const Looked& looked, std::map<std::string, double>& known) {
+double declared_memory(const std::string& model_key, const CheckedFiles& checked, std::map<std::string, double>& known) {
   const auto [place, is_new] = known.emplace(model_key, 0.0);  // 0 while a model that names itself is open
   if (!is_new) return place->second;
-  const Model& model = looked.models.at(model_key);
+  const Model& model = checked.models.at(model_key);
   double bytes = 0.0;
   for (const fs::path& file : model.files) {
-    for (const Tag& tag : looked.files.at(looked.shown.at(identity_of(file)))) {
+    for (const Tag& tag : checked.files.at(checked.shown.at(identity_of(file)))) {
       if (!tag.begins) continue;
       bytes += texture_bytes * texture_cells(tag) + hfield_bytes * hfield_cells(tag);
       if (tag.attributes.contains("memory")) bytes += std::max(0.0, product_of(tag, "memory"));
       const auto child = tag.attributes.find("model");
       if (tag.name != "attach" || child == tag.attributes.end()) continue;
       for (auto [at, end] = model.attached.equal_range(child->second); at != end; ++at) {
-        bytes += declared_memory(at->second, looked, known);
+        bytes += declared_memory(at->second, checked, known);
       }
     }
   }
   return known[model_key] = bytes;
 }
 
-Looked check_tree(const std::string& path) {
-  Looked looked{.folder = fs::path(path).parent_path(), .files = {}, .shown = {}, .models = {}, .copies = {}};
-  check_model(path, nullptr, looked);
+CheckedFiles check_tree(const std::string& path) {
+  CheckedFiles checked{.folder = fs::path(path).parent_path(), .files = {}, .shown = {}, .models = {}, .copies = {}};
+  check_model(path, nullptr, checked);
   std::map<std::string, double> known;
-  const double bytes = declared_memory(key_of(path, nullptr), looked, known);
+  const double bytes = declared_memory(key_of(path, nullptr), checked, known);
   if (bytes > most_memory) {
     throw InputError(fmt::format("{}: textures, height fields and `memory` need {} GB in all; allowed: at most {:.0f} GB", path,
                                  format_number(std::ceil(bytes / 1e8) / 10.0), most_memory / 1e9));
   }
-  return looked;
+  return checked;
 }
 
 }  // namespace
@@ -437,9 +437,9 @@ std::string placed_message(const std::string& path, std::string message) {
     const auto named = tag.attributes.find("name");
     return named != tag.attributes.end() && named->second == name;
   };
-  const Looked looked = check_tree(path);
+  const CheckedFiles checked = check_tree(path);
   std::string places;
-  for (const auto& [file, tags] : looked.files) {
+  for (const auto& [file, tags] : checked.files) {
     for (const Tag& tag : tags) {
       if (is_meant(tag)) places += (places.empty() ? ", " : " or ") + file + ":" + std::to_string(tag.line);
     }

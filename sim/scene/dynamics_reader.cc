@@ -18,11 +18,11 @@ constexpr std::array<std::string_view, 5> dynamic_sensor_keys{"ahead", "damping"
 constexpr std::array<std::string_view, 4> keys_of_models{"controls", "hold", "site", "touches"};
 
 // An override by which a key counts as absent.
-struct Withdrawal {
+struct AbsenceWord {
   std::string_view key;
   std::string_view word;
 };
-constexpr std::array<Withdrawal, 3> withdrawals{{{"contact", "none"}, {"field_solver", "auto"}, {"integrator", "auto"}}};
+constexpr std::array<AbsenceWord, 3> absence_words{{{"contact", "none"}, {"field_solver", "auto"}, {"integrator", "auto"}}};
 
 class DynamicsReader : EntryReader {
  public:
@@ -286,8 +286,8 @@ class DynamicsReader : EntryReader {
 const YamlNode* find_kept(const YamlNode& root, std::string_view key) {
   const YamlNode* node = root.find(key);
   if (node == nullptr || node->kind != YamlNode::Kind::scalar) return node;
-  const auto taken_back = [&](const Withdrawal& w) { return w.key == key && w.word == node->text; };
-  return std::ranges::any_of(withdrawals, taken_back) ? nullptr : node;
+  const auto taken_back = [&](const AbsenceWord& w) { return w.key == key && w.word == node->text; };
+  return std::ranges::any_of(absence_words, taken_back) ? nullptr : node;
 }
 
 std::string named_part(const YamlNode& node, const std::string& list, const std::string& what, const std::string& allowed,

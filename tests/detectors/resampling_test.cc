@@ -197,7 +197,7 @@ TEST(Resampling, RefusesOrSaysAChangeOfTheRate) {
 TEST(Resampling, EvensAtTheRecordingsOwnRate) {
   for (const std::size_t count : {400U, 401U}) {
     const std::vector<double> pairs = stamps({6.0, 14.0}, count);
-    const Resampling even = evening_of(source_at(100.0, pairs), "deviation");
+    const Resampling even = even_resampling_of(source_at(100.0, pairs), "deviation");
     EXPECT_NEAR(even.rate, 100.0, 0.2);
     EXPECT_EQ(even.stride, 1.0);
     EXPECT_EQ(even.gaps, 0U);
@@ -205,11 +205,11 @@ TEST(Resampling, EvensAtTheRecordingsOwnRate) {
   std::vector<double> changed = stamps({10.0}, 200);
   for (std::size_t k = 0; k < 200; ++k) changed.push_back(changed.back() + 0.0146);
   const FrameSource source = source_at(81.0, changed);
-  EXPECT_EQ(resampling_text(evening_of(source, "deviation"), source, "deviation"),
+  EXPECT_EQ(resampling_text(even_resampling_of(source, "deviation"), source, "deviation"),
             "resampled evenly at 81.3 Hz for deviation; down to 68.49 Hz in places");
   // Steps of 1.6 typical ones are gaps, as for a network: 200 of 16 ms in 4 s.
   const std::vector<double> packets = stamps({16.0, 4.0}, 400);
-  EXPECT_THAT(refusal_of([&] { evening_of(source_at(100.0, packets), "deviation"); }),
+  EXPECT_THAT(refusal_of([&] { even_resampling_of(source_at(100.0, packets), "deviation"); }),
               mentions({"200 gaps", "80 %", "--resample"}));
 }
 

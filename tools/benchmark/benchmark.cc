@@ -72,7 +72,7 @@ struct EntrantResults {
   std::vector<double> thresholds{};  // of a yardstick that chose them on the other half of the trials
 };
 
-struct LeftOut {
+struct OmittedDetector {
   std::string detector, why;
   bool reads_another = false;  // it reads a sensor that the set does not have
 };
@@ -81,7 +81,7 @@ struct LeftOut {
 struct Board {
   TestSet test_set{};
   std::vector<EntrantResults> entries{};
-  std::vector<LeftOut> left_out{};
+  std::vector<OmittedDetector> left_out{};
   std::vector<std::string> params{};  // JSON for each trial
   std::vector<std::string> digests{};
   std::string sensor{};
@@ -121,9 +121,9 @@ eval::Judgement judged(const TestSet* test_set, std::size_t trial, const eval::T
 }
 
 // The same trial on a surface on which nothing slips, simulated on first use.
-class Stuck {
+class TrialWithoutSlip {
  public:
-  explicit Stuck(std::function<TrialRecord()> simulate) : simulate_(std::move(simulate)) {}
+  explicit TrialWithoutSlip(std::function<TrialRecord()> simulate) : simulate_(std::move(simulate)) {}
   const TrialRecord& record() {
     if (!record_) record_ = simulate_();
     return *record_;
@@ -155,9 +155,9 @@ bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle ||
 // Disturbed recordings have no ranks: never to report slip has the best specificity.
 bool is_ranked(const Entrant& entrant, const TestSet& test_set) { return !is_measure(entrant) && test_set.disturbance.empty(); }
 
-// `stuck`: the same trial without slip; nullptr if no entrant needs it.
+// `slipless`: the same trial without slip; nullptr if no entrant needs it.
 Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, const Scene* scene, const TrialRecord& record,
-                       LabelRule rule, Stuck* stuck = nullptr) {
+                       LabelRule rule, TrialWithoutSlip* slipless = nullptr) {
   Answer answer;
   try {
     const double from = test_set == nullptr ? -never : judged_from(*test_set, *scene);
@@ -165,7 +165,7 @@ Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, con
     const auto replayed = [&] {
       if (entry.entrant->kind == Kind::oracle) return as_true(truth);
       if (entry.entrant->kind == Kind::known_signal)
-        return std::isnan(truth.first_slip) ? silence(truth) : signal_known(record, stuck->record(), entry.sensor, truth);
+        return std::isnan(truth.first_slip) ? no_reports(truth) : signal_known(record, slipless->record(), entry.sensor, truth);
       if (entry.entrant->kind == Kind::control)
         return eval::replay(make_detector(control_of(*entry.entrant, test_set, scene)), record.sensors, entry.sensor);
       return eval::replay(detector_of(entry), record.sensors, entry.sensor, record.seed, record.trial);
@@ -189,14 +189,14 @@ Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, con
 Answer grasp_answer(const EntrantResults& entry, const TestSet& test_set, Scene scene, std::size_t trial) {
   Answer answer;
   try {
-    TrialRun::InPlace in_place;
+    TrialRun::Replacements replacements;
     if (entry.entrant->kind == Kind::control) {
-      in_place.detector = make_detector(control_of(*entry.entrant, &test_set, &scene));
+      replacements.detector = make_detector(control_of(*entry.entrant, &test_set, &scene));
       scene.detector->sensor = entry.sensor;
     } else {
       scene.detector = detector_of(entry);
     }
-    TrialRun loop(scene, trial, Recording::full, max_record_bytes, nullptr, std::move(in_place));
+    TrialRun loop(scene, trial, Recording::full, max_record_bytes, nullptr, std::move(replacements));
     loop.run();
     const TrialRecord record = loop.finish().record;
     const SensorRecord& sensor = record.sensors[entry.sensor];
@@ -380,7 +380,7 @@ Json windows_json(const EntrantResults& entry) {
           {"slipping", sum.slipping},
           {"sticking", sum.sticking},
           {"recall", share(sum.detected, sum.slipping)},
-          {"specificity", share(sum.silent, sum.sticking)}};
+          {"specificity", share(sum.unreported, sum.sticking)}};
 }
 
 Json row_json(const Board& board, const EntrantResults& entry) {
@@ -408,7 +408,7 @@ Json row_json(const Board& board, const EntrantResults& entry) {
                 {"high", scored ? or_null(interval.high) : Json(nullptr)}}},
               {"credit", board.test_set.track != Track::transfer || scored ? Json(score.credit) : Json(nullptr)},
               {"false_alarms_per_minute", score.alarms_per_minute},
-              {"said", score.said},
+              {"said", score.reported_share},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (!entry.thresholds.empty()) row["thresholds"] = entry.thresholds;
   if (board.test_set.track == Track::loop) row["needless"] = score.needless;
@@ -491,7 +491,7 @@ Json board_json(Json json, Board board, Yardsticks& yardsticks) {
     json["rows"].push_back(std::move(row));
   }
   json["left_out"] = Json::array();
-  for (const LeftOut& one : board.left_out)
+  for (const OmittedDetector& one : board.left_out)
     json["left_out"].push_back({{"detector", one.detector}, {"why", one.why}, {"reads_another", one.reads_another}});
   json["by"] = board.params.empty() ? Json::array() : groups_json(board);
   return json;
@@ -533,13 +533,13 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
 struct TestSetTrials {
   // `protocol`: all sensors that some set of it reads are recorded, so that a recording's digest
   // does not depend on which sensors are judged.
-  TestSetTrials(const TestSet& first, std::size_t asked, const Protocol& protocol, const Catalogues& catalogues)
-      : read(read_sweep(sweep_of(first), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {
+  TestSetTrials(const TestSet& first, std::size_t request, const Protocol& protocol, const Catalogues& catalogues)
+      : read(read_sweep(sweep_of(first), catalogues)), numbers(chosen_trials(read.planned.plan.size(), request)) {
     for (const TestSet& test_set : protocol.held_out) {
       if (test_set.scene == first.scene) readers.insert(test_set.readers.begin(), test_set.readers.end());
     }
     // A part of the pairs has one recording with slip, one without, and so on.
-    if (asked > 0 && asked < plan().size() && first.track == Track::open && first.disturbance.empty()) {
+    if (request > 0 && request < plan().size() && first.track == Track::open && first.disturbance.empty()) {
       for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] ^= (k + 1) % 2;
     }
   }
@@ -581,11 +581,11 @@ void judge_recordings(std::vector<Board>& boards, const TestSetTrials& trials, c
         const TrialRecord record = trials.recorded(trials.numbers[k]);
         const Scene scene = trials.plan().trial(trials.numbers[k]).scene;
         Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
-        Stuck stuck([&trials, k] { return trials.recorded(trials.numbers[k], true); });
+        TrialWithoutSlip slipless([&trials, k] { return trials.recorded(trials.numbers[k], true); });
         for (const Board& board : boards) {
           std::vector<Answer>& answers = judged.answers.emplace_back();
           for (const EntrantResults& entry : board.entries)
-            answers.push_back(recorded_answer(entry, &board.test_set, &scene, record, rule_of(board.test_set.track), &stuck));
+            answers.push_back(recorded_answer(entry, &board.test_set, &scene, record, rule_of(board.test_set.track), &slipless));
         }
         return judged;
       },
@@ -651,7 +651,7 @@ std::string set_name(const TestSet& test_set) {
 // Judges the sets that share the trials of one scene.
 std::vector<Json> sets_json(std::span<const TestSet> sharing, const Protocol& protocol, const std::vector<Entrant>& entrants,
                             Yardsticks& yardsticks, const Options& options, const Catalogues& catalogues) {
-  const TestSetTrials trials(sharing.front(), options.asked.trials, protocol, catalogues);
+  const TestSetTrials trials(sharing.front(), options.request.trials, protocol, catalogues);
   const TrialRecord first = trials.recorded(trials.numbers.front());
   std::vector<Board> boards;
   for (const TestSet& test_set : sharing) {
@@ -695,8 +695,8 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
     const SensorRecord& sensor = record.sensors.front();
     if (sensor.labels.truth)
       throw InputError(file + ": is a simulation; expected recordings of a real sensor, written by slipbench import");
-    if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
-      reject("{}: has a {}, but --sensor is {}", file, sensor.type, options.asked.sensor);
+    if (!options.request.sensor.empty() && sensor.type != options.request.sensor)
+      reject("{}: has a {}, but --sensor is {}", file, sensor.type, options.request.sensor);
     // Throws for a recording without labels.
     const std::vector<PadState> states = eval::label_states(sensor, rule_of(Track::transfer), false);
     labelled = labelled || std::ranges::any_of(states, [](PadState state) { return state != unknown_state; });
@@ -737,9 +737,9 @@ void check_names(const std::vector<Entrant>& entrants) {
 }
 
 // Returns the detectors of the command line, those that ship and the controls.
-std::vector<Entrant> known_entrants(const Asked& asked) {
+std::vector<Entrant> known_entrants(const BoardRequest& request) {
   std::vector<Entrant> entrants;
-  for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
+  for (const std::string& word : request.detectors) entrants.push_back(given_entrant(word, request.parameters));
   std::vector<Entrant> shipped = shipped_entrants();
   std::ranges::move(yardstick_entrants(), std::back_inserter(shipped));
   for (Entrant& entrant : shipped) {
@@ -753,7 +753,7 @@ std::vector<Entrant> known_entrants(const Asked& asked) {
   return entrants;
 }
 
-Json protocol_json(const Protocol& protocol, const Asked& asked) {
+Json protocol_json(const Protocol& protocol, const BoardRequest& request) {
   return {{"name", protocol.name},
           {"sha256", protocol_sha256(protocol)},
           {"half_delay_s", half_delay},
@@ -761,31 +761,32 @@ Json protocol_json(const Protocol& protocol, const Asked& asked) {
           {"force_ratio", worst_force_ratio},
           {"half_slip_distance_m", half_slip_distance},
           {"least_slip_distance_m", least_slip_distance},
-          {"whole", asked.trials == 0 && asked.sensor.empty()}};
+          {"whole", request.trials == 0 && request.sensor.empty()}};
 }
 
 }  // namespace
 
 Json benchmark(const Options& options) {
-  const Asked& asked = options.asked;
+  const BoardRequest& request = options.request;
   const Protocol protocol = find_protocol(options.protocol, "benchmark");
-  check_sensor(asked.sensor, protocol);
-  check_given_once(asked.real, "dataset");
-  std::vector<Entrant> entrants = known_entrants(asked);
+  check_sensor(request.sensor, protocol);
+  check_given_once(request.real, "dataset");
+  std::vector<Entrant> entrants = known_entrants(request);
   entrants.push_back(oracle_entrant());
   entrants.push_back(known_signal_entrant());
   const std::vector<Missing> missing = missing_entrants();
   const Catalogues catalogues = program_catalogues();
   Json transfer = Json::array();
-  for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr, {}), options));
+  for (const std::string& file : request.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr, {}), options));
   Json sets = Json::array();
   Yardsticks yardsticks;
-  std::vector<TestSet> asked_for;
-  std::ranges::copy_if(protocol.held_out, std::back_inserter(asked_for),
-                       [&asked](const TestSet& test_set) { return asked.sensor.empty() || test_set.sensor == asked.sensor; });
-  for (auto test_set = asked_for.begin(); test_set != asked_for.end();) {
-    const auto next =
-        std::find_if(test_set, asked_for.end(), [&test_set](const TestSet& other) { return other.scene != test_set->scene; });
+  std::vector<TestSet> requested_sets;
+  std::ranges::copy_if(protocol.held_out, std::back_inserter(requested_sets), [&request](const TestSet& test_set) {
+    return request.sensor.empty() || test_set.sensor == request.sensor;
+  });
+  for (auto test_set = requested_sets.begin(); test_set != requested_sets.end();) {
+    const auto next = std::find_if(test_set, requested_sets.end(),
+                                   [&test_set](const TestSet& other) { return other.scene != test_set->scene; });
     for (Json& set : sets_json({test_set, next}, protocol, entrants, yardsticks, options, catalogues)) {
       for (const Missing& one : missing) {
         if (set.at("sensor") == one.sensor)
@@ -799,11 +800,11 @@ Json benchmark(const Options& options) {
   Json machine = environment_json();
   machine.erase("load");
   Json result = {{result_key, 1},
-                 {"asked", asked_json(asked)},
-                 {"protocol", protocol_json(protocol, asked)},
+                 {"asked", request_json(request)},
+                 {"protocol", protocol_json(protocol, request)},
                  {"machine", machine},
                  {"sets", sets}};
-  if (asked.real.empty())
+  if (request.real.empty())
     result["transfer"] = "no real recordings were given; give them with --real FILE.h5, written by slipbench import";
   return result;
 }

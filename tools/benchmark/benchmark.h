@@ -15,7 +15,7 @@
 namespace slipbench::benchmark {
 
 // The options that decide the content of a board.
-struct Asked {
+struct BoardRequest {
   std::vector<std::string> detectors;  // added to those that ship: names, FILE.onnx, folders of memories
   std::vector<Override> parameters;    // for each of `detectors`
   std::vector<std::string> real;       // datasets of real recordings, for the track transfer
@@ -26,7 +26,7 @@ struct Asked {
 };
 
 struct Options {
-  Asked asked;
+  BoardRequest request;
   std::string protocol = default_protocol;
   std::size_t jobs = 0;  // worker threads; 0: one per hardware thread
   const std::atomic<bool>* interrupt = nullptr;
@@ -36,7 +36,7 @@ struct Options {
 inline constexpr const char* result_key = "slipbench_benchmark";
 
 // Returns the board as one object, which --submit writes; its first key is result_key: 1.
-//   asked       as asked_json()
+//   asked       as request_json()
 //   protocol    {name, sha256, half_delay_s, alarms_per_minute, force_ratio,
 //               half_slip_distance_m, least_slip_distance_m, whole}; whole: false if only a part was judged
 //   machine     environment_json() without its load

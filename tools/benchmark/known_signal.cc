@@ -47,12 +47,12 @@ Noise noise_of(const std::vector<double>& values, std::size_t touching) {
 }  // namespace
 
 Scene without_slip(const Scene& scene) {
-  Scene stuck = scene;
-  stuck.friction.static_coefficient = stuck.friction.kinetic_coefficient = most_friction;
-  return stuck;
+  Scene slipless = scene;
+  slipless.friction.static_coefficient = slipless.friction.kinetic_coefficient = most_friction;
+  return slipless;
 }
 
-eval::Replayed silence(const eval::Truth& truth) {
+eval::Replayed no_reports(const eval::Truth& truth) {
   eval::Replayed seen;
   seen.seen.assign(truth.time.size(), PadState::non_slip);
   seen.seen_since = truth.time;
@@ -61,10 +61,11 @@ eval::Replayed silence(const eval::Truth& truth) {
   return seen;
 }
 
-eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth) {
+eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& slipless, std::size_t sensor,
+                            const eval::Truth& truth) {
   std::vector<std::pair<double, double>> energy;  // time [s], energy added
   for (std::size_t c = 0; c < record.sensors[sensor].channels.size(); ++c) {
-    const SensorColumn &column = record.sensors[sensor].channels[c], &without = stuck.sensors[sensor].channels[c];
+    const SensorColumn &column = record.sensors[sensor].channels[c], &without = slipless.sensors[sensor].channels[c];
     const std::vector<double>& time = record.sensors[sensor].times_of(column);
     const auto contact = std::ranges::find_if(truth.state, [](PadState state) { return state != PadState::no_contact; });
     const double touch =
@@ -103,7 +104,7 @@ eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck,
     from = std::max(time, truth.first_slip);
     break;
   }
-  eval::Replayed seen = silence(truth);
+  eval::Replayed seen = no_reports(truth);
   for (std::size_t row = 0; row < truth.time.size(); ++row) {
     const bool begins = truth.time[row] >= from && (row == 0 || truth.time[row - 1] < from);
     if (begins || (truth.time[row] >= from && slips(truth.state[row]))) seen.seen[row] = PadState::gross;

@@ -20,7 +20,7 @@ inline constexpr double known_signal_deviations = 3.0;
 Scene without_slip(const Scene& scene);
 
 // Returns the answers of a detector that never reports slip.
-eval::Replayed silence(const eval::Truth& truth);
+eval::Replayed no_reports(const eval::Truth& truth);
 
 // Returns the answers of a matched filter for a known signal in noise of one pole (H. L. Van Trees,
 // Detection, Estimation, and Modulation Theory I, 4.2). It reports slip when the energy of the
@@ -35,9 +35,9 @@ eval::Replayed silence(const eval::Truth& truth);
 //        without slip, which a steady or ramped load does not change: 1.4826 times their median deviation
 //        from the median, times sqrt((1 + phi)/(2 (3 - phi))); at least the value's smallest step over
 //        sqrt(12)
-// `record`, `stuck`: the trial and the same trial of without_slip(). `sensor`: its number in both.
+// `record`, `slipless`: the trial and the same trial of without_slip(). `sensor`: its number in both.
 // Nothing is reported before `truth.first_slip`; from the decision on, slip is reported in the
 // first sample and in all samples that truly slip.
-eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth);
+eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& slipless, std::size_t sensor, const eval::Truth& truth);
 
 }  // namespace slipbench::benchmark

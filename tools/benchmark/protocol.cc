@@ -37,11 +37,11 @@ constexpr double seconds_a_minute = 60.0;
 Part alarms_of(const eval::Judgement& judgement) {
   Part part;
   part.alarms = static_cast<double>(judgement.stick_alarms + judgement.air_alarms);
-  part.quiet = judgement.stick_time + judgement.air_time;
+  part.quiet_seconds = judgement.stick_time + judgement.air_time;
   for (const PadState state : {PadState::no_contact, PadState::non_slip}) {
-    part.still += static_cast<double>(samples_in(judgement.frames, state));
+    part.quiet_samples += static_cast<double>(samples_in(judgement.frames, state));
     for (const PadState slip : {PadState::incipient, PadState::gross})
-      part.said += static_cast<double>(samples_in(judgement.frames, state, slip));
+      part.reported_samples += static_cast<double>(samples_in(judgement.frames, state, slip));
   }
   return part;
 }
@@ -85,7 +85,7 @@ Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   const bool by_distance = test_set.track != Track::transfer;
   part.credited = slips && judgement.onset_known && !(by_distance && judgement.whole_slip_distance < least_slip_distance);
   part.judged = test_set.disturbance.empty() || !slips;
-  part.silent = std::isnan(judgement.alarm_time);
+  part.no_alarm = std::isnan(judgement.alarm_time);
   if (part.credited && judgement.detection == Detection::seen) {
     part.credit = by_distance ? distance_credit(judgement.slip_distance) : half_delay / (half_delay + judgement.delay);
   }
@@ -107,32 +107,32 @@ Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, con
 
 Score score_of(std::span<const Part> parts, const TestSet& test_set) {
   Part sum;
-  double credited = 0.0, judged = 0.0, silent = 0.0;
+  double credited = 0.0, judged = 0.0, without_alarm = 0.0;
   for (const Part& part : parts) {
     if (!part.judged) continue;
     ++judged;
-    silent += part.silent ? 1.0 : 0.0;
+    without_alarm += part.no_alarm ? 1.0 : 0.0;
     sum.credit += part.credit;
     sum.needless += part.needless;
     credited += part.credited ? 1.0 : 0.0;
     sum.alarms += part.alarms;
-    sum.quiet += part.quiet;
-    sum.said += part.said;
-    sum.still += part.still;
+    sum.quiet_seconds += part.quiet_seconds;
+    sum.reported_samples += part.reported_samples;
+    sum.quiet_samples += part.quiet_samples;
   }
   Score score;
   score.credit = share(sum.credit, credited);
   score.needless = share(sum.needless, judged - credited);
-  score.alarms_per_minute = seconds_a_minute * share(sum.alarms, sum.quiet);
-  score.said = share(sum.said, sum.still);
-  score.specificity = share(silent, judged);
+  score.alarms_per_minute = seconds_a_minute * share(sum.alarms, sum.quiet_seconds);
+  score.reported_share = share(sum.reported_samples, sum.quiet_samples);
+  score.specificity = share(without_alarm, judged);
   score.judged = static_cast<std::size_t>(judged);
   score.credited = static_cast<std::size_t>(credited);
   // In a loop a false alarm already costs force.
   const double alarms = test_set.track == Track::loop ? 0.0 : score.alarms_per_minute;
-  score.value = !test_set.disturbance.empty()
-                    ? score.specificity
-                    : recording_score(score.credit, alarms, score.said) - (test_set.track == Track::loop ? score.needless : 0.0);
+  score.value = !test_set.disturbance.empty() ? score.specificity
+                                              : recording_score(score.credit, alarms, score.reported_share) -
+                                                    (test_set.track == Track::loop ? score.needless : 0.0);
   return score;
 }
 
@@ -140,7 +140,7 @@ void WindowCounts::add(const WindowCounts& other) {
   slipping += other.slipping;
   detected += other.detected;
   sticking += other.sticking;
-  silent += other.silent;
+  unreported += other.unreported;
 }
 
 WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& replayed) {
@@ -160,7 +160,7 @@ WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& repla
   for (const auto& [place, window] : windows) {
     ++(window.slips ? counts.slipping : counts.sticking);
     counts.detected += window.slips && window.reported ? 1U : 0U;
-    counts.silent += !window.slips && !window.reported ? 1U : 0U;
+    counts.unreported += !window.slips && !window.reported ? 1U : 0U;
   }
   return counts;
 }
@@ -168,8 +168,8 @@ WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& repla
 Interval score_interval(std::span<const Part> parts, const TestSet& test_set) {
   if (!test_set.disturbance.empty()) {
     const auto judged = std::ranges::count_if(parts, &Part::judged);
-    const auto silent = std::ranges::count_if(parts, [](const Part& part) { return part.judged && part.silent; });
-    return clopper_pearson(static_cast<std::size_t>(silent), static_cast<std::size_t>(judged));
+    const auto without_alarm = std::ranges::count_if(parts, [](const Part& part) { return part.judged && part.no_alarm; });
+    return clopper_pearson(static_cast<std::size_t>(without_alarm), static_cast<std::size_t>(judged));
   }
   if (parts.size() < eval::fewest_experiments)
     return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};

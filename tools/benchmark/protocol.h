@@ -68,15 +68,15 @@ std::string protocol_sha256(const Protocol& protocol);
 
 // One trial's contribution to a score.
 struct Part {
-  bool judged = true;     // false: a disturbed recording that slips, which is left out
-  bool silent = true;     // there is no alarm that counts
-  double credit = 0.0;    // 0 to 1
-  bool credited = true;   // false: the trial has no credit to earn, such as a recording without slip
-  double alarms = 0.0;    // false alarms begun, early ones included
-  double quiet = 0.0;     // s without true slip, in which alarms are counted
-  double needless = 0.0;  // 0 to 1; for a grasp that needs no tightening
-  double said = 0.0;      // samples without true slip in which slip is reported
-  double still = 0.0;     // samples without true slip
+  bool judged = true;             // false: a disturbed recording that slips, which is left out
+  bool no_alarm = true;           // there is no alarm that counts
+  double credit = 0.0;            // 0 to 1
+  bool credited = true;           // false: the trial has no credit to earn, such as a recording without slip
+  double alarms = 0.0;            // false alarms begun, early ones included
+  double quiet_seconds = 0.0;     // s without true slip, in which alarms are counted
+  double needless = 0.0;          // 0 to 1; for a grasp that needs no tightening
+  double reported_samples = 0.0;  // samples without true slip in which slip is reported
+  double quiet_samples = 0.0;     // samples without true slip
 };
 
 // Returns the part of a recording. The credit of a detected slip is
@@ -95,13 +95,13 @@ Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, con
 struct Score {
   double credit = 0.0;             // mean over the credited trials; 0 if there are none
   double alarms_per_minute = 0.0;  // false alarms per minute without true slip
-  double said = 0.0;               // share of the samples without true slip in which slip is reported
+  double reported_share = 0.0;     // share of the samples without true slip in which slip is reported
   double needless = 0.0;           // mean over the grasps that need no tightening; 0 if there are none
   double specificity = 0.0;        // share of the recordings without an alarm
   std::size_t judged = 0;          // number of trials
   std::size_t credited = 0;        // of these, trials with a credit to earn
   // Disturbed recordings: specificity, 0 to 1. Other recordings: credit * min(1, alarm_limit /
-  // alarms_per_minute) - said, -1 to 1. Loops: credit - said - needless, -2 to 1 (a false alarm
+  // alarms_per_minute) - reported_share, -1 to 1. Loops: credit - reported_share - needless, -2 to 1 (a false alarm
   // already costs force).
   double value = 0.0;
 };
@@ -113,8 +113,8 @@ inline constexpr double window_length = 0.5;  // s, assumed: about the shortest 
 
 // Windows of a recording, or of several: those that truly slip somewhere, and the others.
 struct WindowCounts {
-  std::size_t slipping = 0, detected = 0;  // windows that slip; of these, windows in which slip is reported
-  std::size_t sticking = 0, silent = 0;    // windows that do not; of these, windows in which it is not reported
+  std::size_t slipping = 0, detected = 0;    // windows that slip; of these, windows in which slip is reported
+  std::size_t sticking = 0, unreported = 0;  // windows that do not; of these, windows in which it is not reported
 
   void add(const WindowCounts& other);
 };

@@ -30,25 +30,25 @@ void adopt_close_numbers(const Json& submitted, Json& recomputed) {
 
 }  // namespace
 
-Json asked_json(const Asked& asked) {
+Json request_json(const BoardRequest& request) {
   Json parameters = Json::array();
-  for (const Override& change : asked.parameters) parameters.push_back({change.path, change.value});
-  return {{"detectors", asked.detectors},
+  for (const Override& change : request.parameters) parameters.push_back({change.path, change.value});
+  return {{"detectors", request.detectors},
           {"set", parameters},
-          {"real", asked.real},
-          {"sensor", asked.sensor},
-          {"trials", asked.trials}};
+          {"real", request.real},
+          {"sensor", request.sensor},
+          {"trials", request.trials}};
 }
 
-Asked parse_asked(const Json& json, const std::string& file) {
+BoardRequest parse_request(const Json& json, const std::string& file) {
   try {
-    Asked asked;
-    asked.detectors = json.at("detectors").get<std::vector<std::string>>();
-    for (const Json& change : json.at("set")) asked.parameters.push_back({change.at(0), change.at(1)});
-    asked.real = json.at("real").get<std::vector<std::string>>();
-    asked.sensor = json.at("sensor").get<std::string>();
-    asked.trials = json.at("trials").get_ref<const Json::number_unsigned_t&>();  // rejects -1 and 1e300
-    return asked;
+    BoardRequest request;
+    request.detectors = json.at("detectors").get<std::vector<std::string>>();
+    for (const Json& change : json.at("set")) request.parameters.push_back({change.at(0), change.at(1)});
+    request.real = json.at("real").get<std::vector<std::string>>();
+    request.sensor = json.at("sensor").get<std::string>();
+    request.trials = json.at("trials").get_ref<const Json::number_unsigned_t&>();  // rejects -1 and 1e300
+    return request;
   } catch (const Json::exception& error) {
     reject("{}: /asked: {}; expected a file that benchmark --submit wrote", file, error.what());
   }

@@ -8,9 +8,9 @@
 
 namespace slipbench::benchmark {
 
-Json asked_json(const Asked& asked);
+Json request_json(const BoardRequest& asked);
 // The inverse. Throws InputError with `file` and the key.
-Asked parse_asked(const Json& json, const std::string& file);
+BoardRequest parse_request(const Json& json, const std::string& file);
 
 // Returns the bytes of a submission.
 std::string submission_text(const Json& result);

@@ -40,10 +40,10 @@ std::string value_text(const ExpectationKind& kind, double value, double limit) 
   if (std::isnan(value)) return kind.absent;
   if (kind.comparison == Comparison::equal) return value == 0.0 ? "false" : "true";
   const Quantity quantity = kind.about.parameters.front().quantity;
-  const std::string said = format_quantity(limit, quantity);
-  const std::size_t space = said.find(' ');
+  const std::string text = format_quantity(limit, quantity);
+  const std::size_t space = text.find(' ');
   if (space == std::string::npos) return fmt::format("{:.4g}", value);
-  const std::string symbol = said.substr(space + 1);
+  const std::string symbol = text.substr(space + 1);
   const auto units = units_of(quantity);
   const auto unit = std::ranges::find(units, symbol, &Unit::symbol);
   return fmt::format("{:.4g} {}", value / unit->factor, symbol);

@@ -12,7 +12,7 @@
 
 namespace slipbench {
 
-void Command::tell(const std::string& what) const {
+void Command::print_status(const std::string& what) const {
   if (!silent()) say(stderr, fmt::format("slipbench: {}\n", what));
 }
 

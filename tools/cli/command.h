@@ -32,7 +32,7 @@ class Command {
   // True if stderr shows errors alone, without progress and status lines.
   [[nodiscard]] bool silent() const { return quiet || json; }
   // Prints a status line on stderr ("slipbench: ..."), unless the command is silent.
-  void tell(const std::string& what) const;
+  void print_status(const std::string& what) const;
 
   // Makes standard output the target of an option, as for `-o -`. Returns the path of a temporary
   // file with this ending, such as ".html", which the command writes instead.

@@ -55,43 +55,43 @@ bool has_series(const Exploration& exploration, std::string_view series) {
 }
 
 // Numbers of the settings of MuJoCo's own contact by their result.
-struct Tried {
+struct ContactCounts {
   std::size_t all = 0, refused = 0, not_run = 0;
   std::size_t failed = 0;    // ran and failed
   std::size_t slower = 0;    // ran with an output rate below the scene's
   std::size_t compared = 0;  // ran and can be compared
   std::string why = {};      // of a refusal
 };
-Tried tried_contact(const Exploration& exploration) {
-  Tried tried;
+ContactCounts contact_counts(const Exploration& exploration) {
+  ContactCounts counts;
   for (const Row& row : exploration.rows) {
     if (row.setting.series != contact_series) continue;
-    ++tried.all;
+    ++counts.all;
     switch (row.status) {
-      case Status::ok: ++(as_often(exploration, row) ? tried.compared : tried.slower); break;
+      case Status::ok: ++(as_often(exploration, row) ? counts.compared : counts.slower); break;
       case Status::refused:
-        ++tried.refused;
-        tried.why = row.why;
+        ++counts.refused;
+        counts.why = row.why;
         break;
-      case Status::over_budget: ++tried.not_run; break;
+      case Status::over_budget: ++counts.not_run; break;
       case Status::warning:
-      case Status::diverged: ++tried.failed; break;
+      case Status::diverged: ++counts.failed; break;
     }
   }
-  return tried;
+  return counts;
 }
 
 std::string contact_text(const Exploration& exploration, Measure measure, double limit, const Row& cheapest_row) {
   const MeasureInfo& info = info_of(measure);
-  const Tried tried = tried_contact(exploration);
+  const ContactCounts counts = contact_counts(exploration);
   if (const Row* const contact = cheapest(exploration, measure, limit, contact_series)) {
     return fmt::format("MuJoCo's own contact: {} ({}), {} times slower", speed_text(exploration.cost(*contact)),
                        contact->setting.label, ratio_text(exploration.cost(*contact) / exploration.cost(cheapest_row)));
   }
-  if (tried.refused == tried.all) return fmt::format("MuJoCo's own contact: not possible ({})", tried.why);
-  if (tried.not_run + tried.refused == tried.all) return "MuJoCo's own contact: not tried, because the budget was used up";
-  if (tried.compared == 0) return "MuJoCo's own contact: no run can be compared";
-  const std::string none = fmt::format("MuJoCo's own contact: not reached by its {}", counted(tried.compared, "setting"));
+  if (counts.refused == counts.all) return fmt::format("MuJoCo's own contact: not possible ({})", counts.why);
+  if (counts.not_run + counts.refused == counts.all) return "MuJoCo's own contact: not tried, because the budget was used up";
+  if (counts.compared == 0) return "MuJoCo's own contact: no run can be compared";
+  const std::string none = fmt::format("MuJoCo's own contact: not reached by its {}", counted(counts.compared, "setting"));
   const Row* const best = best_of(exploration, measure, contact_series);
   if (best == nullptr) return none + ", in which other events occur";
   return fmt::format("{}, {} at best ({}, {})", none, limit_text(info, at(best->errors, measure)->worst), best->setting.label,
@@ -99,18 +99,18 @@ std::string contact_text(const Exploration& exploration, Measure measure, double
 }
 
 // Counts of settings without a result; empty if there are none.
-std::string left_out_text(const Tried& tried) {
+std::string left_out_text(const ContactCounts& counts) {
   std::vector<std::string> parts;
   const auto add = [&parts](std::size_t count, std::string_view what) {
     if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
   };
-  add(tried.failed, "diverged");
-  add(tried.slower, "had a lower output rate than the scene");
-  add(tried.refused, "refused");
-  add(tried.not_run, "not run, because the budget was used up");
+  add(counts.failed, "diverged");
+  add(counts.slower, "had a lower output rate than the scene");
+  add(counts.refused, "refused");
+  add(counts.not_run, "not run, because the budget was used up");
   if (parts.empty()) return "";
-  const std::size_t left_out = tried.all - tried.compared;
-  return fmt::format("{} of {} of MuJoCo's own contact {} not counted: {}.", left_out, counted(tried.all, "setting"),
+  const std::size_t left_out = counts.all - counts.compared;
+  return fmt::format("{} of {} of MuJoCo's own contact {} not counted: {}.", left_out, counted(counts.all, "setting"),
                      left_out == 1 ? "is" : "are", fmt::join(parts, ", "));
 }
 
@@ -293,8 +293,8 @@ std::vector<std::string> sentences(const Exploration& exploration) {
       append_statement(exploration, measure, limit, lines);
   }
   if (!exploration.reference.converged) lines.push_back(reference_text(exploration));
-  const Tried tried = tried_contact(exploration);
-  if (const std::string left_out = left_out_text(tried); tried.refused < tried.all && !left_out.empty())
+  const ContactCounts counts = contact_counts(exploration);
+  if (const std::string left_out = left_out_text(counts); counts.refused < counts.all && !left_out.empty())
     lines.push_back(left_out);
   if (exploration.one_friction && has_series(exploration, contact_series)) {
     lines.push_back("MuJoCo's own contact has one coefficient of friction: its rows use the scene's static one.");

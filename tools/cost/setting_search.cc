@@ -56,7 +56,7 @@ std::string rounded_time(const std::string& text) {
 
 // Time step and solver: implicit or explicit pad springs, number of steps per sampling time, and
 // whether a soft skin is solved to a tight tolerance.
-struct Cut {
+struct StepSetting {
   bool implicit = false;
   std::size_t steps = 1;
   bool tight = false;
@@ -67,7 +67,10 @@ struct Cut {
 class Search {
  public:
   Search(const ReadSweep& read, const std::vector<Requirement>& required)
-      : plan_(read.planned.plan), asked_(read.planned.asked), trials_(evenly_spaced(asked_, most_probed)), required_(required) {
+      : plan_(read.planned.plan),
+        requested_(read.planned.requested),
+        trials_(evenly_spaced(requested_, most_probed)),
+        required_(required) {
     const auto [scene, drawn] = plan_.trial(0);
     for (const auto& [path, value] : drawn) {
       if (std::ranges::find(searched_keys, path) != searched_keys.end())
@@ -86,57 +89,57 @@ class Search {
 
   [[nodiscard]] FoundSetting find() {
     try {
-      return look();
+      return search();
     } catch (const SceneValueError& error) {
       throw InputError(plan_.where(0, error.path()) + ": " + error.what());
     }
   }
 
  private:
-  FoundSetting look() {
+  FoundSetting search() {
     FoundSetting found;
     found.trials = trials_;
     const std::size_t longest = longest_step();
     if (read_closed_forms()) {
       found.reference = "closed form";
-      if (try_cuts(candidates(finest_reference * longest), Recording::outcome, exact_, found)) return found;
+      if (try_settings(candidates(finest_reference * longest), Recording::outcome, exact_, found)) return found;
       refuse_unmet(found);
     }
     find_reference(longest, found);
     // Includes the reference's neighbouring step, whose errors are known to be small enough.
-    if (!try_cuts(candidates(reference_steps_), Recording::full, reference_, found)) refuse_unmet(found);
+    if (!try_settings(candidates(reference_steps_), Recording::full, reference_, found)) refuse_unmet(found);
     return found;
   }
 
-  [[nodiscard]] double step_of(const Cut& cut) const { return sampling_time_ / static_cast<double>(cut.steps); }
+  [[nodiscard]] double step_of(const StepSetting& setting) const { return sampling_time_ / static_cast<double>(setting.steps); }
 
   [[nodiscard]] std::string tolerance_path() const { return fmt::format("effects.{}.elastic_skin.tolerance", *skin_); }
 
   // Residuals of the steps of a slipping skin accumulate over the steps. Never larger than the
   // scene's own tolerance.
-  [[nodiscard]] double tolerance_of(const Cut& cut) const {
+  [[nodiscard]] double tolerance_of(const StepSetting& setting) const {
     constexpr double least = 1e-10;  // lower limit of the parameter
     const double own = plan_.trial(0).scene.effects[*skin_].parameters.number("tolerance");
     return std::min(own,
-                    std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps)));
+                    std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(setting.steps)));
   }
 
   // The step reads back as the same double.
-  [[nodiscard]] std::vector<Override> overrides_of(const Cut& cut) const {
-    std::vector<Override> overrides{{"time_step", format_quantity(step_of(cut), Quantity::time)}};
-    if (cut.implicit) overrides.push_back({"field_solver", "implicit"});
-    if (cut.tight) {
-      overrides.push_back({tolerance_path(), format_number(tolerance_of(cut))});
+  [[nodiscard]] std::vector<Override> overrides_of(const StepSetting& setting) const {
+    std::vector<Override> overrides{{"time_step", format_quantity(step_of(setting), Quantity::time)}};
+    if (setting.implicit) overrides.push_back({"field_solver", "implicit"});
+    if (setting.tight) {
+      overrides.push_back({tolerance_path(), format_number(tolerance_of(setting))});
     }
     return overrides;
   }
 
   // The scene of a trial with these overrides.
-  [[nodiscard]] Scene scene_of(const Cut& cut, std::size_t trial) const {
+  [[nodiscard]] Scene scene_of(const StepSetting& setting, std::size_t trial) const {
     Scene scene = plan_.trial(trial).scene;
-    scene.time_step = step_of(cut);
-    if (has_choice_) scene.field_solver = cut.implicit ? FieldSolver::implicit_springs : FieldSolver::explicit_springs;
-    if (cut.tight) scene.effects[*skin_].parameters.set("tolerance", tolerance_of(cut));
+    scene.time_step = step_of(setting);
+    if (has_choice_) scene.field_solver = setting.implicit ? FieldSolver::implicit_springs : FieldSolver::explicit_springs;
+    if (setting.tight) scene.effects[*skin_].parameters.set("tolerance", tolerance_of(setting));
     return scene;
   }
 
@@ -149,7 +152,7 @@ class Search {
   // Finds the longest time that divides the sampling times of all sensors with their own pads.
   void find_sampling_time() {
     std::set<double> rates;
-    for (const std::size_t trial : evenly_spaced(asked_, most_checked)) {
+    for (const std::size_t trial : evenly_spaced(requested_, most_checked)) {
       const Scene scene = plan_.trial(trial).scene;
       for (const SensorScene& sensor : scene.sensors) {
         if (!sensor.follows.empty()) continue;
@@ -173,9 +176,9 @@ class Search {
   }
 
   // Reason why a trial cannot start with the setting; empty if it can.
-  [[nodiscard]] std::optional<SceneValueError> refusal_of(const Cut& cut, std::size_t trial) const {
+  [[nodiscard]] std::optional<SceneValueError> refusal_of(const StepSetting& setting, std::size_t trial) const {
     try {
-      check_trial(scene_of(cut, trial), trial);
+      check_trial(scene_of(setting, trial), trial);
       return std::nullopt;
     } catch (const SceneValueError& error) {
       return error;
@@ -187,7 +190,7 @@ class Search {
   std::size_t fewest_steps(bool implicit) {
     std::size_t steps = 1;
     // A shorter step is stable wherever a longer one is, so earlier trials need not be repeated.
-    for (const std::size_t trial : evenly_spaced(asked_, most_checked)) {
+    for (const std::size_t trial : evenly_spaced(requested_, most_checked)) {
       while (std::optional<SceneValueError> refusal = refusal_of({implicit, steps}, trial)) {
         last_refusal_ = std::move(refusal);
         const bool of_step = last_refusal_->path() == "time_step" || last_refusal_->path() == "duration";
@@ -209,16 +212,16 @@ class Search {
   }
 
   // Settings in the order of trying, with fewer steps than `below`.
-  [[nodiscard]] std::vector<Cut> candidates(std::size_t below) const {
-    std::vector<Cut> cuts;
+  [[nodiscard]] std::vector<StepSetting> candidates(std::size_t below) const {
+    std::vector<StepSetting> settings;
     for (const auto& [implicit, fewest] : {std::pair{false, explicit_steps_}, std::pair{true, implicit_steps_}}) {
       for (std::size_t steps = fewest; steps > 0 && steps < below; steps *= 2) {
-        cuts.push_back({implicit, steps});
-        if (skin_) cuts.push_back({implicit, steps, true});
+        settings.push_back({implicit, steps});
+        if (skin_) settings.push_back({implicit, steps, true});
       }
     }
-    std::ranges::stable_sort(cuts, {}, &Cut::cost);
-    return cuts;
+    std::ranges::stable_sort(settings, {}, &StepSetting::cost);
+    return settings;
   }
 
   // True if all required measures have a closed form in all trials.
@@ -252,24 +255,24 @@ class Search {
 
   // `references`: reference of each trial.
   template <class Reference>
-  bool try_cuts(const std::vector<Cut>& cuts, Recording recording, const std::vector<Reference>& references,
-                FoundSetting& found) {
-    for (const Cut& cut : cuts) {
-      SettingLook look{overrides_of(cut), {}, {}, true};
-      for (std::size_t k = 0; k < trials_.size() && look.met; ++k) {
+  bool try_settings(const std::vector<StepSetting>& settings, Recording recording, const std::vector<Reference>& references,
+                    FoundSetting& found) {
+    for (const StepSetting& setting : settings) {
+      TriedSetting attempt{overrides_of(setting), {}, {}, true};
+      for (std::size_t k = 0; k < trials_.size() && attempt.met; ++k) {
         try {
-          const Scene scene = scene_of(cut, trials_[k]);
-          keep_worst(look.errors, compare(scene, run_trial(scene, trials_[k], recording), references[k]));
-          look.met = meets(look.errors, margin);
+          const Scene scene = scene_of(setting, trials_[k]);
+          keep_worst(attempt.errors, compare(scene, run_trial(scene, trials_[k], recording), references[k]));
+          attempt.met = meets(attempt.errors, margin);
         } catch (const InputError& error) {
-          look.failure = fmt::format("trial {}: {}", trials_[k], error.what());
-          look.met = false;
+          attempt.failure = fmt::format("trial {}: {}", trials_[k], error.what());
+          attempt.met = false;
         }
       }
-      if (look.met) refuse_what_never_happens(look.errors);
-      found.looks.push_back(std::move(look));
-      if (!found.looks.back().met) continue;
-      found.overrides = found.looks.back().overrides;
+      if (attempt.met) refuse_what_never_happens(attempt.errors);
+      found.tried.push_back(std::move(attempt));
+      if (!found.tried.back().met) continue;
+      found.overrides = found.tried.back().overrides;
       return true;
     }
     return false;
@@ -280,13 +283,13 @@ class Search {
     return plan_.trial(0).scene.duration / sampling_time_ * static_cast<double>(steps) > most_steps;
   }
 
-  [[nodiscard]] std::vector<TrialResult> run_all(const Cut& cut) const {
+  [[nodiscard]] std::vector<TrialResult> run_all(const StepSetting& setting) const {
     std::vector<TrialResult> results;
     for (const std::size_t trial : trials_) {
       try {
-        results.push_back(run_trial(scene_of(cut, trial), trial, Recording::full));
+        results.push_back(run_trial(scene_of(setting, trial), trial, Recording::full));
       } catch (const InputError& error) {
-        refuse(fmt::format("trial {} with {}: {}", trial, setting_text(overrides_of(cut)), error.what()));
+        refuse(fmt::format("trial {} with {}: {}", trial, setting_text(overrides_of(setting)), error.what()));
       }
     }
     return results;
@@ -295,23 +298,23 @@ class Search {
   // Halves the step until two successive runs are close enough.
   void find_reference(std::size_t longest, FoundSetting& found) {
     const bool implicit = explicit_steps_ == 0;
-    Cut cut{implicit, 4 * longest, skin_.has_value()};
-    reference_ = run_all(cut);
+    StepSetting setting{implicit, 4 * longest, skin_.has_value()};
+    reference_ = run_all(setting);
     while (true) {
-      cut.steps *= 2;
-      std::vector<TrialResult> results = run_all(cut);
+      setting.steps *= 2;
+      std::vector<TrialResult> results = run_all(setting);
       Errors errors;
       for (std::size_t k = 0; k < trials_.size(); ++k) {
-        keep_worst(errors, compare(scene_of(cut, trials_[k]), reference_[k], results[k]));
+        keep_worst(errors, compare(scene_of(setting, trials_[k]), reference_[k], results[k]));
       }
       refuse_what_never_happens(errors);
       reference_ = std::move(results);
-      found.reference_overrides = overrides_of(cut);
+      found.reference_overrides = overrides_of(setting);
       found.reference = setting_text(found.reference_overrides);
       found.reference_errors = errors;
-      reference_steps_ = cut.steps;
+      reference_steps_ = setting.steps;
       if (meets(errors, reference_share)) return;
-      if (cut.steps >= finest_reference * longest || too_many(2 * cut.steps)) refuse_unsettled(errors, found.reference);
+      if (setting.steps >= finest_reference * longest || too_many(2 * setting.steps)) refuse_unsettled(errors, found.reference);
     }
   }
 
@@ -339,7 +342,7 @@ class Search {
   // Reports that no setting is accurate enough, with the error of the finest one for the first
   // requirement that it misses.
   [[noreturn]] void refuse_unmet(const FoundSetting& found) const {
-    const SettingLook& last = found.looks.back();
+    const TriedSetting& last = found.tried.back();
     if (!last.failure.empty())
       refuse(fmt::format("no setting meets it; with {}: {}", setting_text(last.overrides), last.failure));
     for (const Requirement& requirement : required_) {
@@ -356,7 +359,7 @@ class Search {
   }
 
   const TrialPlan& plan_;  // the scene unchanged
-  std::size_t asked_;      // number of trials to run
+  std::size_t requested_;  // number of trials to run
   std::vector<std::size_t> trials_;
   std::vector<Requirement> required_;
   bool has_choice_ = false;          // of the solver

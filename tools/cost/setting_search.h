@@ -38,7 +38,7 @@ struct Requirement {
 Requirement parse_requirement(const std::string& text);
 
 // One setting that was tried.
-struct SettingLook {
+struct TriedSetting {
   std::vector<Override> overrides;
   Errors errors;        // worst of the examined trials, up to the first that misses the requirement
   std::string failure;  // reason why a trial could not run; empty: all ran
@@ -51,7 +51,7 @@ struct FoundSetting {
   std::string reference;                      // as text: "closed form", "time_step 62.5 us"
   std::vector<Override> reference_overrides;  // exact; empty: closed form
   Errors reference_errors;                    // estimated errors of the reference; empty: closed form
-  std::vector<SettingLook> looks;             // in the order of trying; the last one was accepted
+  std::vector<TriedSetting> tried;            // in the order of trying; the last one was accepted
 };
 
 // `read`: the scene and the trials to run. `required`: at least one. Throws InputError for an invalid

@@ -62,14 +62,14 @@ std::vector<double> alarm_thresholds() {
   return thresholds;
 }
 
-// Result with another threshold. `said`: the detector's probabilities.
-Replayed with_threshold(const Replayed& said, const network::Alarm& alarm, double threshold) {
-  Replayed other = said;
+// Result with another threshold. `replayed`: the detector's probabilities.
+Replayed with_threshold(const Replayed& replayed, const network::Alarm& alarm, double threshold) {
+  Replayed other = replayed;
   network::AlarmGate gate(alarm);
   PadState state = PadState::no_contact;
-  for (std::size_t row = 0; row < said.seen.size(); ++row) {
-    if (!std::isnan(said.probability[row]))
-      state = gate.push(said.probability[row] >= threshold) ? PadState::gross : PadState::non_slip;
+  for (std::size_t row = 0; row < replayed.seen.size(); ++row) {
+    if (!std::isnan(replayed.probability[row]))
+      state = gate.push(replayed.probability[row] >= threshold) ? PadState::gross : PadState::non_slip;
     other.seen[row] = state;
   }
   std::ranges::fill(other.probability, std::numeric_limits<double>::quiet_NaN());
@@ -376,12 +376,12 @@ Json training_warnings(const Options& options, std::size_t learnt, std::size_t j
         fmt::format("the detector was trained on {} of {} evaluated here, so the figures do not show its performance on new data",
                     learnt, counted(judged, "trial")));
   }
-  const Json said = Json::parse(options.trained, nullptr, false);
-  if (is_trained(options.detector) && !(said.is_object() && said.contains("sha256_seen"))) {
+  const Json training = Json::parse(options.trained, nullptr, false);
+  if (is_trained(options.detector) && !(training.is_object() && training.contains("sha256_seen"))) {
     warnings.push_back(fmt::format("{} does not record the trials of its training, so none of them are left out{}",
                                    options.detector.parameters.path(is_memories(options.detector) ? "memories" : "model"),
-                                   said.is_object() && said.contains("trained") && said.at("trained").is_string()
-                                       ? "; its description of the training: " + said.at("trained").get<std::string>()
+                                   training.is_object() && training.contains("trained") && training.at("trained").is_string()
+                                       ? "; its description of the training: " + training.at("trained").get<std::string>()
                                        : ""));
   }
   return warnings;
@@ -503,15 +503,15 @@ std::string training_of(const DetectorScene& detector) {
   if (const std::unique_ptr<network::Engine> engine = network_of(detector)) return engine->description().trained;
   if (!is_memories(detector)) return "{}";
   const std::string folder = hd::memories_folder(detector.parameters.path("memories"));
-  Json said = Json::object();
-  if (const auto seen = hd::seen_by(folder)) said["sha256_seen"] = *seen;
+  Json training = Json::object();
+  if (const auto seen = hd::seen_by(folder)) training["sha256_seen"] = *seen;
   try {
     // Published memories have no description.
-    if (const hd::SavedModel saved = hd::load(folder, hd::Model{}); !saved.trained.empty()) said["trained"] = saved.trained;
+    if (const hd::SavedModel saved = hd::load(folder, hd::Model{}); !saved.trained.empty()) training["trained"] = saved.trained;
   } catch (const InputError&) {
     // Creating the detector from the memories reports the error and names the file.
   }
-  return said.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return training.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 LabelRule learnt_labels(const std::string& trained) {
@@ -531,9 +531,9 @@ LabelRule learnt_labels(const std::string& trained) {
 }
 
 std::set<std::string> seen_trials(const DetectorScene& detector, const std::string& trained) {
-  const Json said = Json::parse(trained, nullptr, false);
-  if (!said.is_object() || !said.contains("sha256_seen")) return {};
-  const Json& seen = said.at("sha256_seen");
+  const Json training = Json::parse(trained, nullptr, false);
+  if (!training.is_object() || !training.contains("sha256_seen")) return {};
+  const Json& seen = training.at("sha256_seen");
   const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
   if (!seen.is_array() || !std::ranges::all_of(seen, is_digest)) {
     reject("{}: metadata: trained.sha256_seen is not a list of digests of 64 hexadecimal digits each",

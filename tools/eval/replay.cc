@@ -160,7 +160,7 @@ Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sen
   if (spacing == FrameSpacing::even) check_evenly_spaced(sensors[sensor]);
   source.uneven_times = sensors[sensor].time;
   if (spacing == FrameSpacing::own) return replay(make_detector(detector, source), sensors, sensor);
-  const Resampling evened = evening_of(source, detector.type);
+  const Resampling evened = even_resampling_of(source, detector.type);
   FrameSource even = source;
   even.rate = evened.rate;
   even.uneven_times = {};

@@ -100,10 +100,10 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
   std::ranges::fill(observation_, 0.0F);
   run_.reset();
   try {
-    TrialRun::InPlace in_place;
-    in_place.controller = [this](const GripSource& source) { return std::make_unique<Observer>(source, observation_); };
+    TrialRun::Replacements replacements;
+    replacements.controller = [this](const GripSource& source) { return std::make_unique<Observer>(source, observation_); };
     run_ = std::make_unique<TrialRun>(std::move(trial.scene), trial_, Recording::outcome, max_record_bytes, nullptr,
-                                      std::move(in_place));
+                                      std::move(replacements));
     if (action_ == ActionKind::force) {
       force_.emplace(run_->sensors().front()->channels(), "with a commanded force");
       follower_.emplace(follower_parameters());

@@ -146,12 +146,12 @@ def make_dataset(path: str, cell: Cell, options: Options, what: str = "") -> Non
         InputError: a trial fails
         KeyboardInterrupt: after Ctrl-C
     """
-    said = 0
+    printed = 0
 
     def progress(done: int, total: int) -> None:
-        nonlocal said
-        if what and done >= said + LEAST_LINES:
-            said = done
+        nonlocal printed
+        if what and done >= printed + LEAST_LINES:
+            printed = done
             options.say(f"{what} ({done} of {total} done)")
 
     cell.load().write(

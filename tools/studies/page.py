@@ -117,8 +117,8 @@ def _row(cells: Iterable[str], tag: str) -> str:
 
 
 def _section(title: str, note: str, content: str) -> str:
-    said = f'<p class="note">{html.escape(note)}</p>\n' if note else ""
-    return f"<section><h2>{html.escape(title)}</h2>\n{said}{content}</section>\n"
+    paragraph = f'<p class="note">{html.escape(note)}</p>\n' if note else ""
+    return f"<section><h2>{html.escape(title)}</h2>\n{paragraph}{content}</section>\n"
 
 
 def _table(table: Table) -> str:

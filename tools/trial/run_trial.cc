@@ -58,28 +58,28 @@ DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene
 }
 
 ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& simulation, std::uint64_t trial,
-                      TrialRun::InPlace in_place = {}) {
+                      TrialRun::Replacements replacements = {}) {
   auto* box = dynamic_cast<HeldBox*>(&simulation);
   if (box != nullptr && !scene.guided() && scene.duration <= box->lift_start()) {
     throw SceneValueError(
         "duration", "ends before the box is lifted; allowed: more than " + format_quantity(box->lift_start(), Quantity::time));
   }
   std::optional<DelayedDetector> detector;
-  if (in_place.detector)
-    detector.emplace(std::move(in_place.detector));
+  if (replacements.detector)
+    detector.emplace(std::move(replacements.detector));
   else if (scene.detector)
     detector = make_delayed_detector(*scene.detector, scene, sensors, simulation, trial);
   std::unique_ptr<Controller> controller;
-  if (scene.controller || in_place.controller) {
+  if (scene.controller || replacements.controller) {
     const GripSource source{.channels = sensors.front()->channels(),
                             .preset = scene.grasp->grip.number("preset"),
                             .detected = detector.has_value(),
                             .features = detector ? detector->features() : std::vector<Feature>{},
                             .guided = scene.guided(),
                             .sensors = sources_of(scene, sensors)};
-    controller = in_place.controller ? in_place.controller(source) : make_controller(*scene.controller, source);
+    controller = replacements.controller ? replacements.controller(source) : make_controller(*scene.controller, source);
   }
-  const Answers answers = scene.controller && !in_place.controller ? answers_of(*scene.controller) : Answers::by_own_rule;
+  const Answers answers = scene.controller && !replacements.controller ? answers_of(*scene.controller) : Answers::by_own_rule;
   return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box, answers);
 }
 
@@ -134,7 +134,7 @@ PlannedSteps planned_steps(const Scene& scene, std::uint64_t trial) {
 }
 
 TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,
-                   InPlace in_place, std::atomic<double>* share)
+                   Replacements replacements, std::atomic<double>* share)
     : scene_(std::move(scene)),
       sensors_(make_sensors(scene_, trial)),
       simulation_(make_simulation(scene_, sensors_, trial)),
@@ -148,7 +148,7 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
   } else {
     simulation_->disable_slip_angle();
   }
-  loop_ = make_loop(scene_, sensors_, *simulation_, trial, std::move(in_place));
+  loop_ = make_loop(scene_, sensors_, *simulation_, trial, std::move(replacements));
 }
 
 // These three are the inner loop: a call of each costs one percent of a cheap scene's instructions.

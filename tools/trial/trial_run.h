@@ -29,13 +29,13 @@ namespace slipbench {
 class TrialRun {
  public:
   // Replacements of parts that the scene names; empty: none.
-  struct InPlace {
+  struct Replacements {
     std::function<std::unique_ptr<Controller>(const GripSource& source)> controller;  // for grasps only
     std::unique_ptr<Detector> detector;  // reads the sensor that the scene's detector reads
   };
   // Other arguments as for run_trial().
   TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,
-           InPlace in_place = {}, std::atomic<double>* share = nullptr);
+           Replacements replacements = {}, std::atomic<double>* share = nullptr);
   ~TrialRun() = default;
   TrialRun(const TrialRun&) = delete;
   TrialRun& operator=(const TrialRun&) = delete;

@@ -64,9 +64,9 @@ class Reader {
     std::string text;
     while (true) {
       end_if_interrupted();
-      constexpr int between_looks = 100;  // ms
+      constexpr int poll_interval = 100;  // ms
       pollfd ready{channel_, POLLIN, 0};
-      if (::poll(&ready, 1, between_looks) <= 0) continue;
+      if (::poll(&ready, 1, poll_interval) <= 0) continue;
       char buffer[4096];
       const ssize_t count = ::read(channel_, buffer, sizeof buffer);
       if (count > 0) text.append(buffer, static_cast<std::size_t>(count));

@@ -34,12 +34,12 @@ namespace {
 
 Json board(const std::string& sensor, std::size_t trials, std::size_t jobs, const std::string& flip = "") {
   Options options;
-  options.asked.sensor = sensor;
-  options.asked.trials = trials;
+  options.request.sensor = sensor;
+  options.request.trials = trials;
   options.jobs = jobs;
   if (!flip.empty()) {
-    options.asked.detectors = {"shear_rate", "force_ratio"};
-    options.asked.parameters = {{"flip", flip}};
+    options.request.detectors = {"shear_rate", "force_ratio"};
+    options.request.parameters = {{"flip", flip}};
   }
   return benchmark(options);
 }
@@ -226,7 +226,7 @@ double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>
   for (std::size_t k = 0; k < trials.size(); ++k) {
     const auto& [scene, truth] = trials[k];
     const double from = control(scene).from;
-    eval::Replayed replayed = silence(truth);
+    eval::Replayed replayed = no_reports(truth);
     const auto row = static_cast<std::size_t>(std::ranges::lower_bound(truth.time, from) - truth.time.begin());
     if (row < replayed.seen.size()) replayed.seen[row] = PadState::gross;
     parts.push_back(recording_part(eval::judged(k, truth, replayed, truth.period), test_set));
@@ -350,12 +350,13 @@ TEST(Submission, NamesTheFirstDifference) {
 }
 
 TEST(Submission, AskedIsReadBack) {
-  const Asked asked{.detectors = {"a.onnx"}, .parameters = {{"flip", "0.1"}}, .real = {"r.h5"}, .sensor = "myrmex", .trials = 4};
-  EXPECT_EQ(asked_json(parse_asked(asked_json(asked), "a.json")), asked_json(asked));
-  EXPECT_THAT(refusal_of([] { parse_asked(Json::array(), "a.json"); }), HasSubstr("a.json: /asked: "));
-  Json negative = asked_json(asked);
+  const BoardRequest request{
+      .detectors = {"a.onnx"}, .parameters = {{"flip", "0.1"}}, .real = {"r.h5"}, .sensor = "myrmex", .trials = 4};
+  EXPECT_EQ(request_json(parse_request(request_json(request), "a.json")), request_json(request));
+  EXPECT_THAT(refusal_of([] { parse_request(Json::array(), "a.json"); }), HasSubstr("a.json: /asked: "));
+  Json negative = request_json(request);
   negative["trials"] = -1;
-  EXPECT_THAT(refusal_of([&] { parse_asked(negative, "a.json"); }), HasSubstr("a.json: /asked: "));
+  EXPECT_THAT(refusal_of([&] { parse_request(negative, "a.json"); }), HasSubstr("a.json: /asked: "));
   EXPECT_THAT(refusal_of([] { parse_submission(std::string(100'000, '['), "a.json"); }), mentions({"a.json", "100"}));
 }
 

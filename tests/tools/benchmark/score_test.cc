@@ -9,9 +9,9 @@
 namespace slipbench::benchmark {
 namespace {
 
-// 100 samples, of which the last 40 slip, from 0.6 s on. Of the first 60 samples `said` are called
+// 100 samples, of which the last 40 slip, from 0.6 s on. Of the first 60 samples `reported` are called
 // slip, in `alarms` alarms. The credit of the slipped distance is that of the delay.
-eval::Judgement judgement(Detection detection, double delay, std::size_t said, std::size_t alarms) {
+eval::Judgement judgement(Detection detection, double delay, std::size_t reported, std::size_t alarms) {
   eval::Judgement one;
   one.slip_time = 0.6;
   one.detection = detection;
@@ -19,8 +19,8 @@ eval::Judgement judgement(Detection detection, double delay, std::size_t said, s
   one.slip_distance = delay / half_delay * half_slip_distance;
   one.stick_alarms = alarms;
   one.stick_time = 0.6;
-  one.frames[1][1] = 60 - said;
-  one.frames[1][3] = said;
+  one.frames[1][1] = 60 - reported;
+  one.frames[1][3] = reported;
   one.frames[3][3] = 40;
   return one;
 }
@@ -106,7 +106,7 @@ TEST(Score, ConstantAnswersEarnNothing) {
   const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0), open)};
   EXPECT_EQ(score_of(never, open).value, 0.0);
   const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1), open)};
-  EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is said in all of the time without it";
+  EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is reported in all of the time without it";
 }
 
 // One trial with immediate detection, and one with an early alarm that lasts one sample: credit
@@ -137,17 +137,18 @@ TEST(Score, RecordingsWithoutSlipOnlyCost) {
 // or that needs no tightening earns nothing; the latter is not counted among the boxes that could
 // earn credit.
 TEST(Score, AGraspEarnsByItsForce) {
-  const eval::Judgement silent = judgement(Detection::missed, none, 0, 0);
+  const eval::Judgement without_alarm = judgement(Detection::missed, none, 0, 0);
   const GraspOutcome lost = grasp(1.0, true), held = grasp(1.0, false);
-  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(1.0, false), lost).credit, 1.0);
-  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(0.5 * (1.0 + worst_force_ratio), false), lost).credit, 0.5);
-  EXPECT_EQ(grasp_part(silent, grasp(2.0 * worst_force_ratio, false), lost).credit, 0.0);
-  EXPECT_EQ(grasp_part(silent, grasp(1.0, true), lost).credit, 0.0);
+  EXPECT_DOUBLE_EQ(grasp_part(without_alarm, grasp(1.0, false), lost).credit, 1.0);
+  EXPECT_DOUBLE_EQ(grasp_part(without_alarm, grasp(0.5 * (1.0 + worst_force_ratio), false), lost).credit, 0.5);
+  EXPECT_EQ(grasp_part(without_alarm, grasp(2.0 * worst_force_ratio, false), lost).credit, 0.0);
+  EXPECT_EQ(grasp_part(without_alarm, grasp(1.0, true), lost).credit, 0.0);
   GraspOutcome left = grasp(1.0, false);  // on the table
   left.lifted = false;
-  EXPECT_EQ(grasp_part(silent, left, lost).credit, 0.0);
-  EXPECT_TRUE(grasp_part(silent, grasp(1.0, false), left).credited);
-  const std::vector<Part> parts{grasp_part(silent, grasp(1.0, false), lost), grasp_part(silent, grasp(1.0, false), held)};
+  EXPECT_EQ(grasp_part(without_alarm, left, lost).credit, 0.0);
+  EXPECT_TRUE(grasp_part(without_alarm, grasp(1.0, false), left).credited);
+  const std::vector<Part> parts{grasp_part(without_alarm, grasp(1.0, false), lost),
+                                grasp_part(without_alarm, grasp(1.0, false), held)};
   EXPECT_EQ(score_of(parts, loop).value, 1.0);
 }
 
@@ -155,21 +156,21 @@ TEST(Score, AGraspEarnsByItsForce) {
 // worst_force_ratio times it costs 1, half-way 1/2. The cost of two such boxes is their mean, whatever
 // the boxes earn that need tightening.
 TEST(Score, NeedlessForceCosts) {
-  const eval::Judgement silent = judgement(Detection::quiet, none, 0, 0);
+  const eval::Judgement without_alarm = judgement(Detection::quiet, none, 0, 0);
   const GraspOutcome lost = grasp(1.0, true), held = grasp(1.0, false);
   const double half = 0.5 * (1.0 + worst_force_ratio);
-  EXPECT_EQ(grasp_part(silent, held, held).needless, 0.0);
-  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(half, false), held).needless, 0.5);
-  EXPECT_EQ(grasp_part(silent, grasp(2.0 * worst_force_ratio, false), held).needless, 1.0);
-  EXPECT_EQ(grasp_part(silent, grasp(half, false), lost).needless, 0.0);
-  const std::vector<Part> parts{grasp_part(silent, held, lost), grasp_part(silent, held, held),
-                                grasp_part(silent, grasp(half, false), held)};
+  EXPECT_EQ(grasp_part(without_alarm, held, held).needless, 0.0);
+  EXPECT_DOUBLE_EQ(grasp_part(without_alarm, grasp(half, false), held).needless, 0.5);
+  EXPECT_EQ(grasp_part(without_alarm, grasp(2.0 * worst_force_ratio, false), held).needless, 1.0);
+  EXPECT_EQ(grasp_part(without_alarm, grasp(half, false), lost).needless, 0.0);
+  const std::vector<Part> parts{grasp_part(without_alarm, held, lost), grasp_part(without_alarm, held, held),
+                                grasp_part(without_alarm, grasp(half, false), held)};
   EXPECT_DOUBLE_EQ(score_of(parts, loop).value, 1.0 - 0.25);
 }
 
 // In a loop an alarm already costs force, so the same alarms leave the credit unchanged.
 TEST(Score, ALoopHasNoLimitOfAlarms) {
-  const Part part{.credit = 1.0, .alarms = 10.0, .quiet = 1.0};
+  const Part part{.credit = 1.0, .alarms = 10.0, .quiet_seconds = 1.0};
   EXPECT_EQ(score_of(std::vector<Part>{part}, loop).value, 1.0);
   EXPECT_NEAR(score_of(std::vector<Part>{part}, open).value, alarm_limit / 600.0, 1e-12);
 }
@@ -190,7 +191,7 @@ TEST(Windows, AreCountedByTruthAndReport) {
   EXPECT_EQ(counts.slipping, 2U);
   EXPECT_EQ(counts.detected, 1U);
   EXPECT_EQ(counts.sticking, 2U);
-  EXPECT_EQ(counts.silent, 1U);
+  EXPECT_EQ(counts.unreported, 1U);
   counts.add(counts);
   EXPECT_EQ(counts.sticking, 4U);
 }

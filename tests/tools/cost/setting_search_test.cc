@@ -54,7 +54,7 @@ TEST(FindSetting, TakesTheLongestStepWhereTheFieldIsExact) {
   EXPECT_EQ(found.reference, "closed form");
   ASSERT_EQ(found.overrides.size(), 1U);
   EXPECT_EQ(setting_text(found.overrides), "time_step 10 ms");
-  EXPECT_EQ(found.looks.size(), 1U);
+  EXPECT_EQ(found.tried.size(), 1U);
   EXPECT_EQ(found.trials, std::vector<std::size_t>{0});
 }
 
@@ -63,12 +63,12 @@ TEST(FindSetting, HalvesTheStepUntilTheErrorIsSmall) {
   // ms, which is 0.1 % of the corners' 0.5 mm.
   const std::string text = stage + moves + "speed: 16 mm/s, acceleration: 50 mm/s2}\n";
   const FoundSetting found = found_for(file_of(text), {"onset=0.001 %"});
-  ASSERT_GE(found.looks.size(), 3U);
-  for (std::size_t k = 0; k < found.looks.size(); ++k) {
-    EXPECT_EQ(step_of(found.looks[k].overrides), 0.01 / static_cast<double>(1U << k));
-    const MeasureError& error = at(found.looks[k].errors, Measure::onset).value();
-    EXPECT_EQ(error.worst <= margin * 1e-5, found.looks[k].met) << k;
-    EXPECT_EQ(found.looks[k].met, k + 1 == found.looks.size()) << k;
+  ASSERT_GE(found.tried.size(), 3U);
+  for (std::size_t k = 0; k < found.tried.size(); ++k) {
+    EXPECT_EQ(step_of(found.tried[k].overrides), 0.01 / static_cast<double>(1U << k));
+    const MeasureError& error = at(found.tried[k].errors, Measure::onset).value();
+    EXPECT_EQ(error.worst <= margin * 1e-5, found.tried[k].met) << k;
+    EXPECT_EQ(found.tried[k].met, k + 1 == found.tried.size()) << k;
   }
   // A looser requirement gives a longer step; the same requirement gives the same setting.
   const FoundSetting looser = found_for(file_of(text), {"onset=1 %"});

@@ -191,7 +191,7 @@ class Networks(unittest.TestCase):
 
     def test_every_window_of_the_folds_that_are_asked_for_is_judged(self):
         some = trials()
-        clock = networks.Row("clock", "a clock", told="clock")
+        clock = networks.Row("clock", "a clock", inputs="clock")
         validations = networks.Validations(Options(jobs=1), networks.Size(2, 100, 0), some)
         one, none, every = (
             validations.queue(clock, split, count, last)

@@ -94,7 +94,7 @@ class PaddedRecordings(unittest.TestCase):
         )
 
     def test_of_a_shortcut_are_what_it_is_told(self):
-        features, labels = self.one(row(told=("time", "contact", "motors", "kind")), "micro")
+        features, labels = self.one(row(shortcuts=("time", "contact", "motors", "kind")), "micro")
         np.testing.assert_allclose(
             features, [[0.02, 0, 0.5, 0], [0.03, 1, 0, 0], [0.04, 1, 0.25, 0]], rtol=1e-6
         )

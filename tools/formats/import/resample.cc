@@ -17,33 +17,34 @@ constexpr double time_rounding = 1e-9;  // of a step
 constexpr double most_instants = 1e9;   // more than the memory of a recording allows
 
 // Position of a new sample: after sample `row`, by `share` of the step to the next.
-struct Spot {
+struct SamplePosition {
   std::size_t row = 0;
   double share = 0.0;
 };
 
-std::vector<Spot> spots_of(const std::vector<double>& times, const std::vector<double>& instants) {
-  std::vector<Spot> spots;
+std::vector<SamplePosition> positions_of(const std::vector<double>& times, const std::vector<double>& instants) {
+  std::vector<SamplePosition> positions;
   std::size_t row = 0;
   for (const double instant : instants) {
     while (row + 2 < times.size() && times[row + 1] <= instant) ++row;
     const double share = (instant - times[row]) / (times[row + 1] - times[row]);
-    spots.push_back({row, share < time_rounding ? 0.0 : share > 1.0 - time_rounding ? 1.0 : share});
+    positions.push_back({row, share < time_rounding ? 0.0 : share > 1.0 - time_rounding ? 1.0 : share});
   }
-  return spots;
+  return positions;
 }
 
-std::vector<float> interpolated(const SensorColumn& column, const std::vector<Spot>& spots) {
+std::vector<float> interpolated(const SensorColumn& column, const std::vector<SamplePosition>& positions) {
   const std::size_t width = column.row_size();
   std::vector<float> values;
-  values.reserve(spots.size() * width);
-  for (const Spot& spot : spots) {
-    const float* before = column.values.data() + spot.row * width;
+  values.reserve(positions.size() * width);
+  for (const SamplePosition& position : positions) {
+    const float* before = column.values.data() + position.row * width;
     for (std::size_t k = 0; k < width; ++k) {
       // At a sample's own time the value is exact, even if its neighbour is missing (NaN).
-      const double value = spot.share == 0.0   ? before[k]
-                           : spot.share == 1.0 ? before[width + k]
-                                               : (1.0 - spot.share) * double{before[k]} + spot.share * double{before[width + k]};
+      const double value = position.share == 0.0 ? before[k]
+                           : position.share == 1.0
+                               ? before[width + k]
+                               : (1.0 - position.share) * double{before[k]} + position.share * double{before[width + k]};
       values.push_back(static_cast<float>(value));
     }
   }
@@ -74,16 +75,19 @@ NewSamples resample_sensor(SensorRecord& sensor, double rate, const std::string&
   const SampleTiming timing = sensor.timing ? *sensor.timing : timing_of(sensor.time, 0.0);
   const double most = std::max(timing.mean_rate, timing.median_rate);
   std::vector<double> instants = instants_of(sensor, rate, place);
-  const std::vector<Spot> spots = spots_of(sensor.time, instants);
+  const std::vector<SamplePosition> positions = positions_of(sensor.time, instants);
   const double gap = gap_steps / timing.median_rate + timing.resolution;
-  const auto between = [](const Spot& spot) { return spot.share > 0.0 && spot.share < 1.0; };
-  const auto in_gap = [&](const Spot& spot) { return between(spot) && sensor.time[spot.row + 1] - sensor.time[spot.row] > gap; };
-  NewSamples made{.in_gaps = static_cast<std::size_t>(std::ranges::count_if(spots, in_gap)), .recorded_rate = most};
-  if (rate > most && !same_rate(rate, most)) made.made_up = static_cast<std::size_t>(std::ranges::count_if(spots, between));
-  for (SensorColumn& channel : sensor.channels) channel.values = interpolated(channel, spots);
+  const auto between = [](const SamplePosition& position) { return position.share > 0.0 && position.share < 1.0; };
+  const auto in_gap = [&](const SamplePosition& position) {
+    return between(position) && sensor.time[position.row + 1] - sensor.time[position.row] > gap;
+  };
+  NewSamples made{.in_gaps = static_cast<std::size_t>(std::ranges::count_if(positions, in_gap)), .recorded_rate = most};
+  if (rate > most && !same_rate(rate, most)) made.made_up = static_cast<std::size_t>(std::ranges::count_if(positions, between));
+  for (SensorColumn& channel : sensor.channels) channel.values = interpolated(channel, positions);
   if (!sensor.labels.state_paper.empty()) {
     std::vector<std::uint8_t> states;
-    for (const Spot& spot : spots) states.push_back(sensor.labels.state_paper[spot.share < 1.0 ? spot.row : spot.row + 1]);
+    for (const SamplePosition& position : positions)
+      states.push_back(sensor.labels.state_paper[position.share < 1.0 ? position.row : position.row + 1]);
     sensor.labels.state_paper = std::move(states);
   }
   sensor.time = std::move(instants);

@@ -273,11 +273,11 @@ class Validations:
             InputError: as train_all()
         """
         texts = [self._plans[plan][0].text for plan, _ in self._tasks]
-        said = train_all(
+        results = train_all(
             name, texts, self._options, lambda index: self._answered(*self._tasks[index])._asdict()
         )
         self._answers = [[] for _ in self._plans]
-        for (plan, _), one in zip(self._tasks, said, strict=True):
+        for (plan, _), one in zip(self._tasks, results, strict=True):
             self._answers[plan].append(
                 Answers(*(np.array(one[column]) for column in Answers._fields))
             )

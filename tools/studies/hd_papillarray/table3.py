@@ -3,7 +3,6 @@ protocol."""
 
 from __future__ import annotations
 
-import math
 import tempfile
 import time
 from dataclasses import dataclass
@@ -71,9 +70,9 @@ def gru_figures(result: dict[str, Any]) -> dict[str, Any]:
         or not: balanced_accuracy and auc; of the seen trials: delay_s, delay_p10_s and delay_p90_s,
         None without any; false_alarms_a_minute
     """
-    told = result["all"]
-    return {key: told[key] for key in COUNTS} | {
-        name: told["figures"][key]["value"] for name, key in VALUES.items()
+    summary = result["all"]
+    return {key: summary[key] for key in COUNTS} | {
+        name: summary["figures"][key]["value"] for name, key in VALUES.items()
     }
 
 

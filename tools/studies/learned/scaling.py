@@ -237,12 +237,12 @@ def figures_of(board: Json) -> Json:
             for key in ("value", "low", "high")
         ]
 
-    told = inside["figures"]
+    summary = inside["figures"]
     return {
         "inside": score(inside),
         "outside": score(outside),
-        "delay_median_s": told["figures"]["delay_median_s"]["value"],
-        "early": told["early"] / max(1, told["slipping"]),
+        "delay_median_s": summary["figures"]["delay_median_s"]["value"],
+        "early": summary["early"] / max(1, summary["slipping"]),
         "false_alarms_per_minute": inside["false_alarms_per_minute"],
     }
 

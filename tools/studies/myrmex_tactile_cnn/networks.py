@@ -275,7 +275,7 @@ def window_folds(
 BINS_OF = {"spectra": (0, BINS), "high_pass": (CUT_BINS, BINS), "static_image": (0, 1)}
 
 
-def told(trial: Windows, chosen: NDArray[Any], what: str) -> Floats:
+def network_input(trial: Windows, chosen: NDArray[Any], what: str) -> Floats:
     """Input of a network for windows.
 
     Args:
@@ -317,7 +317,7 @@ class Row:
         name: name in --only and in the figures
         text: text in the tables
         net: number of the paper's network, with recipe myrmex_net1 to 3; 0: 32 units, tanh
-        told: argument `what` of told()
+        inputs: argument `what` of network_input()
         word: one of WORDS
         late: True: the stable windows for training and test are from the last half second before
             the onset
@@ -328,7 +328,7 @@ class Row:
     name: str
     text: str
     net: int = 0
-    told: str = "spectra"
+    inputs: str = "spectra"
     word: str = "true"
     late: bool = False
     longer: int = 1
@@ -484,7 +484,7 @@ class Validations:
         self._options, self._size, self._trials = options, size, trials
         self._plans: list[tuple[Row, str, list[Place], list[int]]] = []
         self._tasks: list[tuple[int, int]] = []  # validation and fold
-        self._said: list[dict[str, Any]] = []
+        self._results: list[dict[str, Any]] = []
 
     def queue(self, row: Row, split: str, count: int, last: int) -> int:
         """Queues folds 0 to `last` - 1 for the test, with one network each.
@@ -518,7 +518,7 @@ class Validations:
         Raises:
             InputError: as train_all()
         """
-        self._said = train_all(
+        self._results = train_all(
             name,
             [self._plans[plan][0].text for plan, _ in self._tasks],
             self._options,
@@ -528,19 +528,19 @@ class Validations:
     def figures(self, validation: int) -> Judged:
         """Results of a validation; call after run()."""
         of_it = [
-            said
-            for (plan, _), said in zip(self._tasks, self._said, strict=True)
+            result
+            for (plan, _), result in zip(self._tasks, self._results, strict=True)
             if plan == validation
         ]
-        counts = np.array([said["counts"] for said in of_it], dtype=np.int64).reshape(
+        counts = np.array([result["counts"] for result in of_it], dtype=np.int64).reshape(
             -1, len(KINDS), len(KINDS)
         )
         return Judged(
             counts,
             {
                 which: (
-                    sum(said[which][0] for said in of_it),
-                    sum(said[which][1] for said in of_it),
+                    sum(result[which][0] for result in of_it),
+                    sum(result[which][1] for result in of_it),
                 )
                 for which in STABLE
             },
@@ -553,7 +553,7 @@ class Validations:
         judge: dict[int, list[int]] = {}
         for place, of_place in zip(places, fold_of, strict=True):
             (judge if of_place == fold else learn).setdefault(place.trial, []).append(place.window)
-        if row.told in BINS_OF:
+        if row.inputs in BINS_OF:
             for number, trial in enumerate(self._trials):
                 copies = (
                     (trial.turn != 0)
@@ -615,7 +615,7 @@ def _gathered(trials: Sequence[Windows], chosen: dict[int, list[int]], row: Row)
         (trials[number], np.array(windows, dtype=np.intp)) for number, windows in chosen.items()
     ] or [(trials[0], np.zeros(0, np.intp))]
     return _Gathered(
-        np.concatenate([told(trial, windows, row.told) for trial, windows in some]),
+        np.concatenate([network_input(trial, windows, row.inputs) for trial, windows in some]),
         np.concatenate([trial.label[windows, by] for trial, windows in some]),
         np.concatenate([trial.to_onset[windows] for trial, windows in some]),
     )

@@ -49,11 +49,11 @@ def all_rows() -> dict[str, Row]:
             text="net 3, stable windows only from the last half second",
             late=True,
         ),
-        replace(net_3, name="static", text="the static image alone, net 3", told="static_image"),
-        Row("load", "the mean count alone", told="load"),
-        Row("clock", "a clock", told="clock"),
-        Row("placement", "object and placement", told="placement"),
-        Row("clock_placement", "a clock, object and placement", told="clock_placement"),
+        replace(net_3, name="static", text="the static image alone, net 3", inputs="static_image"),
+        Row("load", "the mean count alone", inputs="load"),
+        Row("clock", "a clock", inputs="clock"),
+        Row("placement", "object and placement", inputs="placement"),
+        Row("clock_placement", "a clock, object and placement", inputs="clock_placement"),
     ]
     return {row.name: row for row in rows}
 
@@ -69,13 +69,13 @@ def forward_ms(row: Row) -> float:
     """
     if (
         row.net == 0
-        or row.told == "static_image"
+        or row.inputs == "static_image"
         or row.longer > 1
         or row.late
         or row.word != "true"
     ):
         return math.nan
-    first, end = BINS_OF[row.told]
+    first, end = BINS_OF[row.inputs]
     inputs = TAXELS * (end - first)
     network, window = row.network(inputs), np.full((1, inputs), 0.5, dtype=np.float32)
     times = []
@@ -154,7 +154,7 @@ def study(options: Options) -> Result:
     figures, real = {}, []
     for name, row in rows.items():
         by_window, by_trial, by_object = (validations.figures(number) for number in asked[name])
-        told = {
+        accuracies = {
             "by_window": figures_of(by_window),
             "by_trial": figures_of(by_trial),
             "object_left_out": figures_of(by_object),
@@ -166,10 +166,10 @@ def study(options: Options) -> Result:
                 row.text,
                 row.word,
                 percent(row.published / 100.0),
-                *(percent(told[by]["accuracy"]) for by in ("by_window", "by_trial")),
-                percent(mean_sd(told["by_trial"]["folds"])[1]),
-                percent(told["object_left_out"]["accuracy"]),
-                percent(min(told["object_left_out"]["folds"], default=math.nan)),
+                *(percent(accuracies[by]["accuracy"]) for by in ("by_window", "by_trial")),
+                percent(mean_sd(accuracies["by_trial"]["folds"])[1]),
+                percent(accuracies["object_left_out"]["accuracy"]),
+                percent(min(accuracies["object_left_out"]["folds"], default=math.nan)),
                 f"{PUBLISHED_FORWARD[row.net]:.2f}" if timed else "-",
                 f"{forward:.2f}" if timed else "-",
             ]
@@ -180,13 +180,13 @@ def study(options: Options) -> Result:
             "trials_that_hold": by_trial.called_slip("holds"),
         }
         mistakes.rows.append([row.text, row.word, *map(percent, stable.values())])
-        figures[name] = {**told, "stable_called_slip": stable, "forward_ms": forward}
+        figures[name] = {**accuracies, "stable_called_slip": stable, "forward_ms": forward}
         if not math.isnan(row.published):
             real.append(
                 RealFigure(
                     f"{row.text}, windows that are right, %",
                     row.published,
-                    100.0 * told["by_window"]["accuracy"],
+                    100.0 * accuracies["by_window"]["accuracy"],
                     "ours has learnt from simulation",
                 )
             )

@@ -164,7 +164,7 @@ def study(options: Options) -> Result:
     )
     runs = pd.DataFrame(found[0] + found[1])
 
-    told = Table(
+    table = Table(
         "Separation",
         ["question", "bar", "AUC", "95 %", "n"],
         note="Exact, by ranks; intervals after DeLong.",
@@ -173,10 +173,10 @@ def study(options: Options) -> Result:
     for text, bar, score, positive, negative in QUESTIONS:
         above, below = (score(runs[runs["kind"].isin(kinds)]) for kinds in (positive, negative))
         if above.empty or below.empty:
-            told.rows.append([text, f"{bar:.2f}", "-", "-", f"{len(above)} and {len(below)}"])
+            table.rows.append([text, f"{bar:.2f}", "-", "-", f"{len(above)} and {len(below)}"])
             continue
         area = auc(above, below)
-        told.rows.append(
+        table.rows.append(
             [
                 text,
                 f"{bar:.2f}",
@@ -245,5 +245,5 @@ def study(options: Options) -> Result:
                 joined=False,
             )
         ],
-        tables=[told, features],
+        tables=[table, features],
     )

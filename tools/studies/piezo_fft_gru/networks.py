@@ -49,7 +49,7 @@ class Row:
         network: creates the module from the numbers of values per frame and of classes
         training: training of the usual size
         input: index into Recording.inputs
-        told: those of SHORTCUTS that replace the input
+        shortcuts: those of SHORTCUTS that replace the input
         later: number of frames after the judged one that the network sees
         f1: published, 0 to 1; NaN: not published
         accuracy: published, %; NaN: not published
@@ -60,14 +60,14 @@ class Row:
     network: Callable[[int, int], nn.Module]
     training: Training = Training()
     input: int = 0
-    told: tuple[str, ...] = ()
+    shortcuts: tuple[str, ...] = ()
     later: int = 0
     f1: float = math.nan
     accuracy: float = math.nan
 
     def features(self, recording: Recording) -> Floats:
         """[T, values] input of the network for a recording, before padding."""
-        if not self.told:
+        if not self.shortcuts:
             return recording.inputs[self.input].features
         kind = np.full(len(recording.time), recording.motors_only)
         columns: dict[str, NDArray[Any]] = {
@@ -76,7 +76,7 @@ class Row:
             "motors": recording.motors,
             "kind": kind,
         }
-        return np.stack([columns[one] for one in self.told], axis=1).astype(np.float32)
+        return np.stack([columns[one] for one in self.shortcuts], axis=1).astype(np.float32)
 
     def parameters(self, inputs: int) -> int:
         """The number of the network's weights for `inputs` values per frame."""
@@ -394,10 +394,10 @@ class Validations:
             f"{self._plans[number].row.text}, {RULES[self._plans[number].rule]} label"
             for number, _ in self._tasks
         ]
-        said = train_all(
+        results = train_all(
             name, subjects, self._options, lambda index: self._judge(*self._tasks[index])
         )
-        self._called = [[np.array(one, dtype=np.uint8) for one in of_fold] for of_fold in said]
+        self._called = [[np.array(one, dtype=np.uint8) for one in of_fold] for of_fold in results]
 
     def counts(self, validation: int) -> Counts:
         """Frames of a validation by fold, group, true and called class; call after run()."""

@@ -119,11 +119,11 @@ def shortcut_rows() -> dict[str, Row]:
             name=name,
             text=f"{text}, MLP 32",
             training=training,
-            told=told,
+            shortcuts=names,
             f1=math.nan,
             accuracy=math.nan,
         )
-        for name, (text, told) in shortcuts.items()
+        for name, (text, names) in shortcuts.items()
     }
 
 

@@ -206,7 +206,7 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
   } catch (const FailedRun& error) {
     throw InputError(planned.plan.where(0, "time_step") + ": " + error.what());
   }
-  static_cast<void>(trials_of_shard(planned.plan, planned.asked, seed, 1, options.shards));
+  static_cast<void>(trials_of_shard(planned.plan, planned.requested, seed, 1, options.shards));
   std::error_code error;
   const std::filesystem::path here = std::filesystem::current_path(error);
   if (error)
@@ -245,7 +245,7 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
       {"PYTHON_NAME", python_text(name)},
       {"RAW_NAME", name},
       {"PROGRAM", program},
-      {"WHAT", fmt::format("`{}`: {}. Written by `slipbench cluster`.", command, counted(planned.asked, "trial"))}};
+      {"WHAT", fmt::format("`{}`: {}. Written by `slipbench cluster`.", command, counted(planned.requested, "trial"))}};
   std::filesystem::create_directories(folder / "logs", error);
   if (error) reject("cannot create the folder {}: {}", (folder / "logs").string(), error.message());
   std::vector<std::string> written;

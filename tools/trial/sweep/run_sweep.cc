@@ -121,9 +121,9 @@ std::string params_json(const std::vector<std::pair<std::string, std::string>>& 
 
 PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
   PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};
-  if (planned.asked == 0) planned.asked = planned.plan.size();
-  if (options.only && *options.only >= planned.asked) {
-    reject("{}: no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1);
+  if (planned.requested == 0) planned.requested = planned.plan.size();
+  if (options.only && *options.only >= planned.requested) {
+    reject("{}: no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.requested - 1);
   }
   return planned;
 }
@@ -174,7 +174,7 @@ SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const
   SweepQueue queue(read, options);
   SweepResults results(read, options, queue, progress);
   std::set<std::string> named;
-  const Workforce workforce = check_cells(plan, options, queue.trials(), read.planned.asked, catalogues, named);
+  const WorkerLimits limits = check_cells(plan, options, queue.trials(), read.planned.requested, catalogues, named);
   if (options.on_start) options.on_start();
   const HeldFiles files(named);
   SweepOutput output(options, header_of(read, options, results.summary(), files));
@@ -184,11 +184,11 @@ SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const
     const WorkPlan work{.trials = plan,
                         .seed = read.seed,
                         .recording = recording_of(options),
-                        .max_bytes = workforce.max_bytes,
+                        .max_bytes = limits.max_bytes,
                         .interrupt = options.interrupt,
                         .share = queue.missing().size() == 1 ? &share : nullptr};
     try {
-      const auto workers = make_workers(queue.missing(), workforce.workers, work, options, files);
+      const auto workers = make_workers(queue.missing(), limits.workers, work, options, files);
       run_trials(queue, options, *workers, output, results, share);
     } catch (const Interrupted&) {  // in the first running trial; earlier trials are complete
     }

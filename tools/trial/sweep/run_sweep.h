@@ -106,8 +106,8 @@ struct SweepSummary {
 
 // The trials from which a command selects.
 struct PlannedTrials {
-  TrialPlan plan;         // the scene's sweep, with repeated cells until there are at least options.limit trials
-  std::size_t asked = 0;  // number of requested trials, the first of the plan; options.only is one of them
+  TrialPlan plan;             // the scene's sweep, with repeated cells until there are at least options.limit trials
+  std::size_t requested = 0;  // number of requested trials, the first of the plan; options.only is one of them
 };
 
 // `file`: with options.overrides; `catalogues` must outlive the result; `seed`: the dataset's.

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t max_checked_cells = 10'000;
 
 // `bytes`: size of the largest record; 0: nothing is recorded.
-Workforce workforce_for(const SweepOptions& options, std::size_t trials, double bytes) {
+WorkerLimits worker_limits(const SweepOptions& options, std::size_t trials, double bytes) {
   double threads = static_cast<double>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.jobs != 0) {
     threads = static_cast<double>(options.jobs);
@@ -52,10 +52,10 @@ struct CheckedTrial {
   std::vector<std::string> files;  // files that it names
 };
 
-CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t asked, const Catalogues& catalogues) {
+CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t requested, const Catalogues& catalogues) {
   try {
     const Scene scene = plan.trial(index).scene;
-    if (scene.detector) check_run(*scene.detector, asked);
+    if (scene.detector) check_run(*scene.detector, requested);
     std::set<std::string> files;
     add_named_files(scene, catalogues, files);
     return {check_trial(scene, index), {files.begin(), files.end()}};
@@ -68,8 +68,8 @@ CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t ask
 
 }  // namespace
 
-Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
-                      std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
+WorkerLimits check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
+                         std::size_t requested, const Catalogues& catalogues, std::set<std::string>& files) {
   const std::vector<std::size_t> numbers = checked_trials(plan, options, trials);
   const auto check_all = [&] {
     std::set<std::string> named;
@@ -77,7 +77,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
     std::size_t largest = numbers.front();
     for (const std::size_t trial : numbers) {
       if (options.interrupt != nullptr && *options.interrupt) break;
-      const CheckedTrial checked = check_one(plan, trial, options.only ? trial + 1 : asked, catalogues);
+      const CheckedTrial checked = check_one(plan, trial, options.only ? trial + 1 : requested, catalogues);
       named.insert(checked.files.begin(), checked.files.end());
       if (recording_of(options) == Recording::outcome || checked.bytes <= bytes) continue;
       largest = trial;
@@ -89,13 +89,13 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
   const double bytes = found.at(0);
   const std::size_t largest = found.at(1);
   for (const Json& file : found.at(2)) files.insert(file.get<std::string>());
-  const Workforce workforce = workforce_for(options, trials.size(), bytes);
+  const WorkerLimits limits = worker_limits(options, trials.size(), bytes);
   try {
-    check_record_size(plan.trial(largest).scene, bytes, workforce.max_bytes);
+    check_record_size(plan.trial(largest).scene, bytes, limits.max_bytes);
   } catch (const SceneValueError& error) {
     throw InputError(plan.where(largest, error.path()) + ": " + error.what());
   }
-  return workforce;
+  return limits;
 }
 
 }  // namespace slipbench

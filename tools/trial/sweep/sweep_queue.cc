@@ -15,12 +15,12 @@ namespace {
 std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
   if (options.shard) {
     const auto chosen = [&] {
-      return Json(trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count)).dump();
+      return Json(trials_of_shard(planned.plan, planned.requested, seed, options.shard->number, options.shard->count)).dump();
     };
-    return Json::parse(run_before_trials(options, planned.asked, chosen)).get<std::vector<std::size_t>>();
+    return Json::parse(run_before_trials(options, planned.requested, chosen)).get<std::vector<std::size_t>>();
   }
   if (options.only) return {*options.only};
-  std::vector<std::size_t> all(planned.asked);
+  std::vector<std::size_t> all(planned.requested);
   std::iota(all.begin(), all.end(), std::size_t{0});
   return all;
 }

@@ -34,7 +34,7 @@ SweepResults::SweepResults(const ReadSweep& read, const SweepOptions& options, c
   summary_.command = canonical_command(options);
   summary_.planned = queue.trials().size();
   summary_.trials.reserve(summary_.planned);  // avoids reallocations, which would fragment the heap
-  if (options.shard) summary_.shard = SweepShard{options.shard->number, options.shard->count, read.planned.asked};
+  if (options.shard) summary_.shard = SweepShard{options.shard->number, options.shard->count, read.planned.requested};
   summary_.scene = plan.trial(queue.trials().front()).scene;
   summary_.available = plan.size();
 }

@@ -304,7 +304,7 @@ std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& s
   if (sweep.only) {
     numbers.push_back(*sweep.only);
   } else {
-    numbers.resize(planned.asked);
+    numbers.resize(planned.requested);
     std::iota(numbers.begin(), numbers.end(), std::size_t{0});
   }
   std::vector<Warning> warnings;

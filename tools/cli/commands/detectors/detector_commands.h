@@ -95,14 +95,14 @@ struct BenchmarkCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  benchmark::Asked asked;
+  benchmark::BoardRequest request;
   std::size_t jobs = 0;
   std::string protocol;                      // empty: the default
   std::string output, submission, verified;  // files; empty: none
 
  private:
   // Computes the board; an interrupt ends the computation.
-  [[nodiscard]] Json made(benchmark::Asked asked_for, const std::string& protocol_name) const;
+  [[nodiscard]] Json made(benchmark::BoardRequest request, const std::string& protocol_name) const;
   [[nodiscard]] int verify() const;
   [[nodiscard]] std::string text(const Json& result) const;
 };

@@ -81,7 +81,7 @@ std::string read_text(const std::string& path) {
 
 // A library is third-party code, so the user must name it: a submission from elsewhere must not
 // choose the code that runs here.
-void check_libraries(const benchmark::Asked& submitted, const std::vector<Override>& allowed, const std::string& file) {
+void check_libraries(const benchmark::BoardRequest& submitted, const std::vector<Override>& allowed, const std::string& file) {
   for (const Override& change : submitted.parameters) {
     const auto names = [&](const Override& own) { return own.path == change.path && own.value == change.value; };
     if (change.path == "library" && std::ranges::none_of(allowed, names))
@@ -186,12 +186,12 @@ Examples:
   slipbench benchmark my.onnx --sensor papillarray -o board.html --submit my.json
   slipbench benchmark --verify my.json
   slipbench benchmark shear_rate --set flip=0.05 --sensor papillarray --trials 8)");
-  arguments.texts("DETECTOR", asked.detectors, "Detectors to add to the included ones");
+  arguments.texts("DETECTOR", request.detectors, "Detectors to add to the included ones");
   arguments.text("--protocol NAME", protocol, fmt::format("Protocol (default: {})", benchmark::default_protocol));
-  arguments.sets(asked.parameters, "Set a parameter of the DETECTOR, e.g. ratio=0.35");
-  arguments.inputs("--real FILE", asked.real, "Dataset of real recordings (slipbench import), for the track transfer");
-  arguments.text("--sensor TYPE", asked.sensor, "Run only one type of sensor (default: all)");
-  arguments.number("--trials N", asked.trials, "For quick tests: N trials of each scene; the result is not a valid board", 1,
+  arguments.sets(request.parameters, "Set a parameter of the DETECTOR, e.g. ratio=0.35");
+  arguments.inputs("--real FILE", request.real, "Dataset of real recordings (slipbench import), for the track transfer");
+  arguments.text("--sensor TYPE", request.sensor, "Run only one type of sensor (default: all)");
+  arguments.number("--trials N", request.trials, "For quick tests: N trials of each scene; the result is not a valid board", 1,
                    100'000);
   arguments.jobs(jobs);
   arguments.output("-o,--output FILE.html", output, "Write a page, and FILE.json; -: only the page");
@@ -199,27 +199,27 @@ Examples:
   arguments.input("--verify FILE", verified, "Recompute a submission; only with --jobs and --set library=PATH");
   arguments.flag("-q,--quiet", quiet, "Print no progress");
   arguments.then([this] {
-    const bool sets = std::ranges::any_of(asked.parameters, [](const Override& change) { return change.path != "library"; });
-    const bool asks = !asked.detectors.empty() || sets || !asked.real.empty() || !asked.sensor.empty() || asked.trials > 0 ||
-                      !protocol.empty() || !output.empty() || !submission.empty();
+    const bool sets = std::ranges::any_of(request.parameters, [](const Override& change) { return change.path != "library"; });
+    const bool asks = !request.detectors.empty() || sets || !request.real.empty() || !request.sensor.empty() ||
+                      request.trials > 0 || !protocol.empty() || !output.empty() || !submission.empty();
     if (!verified.empty() && asks)
       throw InputError(
           "benchmark: --verify reads all options from the submission; it can only be combined with --jobs and --set library=PATH");
     if (!output.empty() && !submission.empty() &&
         (same_file(output, submission) || same_file(page::json_path(output), submission)))
       reject("benchmark: --submit {}: --output {} also writes this file; choose another name", submission, output);
-    if (verified.empty() && asked.detectors.empty() && !asked.parameters.empty())
+    if (verified.empty() && request.detectors.empty() && !request.parameters.empty())
       throw InputError("benchmark: --set sets a parameter of a DETECTOR, but no DETECTOR is given");
   });
 }
 
-Json BenchmarkCommand::made(benchmark::Asked asked_for, const std::string& protocol_name) const {
+Json BenchmarkCommand::made(benchmark::BoardRequest request, const std::string& protocol_name) const {
   const InterruptGuard guard("stopping; nothing is kept");
-  return benchmark::benchmark({.asked = std::move(asked_for),
+  return benchmark::benchmark({.request = std::move(request),
                                .protocol = protocol_name,
                                .jobs = jobs,
                                .interrupt = &InterruptGuard::flag(),
-                               .say = [this](const std::string& what) { tell(what); }});
+                               .say = [this](const std::string& what) { print_status(what); }});
 }
 
 std::string BenchmarkCommand::text(const Json& result) const {
@@ -240,9 +240,9 @@ std::string BenchmarkCommand::text(const Json& result) const {
 int BenchmarkCommand::verify() const {
   const std::string submitted_text = read_text(verified);
   const Json submitted = benchmark::parse_submission(submitted_text, verified);
-  benchmark::Asked submitted_asked = benchmark::parse_asked(submitted.at("asked"), verified);
-  check_libraries(submitted_asked, asked.parameters, verified);
-  const Json result = made(std::move(submitted_asked), submitted.at("protocol").at("name").get<std::string>());
+  benchmark::BoardRequest submitted_request = benchmark::parse_request(submitted.at("asked"), verified);
+  check_libraries(submitted_request, request.parameters, verified);
+  const Json result = made(std::move(submitted_request), submitted.at("protocol").at("name").get<std::string>());
   const std::string difference = benchmark::difference(submitted_text, submitted, result);
   const bool same_machine = submitted.contains("machine") && submitted.at("machine") == result.at("machine");
   if (json) {
@@ -266,7 +266,7 @@ int BenchmarkCommand::run() {
                                        }});
   }
   if (!verified.empty()) return verify();
-  const Json result = made(asked, protocol.empty() ? benchmark::default_protocol : protocol);
+  const Json result = made(request, protocol.empty() ? benchmark::default_protocol : protocol);
   std::vector<std::string> files;
   if (!output.empty()) files = page::write_page_files(output, benchmark::page_kind, benchmark::board_page(result), result);
   if (!submission.empty()) {

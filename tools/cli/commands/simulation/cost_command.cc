@@ -36,7 +36,7 @@ std::string command_text(const CostCommand& command) {
 
 cost::Exploration explored(const CostCommand& command) {
   cost::ExploreOptions explore = command.explore;
-  explore.say = [&command](const std::string& what) { command.tell(what); };
+  explore.say = [&command](const std::string& what) { command.print_status(what); };
   const InterruptGuard guard("summarising the measurements");
   explore.interrupt = &InterruptGuard::flag();
   cost::Exploration exploration = cost::explore(explore, program_catalogues());
@@ -111,7 +111,7 @@ int CostCommand::search() const {
   sweep.seed = explore.seed;
   const Catalogues catalogues = program_catalogues();
   const ReadSweep read = read_sweep(sweep, catalogues);
-  tell("searching for the cheapest setting");
+  print_status("searching for the cheapest setting");
   const FoundSetting found = find_setting(read, required);
   std::string set, errors;
   Json setting = Json::object(), reached = Json::object();
@@ -121,7 +121,7 @@ int CostCommand::search() const {
   }
   for (const Requirement& one : required) {
     const MeasureInfo& info = info_of(one.measure);
-    const double worst = at(found.looks.back().errors, one.measure).value().worst;
+    const double worst = at(found.tried.back().errors, one.measure).value().worst;
     errors += fmt::format("{}{} error {}, allowed {}", errors.empty() ? "" : "; ", info.title, error_text(one.measure, worst),
                           error_text(one.measure, one.limit));
     reached[std::string(info.name)] = {{"worst", worst}, {"allowed", one.limit}};
@@ -157,7 +157,7 @@ int CostCommand::run() {
     interrupted = exploration.interrupted;
   }
   if (stability && !interrupted) {
-    tell("measuring the longest stable steps");
+    print_status("measuring the longest stable steps");
     auto [map, map_text] = measured_stability();
     map["command"] = command_text(*this);
     map["environment"] = environment;

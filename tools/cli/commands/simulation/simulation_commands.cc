@@ -203,7 +203,7 @@ void IsolationOptions::declare(Arguments& arguments) {
 }
 
 Isolation IsolationOptions::chosen(const ReadSweep& read, const SweepOptions& sweep) const {
-  const bool several = !sweep.only && read.planned.asked > 1;
+  const bool several = !sweep.only && read.planned.requested > 1;
   return {.on = isolate || (!together && several && names_plugin(read.file.root())), .limit = limit};
 }
 
