@@ -167,8 +167,8 @@ class _Read:
         # For completion: attributes that were not read yet are not in __dict__.
         return [
             *super().__dir__(),
-            *(field.name for field in fields(type(self)) if self._has(field.name)),
-        ]  # type: ignore[arg-type]
+            *(one.name for one in fields(type(self)) if self._has(one.name)),  # type: ignore[arg-type]
+        ]
 
 
 class _Channels(Mapping[str, Any]):

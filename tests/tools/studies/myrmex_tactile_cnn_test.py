@@ -129,24 +129,24 @@ class WindowsOfTrials(unittest.TestCase):
             by_object, [place.trial // 2 for place in places]
         )  # two trials of an object
 
-    def test_what_is_told(self):
+    def test_input_of_each_kind(self):
         # Taxel i has 100 i + k in bin k: its static value is 100 i, the mean over 144 taxels 100 x
         # 143/2.
         one = windows("remote", True, True, [(1.25, 0.5, 0, True)])
         one.spectra[0] = 100.0 * np.arange(144)[:, None] + np.arange(32)
 
-        def told(what):
-            return networks.told(one, np.array([0]), what)
+        def input_of(what):
+            return networks.network_input(one, np.array([0]), what)
 
-        self.assertTrue((told("spectra") == one.spectra.reshape(1, -1)).all())
-        self.assertEqual(told("high_pass").shape, (1, 144 * 28))
+        self.assertTrue((input_of("spectra") == one.spectra.reshape(1, -1)).all())
+        self.assertEqual(input_of("high_pass").shape, (1, 144 * 28))
         self.assertEqual(
-            told("high_pass")[0, [0, 28]].tolist(), [4.0, 104.0]
+            input_of("high_pass")[0, [0, 28]].tolist(), [4.0, 104.0]
         )  # bin 4 of 15.625 Hz is 62.5 Hz
-        self.assertEqual(told("static_image")[0, 2], 200.0)
-        self.assertEqual(told("load").tolist(), [[7150.0]])
-        self.assertEqual(told("clock").tolist(), [[1.25]])
-        self.assertEqual(told("clock_placement").tolist(), [[1.25, 1.0, 0.0, 1.0, 0.0]])
+        self.assertEqual(input_of("static_image")[0, 2], 200.0)
+        self.assertEqual(input_of("load").tolist(), [[7150.0]])
+        self.assertEqual(input_of("clock").tolist(), [[1.25]])
+        self.assertEqual(input_of("clock_placement").tolist(), [[1.25, 1.0, 0.0, 1.0, 0.0]])
         for what in (
             "spectra",
             "high_pass",
@@ -156,7 +156,7 @@ class WindowsOfTrials(unittest.TestCase):
             "placement",
             "clock_placement",
         ):
-            self.assertEqual(len(networks.told(one, np.zeros(0, np.intp), what)), 0)
+            self.assertEqual(len(networks.network_input(one, np.zeros(0, np.intp), what)), 0)
 
 
 class Networks(unittest.TestCase):

@@ -253,10 +253,10 @@ def bias_table(
             add(
                 kind,
                 name,
-                lambda trial, rotational=rotational, name=name: (
+                lambda trial, rotational=rotational, name=name: (  # type: ignore[misc]
                     trial.rotational == rotational and trial.object == name
                 ),
-            )  # type: ignore[misc]
+            )
         add(kind, "all", lambda trial, rotational=rotational: trial.rotational == rotational)  # type: ignore[misc]
     add("both", "all", lambda _: True)
     return table, figures

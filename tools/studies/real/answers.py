@@ -16,7 +16,8 @@ Doubles = NDArray[np.float64]
 Codes = NDArray[np.uint8]
 
 UNKNOWN = _core.unknown_state
-STATES = {**_core.pad_states(), None: UNKNOWN}  # None: nobody knows
+STATES: dict[str | None, int] = dict(_core.pad_states().items())
+STATES[None] = UNKNOWN  # nobody knows
 NO_CONTACT, NON_SLIP, _, GROSS = _core.pad_states().values()
 FEWEST = 10  # groups of a bootstrap interval (tools/eval)
 STEADY = 0.5  # s
