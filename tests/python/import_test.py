@@ -1365,8 +1365,9 @@ class Layouts(ImportTest):
             [
                 sys.executable,
                 "-c",
-                "import sys; sys.modules['pandas'] = None; from slipbench._import.__main__ import main; "
-                "sys.exit(main(sys.argv[1]))",
+                "import json, sys; sys.modules['pandas'] = None; "
+                "from slipbench._import.__main__ import main; "
+                "sys.exit(main(json.loads(sys.argv[1])))",
                 request,
             ],
             capture_output=True,

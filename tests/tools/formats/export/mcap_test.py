@@ -264,7 +264,7 @@ class Mcap(ExportTest):
         self.assertRegex(
             told, r"^written: 6 files, [\d.]+ [kM]B, in .*/out\n$"
         )  # three trials, the layout, the card and croissant.json
-        self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
+        self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n3/3 trials \(100 %\), .* s\n$")
         with h5py.File(dataset) as file, (out / "demo_1.mcap").open("rb") as recording:
             demo = file["data/demo_1"]
             reader = make_reader(recording)

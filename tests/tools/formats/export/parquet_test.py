@@ -130,7 +130,7 @@ class Parquet(ExportTest):
         told, progress = export(dataset, self.folder / "a", "--format", "parquet")
         # Sensor, events, pad, surface, trials.
         self.assertRegex(told, r"^written: 7 files, [\d.]+ [kM]B, in .*/a\n$")
-        self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
+        self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n3/3 trials \(100 %\), .* s\n$")
         before = contents(self.folder / "a")
         told, progress = export(
             dataset, self.folder / "a", "--format", "parquet", "--json"
