@@ -30,8 +30,7 @@ void check_report_target(const std::string& html_path, const std::string& datase
 // (checked_dataset.h), and writes the page to `html_path`, under a temporary name first. Trials may
 // have any length. Throws InputError if the dataset is unreadable, damaged (its content_sha256 is
 // checked), incomplete or without trial `options.trial`, and if the page cannot be written or would
-// replace a file that is not a report;
-// Interrupted on an interrupt (InterruptScope).
+// replace a file that is not a report. Throws Interrupted on an interrupt (InterruptScope).
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options = {});
 
 // Path of the page of a dataset, unless the user names another one: its name with .html.

@@ -22,7 +22,7 @@ ALLOWED = "expected a folder, or a new name in an existing folder"
 
 @dataclass(frozen=True)
 class Request:
-    """What to export. C++ has checked all values (export_request() in tools/formats/export).
+    """An export. C++ has checked all values (export_request() in tools/formats/export).
 
     Attributes:
         format: name on the command line

@@ -518,7 +518,7 @@ def _write_bag(bag: Path, topics: list[Topic], types: Types, about: dict[str, st
 
 
 def _about_trial(number: int, trial: StoredTrial, part: str, data: Dataset) -> dict[str, str]:
-    """What metadata.yaml states about a trial, next to its topics."""
+    """Describes a trial in the metadata of its bag."""
     return {
         "trial": str(number),
         "seed": str(trial.seed),
