@@ -159,11 +159,6 @@ bool ContactPoints::has_come_through(const Eigen::Vector3d& tip, const Eigen::Ve
   return !on_plane() && round();
 }
 
-bool ContactPoints::knows_crossings() const {
-  const DistanceGrid* const grid = std::get_if<DistanceGrid>(&surface_);
-  return grid != nullptr && grid->knows_crossings();
-}
-
 bool ContactPoints::has_left_grid(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& axis,
                                   const Eigen::Vector3d& pressed_on) const {
   const DistanceGrid& grid = std::get<DistanceGrid>(surface_);

@@ -56,7 +56,10 @@ class ContactPoints {
   [[nodiscard]] double column() const { return column_; }
   [[nodiscard]] bool on_grid() const { return std::holds_alternative<DistanceGrid>(surface_); }
   // True if the surface is a grid that knows which face an element entered.
-  [[nodiscard]] bool knows_crossings() const;
+  [[nodiscard]] bool knows_crossings() const {
+    const DistanceGrid* const grid = std::get_if<DistanceGrid>(&surface_);
+    return grid != nullptr && grid->knows_crossings();
+  }
   // True if the tip of an element moved from `from` to `to` through a wall of a grid's surface, or
   // lost contact inside: `pressed_on` is the normal of the face that it pressed on at `from`, zero if
   // it was outside.

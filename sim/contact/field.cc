@@ -548,10 +548,7 @@ void Field::move_tips(double dt) {
                         .mode = c[mode]};
   effects_.tip->move(tips, events_);
   for (const auto& effect : effects_.ringing) effect->ring(tips);
-  // A tip that came to rest within the step has no slip velocity at its end.
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (c[mode][i] != 2.0) c[slip_x][i] = c[slip_y][i] = 0.0;
-  }
+  kernel::clear_ended_slip(columns_, padded_);
 }
 
 void Field::count_states(const kernel::Groups& groups) {
@@ -618,9 +615,10 @@ void Field::note_passed() {
 }
 
 std::optional<std::size_t> Field::overcompressed() const {
-  if (!std::isfinite(layout_.unit_height) || touching() == 0) return std::nullopt;
+  const double height = layout_.unit_height;
+  if (!std::isfinite(height) || touching() == 0 || !kernel::any_deeper(columns_, height, active())) return std::nullopt;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (penetration(i) > layout_.unit_height) return i;
+    if (penetration(i) > height) return i;
   }
   return std::nullopt;
 }

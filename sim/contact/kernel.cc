@@ -177,6 +177,12 @@ SLIPBENCH_DISPATCHED bool any_changes(const Columns& c, const Groups& groups) {
   return any(changed);
 }
 
+SLIPBENCH_DISPATCHED bool any_deeper(const Columns& c, double depth, const Groups& groups) {
+  Mask deeper{};
+  for (std::size_t k = 0; k < groups.count; ++k) deeper |= -at(c, gap, groups[k]) > depth;
+  return any(deeper);
+}
+
 // A stuck tip is at its anchor; a slipping one trails its root by its stretch after the last step.
 SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
   for (std::size_t i = 0; i < count; i += lanes) {
@@ -257,6 +263,15 @@ SLIPBENCH_DISPATCHED void load_tips(const Columns& c, std::size_t count) {
     const double raw = raw_normal_force(c[gap][i], c[k_normal][i], 0.0);
     c[f_normal][i] = raw;
     c[limit][i] = c[mu_static][i] * (0.5 * (raw + std::abs(raw)));
+  }
+}
+
+SLIPBENCH_DISPATCHED void clear_ended_slip(const Columns& c, std::size_t count) {
+  const Lanes none{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Mask slips = at(c, mode, i) == 2.0;
+    put(c, slip_x, i, slips ? at(c, slip_x, i) : none);
+    put(c, slip_y, i, slips ? at(c, slip_y, i) : none);
   }
 }
 

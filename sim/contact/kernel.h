@@ -119,6 +119,8 @@ void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count)
 
 // Pass 2 up to the treatment of tips with mass: normal force and mu_s f_n.
 void load_tips(const Columns& columns, std::size_t count);
+// After the treatment: a tip that came to rest within the step has no slip velocity at its end.
+void clear_ended_slip(const Columns& columns, std::size_t count);
 
 // After the passes: forces, deflections and slip in the pad frame, or the first `vectors` of these.
 // `rotation`: of the pad in the surface. `transmitted`: the tangential force that the pad feels.
@@ -160,5 +162,7 @@ void reset_idle(const Columns& columns, const Groups& groups);
 
 // True if a state has changed.
 bool any_changes(const Columns& columns, const Groups& groups);
+// True if an element, or an entry of the padding, penetrates by more than `depth` [m].
+bool any_deeper(const Columns& columns, double depth, const Groups& groups);
 
 }  // namespace slipbench::kernel

@@ -36,17 +36,19 @@ struct Cylinder {
     // through the cap, through the side) and leaves there sooner.
     const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side) &
                          ((-side * towards_cap <= ahead * towards_side) | (-side <= column * towards_side));
-    const auto by_cap = ((depth * -towards_side <= -side * towards_cap) & (depth <= ahead)) | (depth <= column * towards_cap);
-    const auto by_end = ahead * -towards_side <= -side * towards_cap;  // where it leaves, if it has not entered
-    const Real behind_gap = by_cap ? -depth : (by_end ? ahead : -side);
-    const Real behind_z = by_cap ? looks : (by_end ? -looks : none), behind_faces = by_cap ? cap_bit(looks) : none;
-    const Real inside_gap = by_side ? side : behind_gap, inside_z = by_side ? none : behind_z;
-    const Real inside_faces = by_side ? none + side_bit : behind_faces;
-    // factor of the side's normal for a tip inside
-    const Real within = by_side ? one : ((by_cap | by_end) ? none : one);
-
-    const Real past_gap = beyond ? cap : inside_gap, past_z = beyond ? end : inside_z;
-    const Real past_faces = beyond ? cap_bit(end) : inside_faces, past = beyond ? none : within;
+    // Gap, normal and face of a tip that is not beside the cylinder, here for one that entered through
+    // the side. `past`: factor of the side's normal.
+    Real past_gap = side, past_z = none, past_faces = none + side_bit, past = one;
+    if (any_of((beyond | !by_side) & !beside)) {
+      const auto by_cap = ((depth * -towards_side <= -side * towards_cap) & (depth <= ahead)) | (depth <= column * towards_cap);
+      const auto by_end = ahead * -towards_side <= -side * towards_cap;  // where it leaves, if it has not entered
+      const Real behind_gap = by_cap ? -depth : (by_end ? ahead : -side);
+      const Real behind_z = by_cap ? looks : (by_end ? -looks : none), behind_faces = by_cap ? cap_bit(looks) : none;
+      past_gap = beyond ? cap : (by_side ? side : behind_gap);
+      past_z = beyond ? end : (by_side ? none : behind_z);
+      past_faces = beyond ? cap_bit(end) : (by_side ? past_faces : behind_faces);
+      past = beyond ? none : (by_side ? one : ((by_cap | by_end) ? none : one));
+    }
     Real out_gap = side, out_z = none, out = one;
     if (any_of(beside & beyond)) {  // rare, and a root and two quotients are expensive
       const Real corner = root_of(side * side + cap * cap);

@@ -58,7 +58,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
 }
 
 PluginState PadInstance::state(const mjModel* model, mjData* data) const {
-  return {{data->plugin_state + model->plugin_stateadr[instance_], layout_.total()}, layout_};
+  return {data->plugin_state + model->plugin_stateadr[instance_], layout_};
 }
 
 // A pad that keeps its state moves between any two calls, so comparing would cost more than it

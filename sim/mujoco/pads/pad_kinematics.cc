@@ -221,7 +221,7 @@ void PadKinematics::store_poses(const mjData* data, std::span<double> poses) con
 
 Pose PadKinematics::stored_pad_in_surface(std::span<const double> poses, std::size_t k) const {
   const double* pad = poses.data();
-  const double* geom = pad + PluginState::pose_size * (1 + k);
+  const double* geom = pad + PluginStateLayout::pose_size * (1 + k);
   return (pose_at(geom, geom + 3) * touched_[k].surface_in_geom).inverse() * pose_at(pad, pad + 3);
 }
 

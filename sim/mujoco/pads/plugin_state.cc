@@ -30,10 +30,6 @@ PluginStateLayout::PluginStateLayout(const PadConfig& config, Sensor& sensor, st
       held(channel_values(sensor)),
       truth(config.truth ? 8 * sensor.layout().units.size() + 3 : 0) {}
 
-std::size_t PluginStateLayout::poses() const { return PluginState::pose_size * (1 + geoms); }
-std::size_t PluginStateLayout::start() const { return fields + poses() + 1; }
-std::size_t PluginStateLayout::total() const { return PluginState::header_size + start() + implicit + memory + held + truth; }
-
 std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue) {
   const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);
   const PadLayout layout = without_dashpots(sensor->layout());
@@ -48,21 +44,6 @@ std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalog
   const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);
   const PluginStateLayout layout(config, *sensor, 0);
   return layout.held + layout.truth;
-}
-
-PluginState::PluginState(std::span<double> values, const PluginStateLayout& layout) {
-  const auto take = [&values](std::size_t size) {
-    const std::span<double> part = values.first(size);
-    values = values.subspan(size);
-    return part;
-  };
-  header_ = take(header_size);
-  start_ = take(layout.start());
-  poses_ = start_.subspan(layout.fields, layout.poses());
-  implicit_ = take(layout.implicit);
-  memory_ = take(layout.memory);
-  held_ = take(layout.held);
-  truth_ = take(layout.truth);
 }
 
 }  // namespace slipbench

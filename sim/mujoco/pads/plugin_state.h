@@ -32,6 +32,10 @@ enum class Separation : std::uint8_t {
 
 // Number of values of each part.
 struct PluginStateLayout {
+  // Number of values of the header, and of a stored pose: position and rotation in MuJoCo's format.
+  static constexpr std::size_t header_size = 3;
+  static constexpr std::size_t pose_size = 12;
+
   std::size_t fields = 0;  // states of all fields
   std::size_t geoms = 0;   // touched geoms
   std::size_t implicit = 0;
@@ -42,9 +46,9 @@ struct PluginStateLayout {
   // `sensor`: of the pad; `field_values`: sum of Field::state_size().
   PluginStateLayout(const PadConfig& config, Sensor& sensor, std::size_t field_values);
 
-  [[nodiscard]] std::size_t poses() const;  // values of the stored poses
-  [[nodiscard]] std::size_t start() const;
-  [[nodiscard]] std::size_t total() const;
+  [[nodiscard]] std::size_t poses() const { return pose_size * (1 + geoms); }  // values of the stored poses
+  [[nodiscard]] std::size_t start() const { return fields + poses() + 1; }
+  [[nodiscard]] std::size_t total() const { return header_size + start() + implicit + memory + held + truth; }
 };
 
 // Number of values of an instance in plugin_state, and in sensordata. MuJoCo asks for them before
@@ -52,37 +56,34 @@ struct PluginStateLayout {
 std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue);
 std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue);
 
-// Gives access to the state of one instance in one mjData, while that exists.
+// Gives access to the state of one instance in one mjData, while that and the layout exist.
 class PluginState {
  public:
-  // Number of values of the header, and of a stored pose: position and rotation in MuJoCo's format.
-  static constexpr std::size_t header_size = 3;
-  static constexpr std::size_t pose_size = 12;
-
   // `values`: PluginStateLayout::total() of them.
-  PluginState(std::span<double> values, const PluginStateLayout& layout);
+  PluginState(double* values, const PluginStateLayout& layout) : values_(values), layout_(layout) {}
 
   // True if a step has been committed since the last reset (Field::save_state).
-  [[nodiscard]] bool placed() const { return start_[0] != 0.0; }
+  [[nodiscard]] bool placed() const { return values_[layout_.header_size] != 0.0; }
   // Marks the state as placed, for a pad whose fields are not stored.
-  void set_placed() const { start_[0] = 1.0; }
+  void set_placed() const { values_[layout_.header_size] = 1.0; }
 
-  [[nodiscard]] double& committed_time() const { return header_[0]; }  // s
-  [[nodiscard]] double& next_sample() const { return header_[1]; }
-  [[nodiscard]] double& slip_angle() const { return header_[2]; }  // rad
+  [[nodiscard]] double& committed_time() const { return values_[0]; }  // s
+  [[nodiscard]] double& next_sample() const { return values_[1]; }
+  [[nodiscard]] double& slip_angle() const { return values_[2]; }  // rad
 
-  [[nodiscard]] std::span<double> start() const { return start_; }
-  [[nodiscard]] std::span<double> poses() const { return poses_; }
-  [[nodiscard]] Separation separation() const { return static_cast<Separation>(start_.back()); }
-  void set_separation(Separation separation) const { start_.back() = static_cast<double>(separation); }
+  [[nodiscard]] std::span<double> start() const { return {values_ + layout_.header_size, layout_.start()}; }
+  [[nodiscard]] std::span<double> poses() const { return start().subspan(layout_.fields, layout_.poses()); }
+  [[nodiscard]] Separation separation() const { return static_cast<Separation>(start().back()); }
+  void set_separation(Separation separation) const { start().back() = static_cast<double>(separation); }
 
-  [[nodiscard]] std::span<double> implicit() const { return implicit_; }
-  [[nodiscard]] std::span<double> memory() const { return memory_; }
-  [[nodiscard]] std::span<double> held() const { return held_; }
-  [[nodiscard]] std::span<double> truth() const { return truth_; }
+  [[nodiscard]] std::span<double> implicit() const { return {start().data() + layout_.start(), layout_.implicit}; }
+  [[nodiscard]] std::span<double> memory() const { return {implicit().data() + layout_.implicit, layout_.memory}; }
+  [[nodiscard]] std::span<double> held() const { return {memory().data() + layout_.memory, layout_.held}; }
+  [[nodiscard]] std::span<double> truth() const { return {held().data() + layout_.held, layout_.truth}; }
 
  private:
-  std::span<double> header_, start_, poses_, implicit_, memory_, held_, truth_;
+  double* values_;
+  const PluginStateLayout& layout_;
 };
 
 }  // namespace slipbench

@@ -1,7 +1,10 @@
 // One element against closed forms: touch, slip and detach inside a step, reversal, stop, dashpot.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -214,6 +217,32 @@ TEST(FieldLaw, ElementThatLooksAwayNeverTouches) {
     field.step(target.facing * at(0.0, 0.0, deep), 1e-3);
     EXPECT_EQ(field.state(0), ElementState::detached) << "shape " << static_cast<int>(shape);
     EXPECT_EQ(field.normal_force(0), 0.0);
+  }
+}
+
+TEST(FieldLaw, CompressionBeyondTheHeightOfAUnitIsReported) {
+  // Tips 5 mm above the pad's origin, that of the element `low` 1 mm lower, on a pad pressed by z
+  // [mm]: depths of z - 5 and z - 4. A sparse field and one with entries of the padding, whose
+  // tips are at the origin, z deep.
+  constexpr double height = 3e-3;
+  for (const int n : {1, 3, 9}) {
+    PadLayout pad = oracle::square_grid(n, 5e-3, k_n, k_t);
+    const std::size_t low = pad.elements.size() / 2;
+    for (Element& element : pad.elements) element.tip.z() = 5e-3;
+    pad.elements[low].tip.z() = 4e-3;
+    for (const Surface& surface : {Surface(Plane{}), Surface(Box{{20e-3, 20e-3, 20e-3}})}) {
+      const double top = std::holds_alternative<Plane>(surface) ? 0.0 : 20e-3;
+      const auto reported = [&](double limit, double z) {
+        pad.unit_height = limit;
+        Field field(pad, surface, {0.5, 0.5});
+        for (const double each : {0.0, z}) field.step(at(0.0, 0.0, top - each), 1e-3);
+        return field.overcompressed();
+      };
+      EXPECT_EQ(reported(height, 6.9e-3), std::nullopt) << n;
+      EXPECT_EQ(reported(height, 7.1e-3), low) << n;
+      EXPECT_EQ(reported(height, 8.1e-3), 0U) << n;
+      EXPECT_EQ(reported(std::numeric_limits<double>::infinity(), 8.1e-3), std::nullopt) << n;
+    }
   }
 }
 
