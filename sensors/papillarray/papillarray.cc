@@ -238,22 +238,45 @@ Channel make_channel(const std::string& name, const std::string& unit, char symb
   return channel;
 }
 
-class PapillArray : public PadSensor {
+Channel flag_channel() {
+  Channel channel{"out_of_range", "1", {pillars}, {}};
+  for (std::size_t pillar = 0; pillar < pillars; ++pillar) channel.channel_names.push_back("P" + std::to_string(pillar) + "_OUT");
+  return channel;
+}
+
+class PapillArray final : public PadSensor {
  public:
   PapillArray(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : PadSensor(checked_rate(parameters, key.sensor_name),
                   make_layout(parameters, RandomStream(key.seed, key.device, "papillarray." + key.sensor_name + ".stiffness")),
                   {make_channel("force", "N", 'F'), make_channel("displacement", "m", 'D')}),
         electronics_(electronics, model_of(parameters, electronics, rate_), key),
+        flags_(electronics_.range_flags()),
         label_speed_(parameters.number("label_speed")) {
-    frame_.values = values_;
+    if (parameters.flag("range_flag")) {
+      if (flags_.empty()) {
+        throw SceneValueError("sensors." + key.sensor_name + ".range_flag",
+                              "needs the part valid_range; add it to electronics, or use electronics: typical");
+      }
+      channels_.push_back(flag_channel());
+    }
+    frame_.values = std::span(values_).first(readings + flags_.size());
   }
 
   const SensorFrame& measure(const ContactFrame& truth) override {
-    read(truth, values_);
-    electronics_.apply(values_, truth.time);
+    read(truth, values_.data());
+    electronics_.apply(std::span(values_).first<readings>(), truth.time);
+    if (!flags_.empty()) std::ranges::copy(flags_, values_.begin() + readings);
     frame_.time = truth.time;
     return frame_;
+  }
+
+  // A low-pass before the converter also processes the contact between samples.
+  [[nodiscard]] bool feels_every_tick() const override { return electronics_.feels_every_tick(); }
+  void feel(const ContactFrame& truth) override {
+    std::array<float, readings> felt;
+    read(truth, felt.data());
+    electronics_.feel(felt, truth.time);
   }
 
   [[nodiscard]] std::vector<std::span<double>> memory() override { return electronics_.memory(); }
@@ -273,74 +296,23 @@ class PapillArray : public PadSensor {
     return in_contact && judged == 0 ? PadState::non_slip : pad_state(judged, slipping);
   }
 
- protected:
-  static void read(const ContactFrame& truth, std::array<float, 2 * channel_size>& values) {
+ private:
+  static constexpr std::size_t readings = 2 * channel_size;  // force and displacement
+
+  static void read(const ContactFrame& truth, float* values) {
     assert(truth.force.cols() == Eigen::Index{pillars} && truth.displacement.cols() == Eigen::Index{pillars});
     // One column per pillar, so the memory order is that of the channel {9,3}.
     using Values = Eigen::Map<Eigen::Array<float, axes, pillars>>;
     using Truth = Eigen::Map<const Eigen::Array<double, axes, pillars>>;
-    Values(values.data()) = Truth(truth.force.data()).cast<float>();
-    Values(values.data() + channel_size) = Truth(truth.displacement.data()).cast<float>();
+    Values{values} = Truth(truth.force.data()).cast<float>();
+    Values{values + channel_size} = Truth(truth.displacement.data()).cast<float>();
   }
 
   Electronics electronics_;
-  std::array<float, 2 * channel_size> values_{};
-
- private:
+  std::span<const float> flags_;  // of the electronics; empty without range_flag
+  std::array<float, readings + pillars> values_{};
   double label_speed_;
 };
-
-// A sensor with a low-pass before the converter, which also processes the contact between samples.
-class FilteredPapillArray : public PapillArray {
- public:
-  using PapillArray::PapillArray;
-
-  [[nodiscard]] bool feels_every_tick() const override { return true; }
-
-  void feel(const ContactFrame& truth) override {
-    std::array<float, 2 * channel_size> felt{};
-    read(truth, felt);
-    electronics_.feel(felt, truth.time);
-  }
-};
-
-// A sensor with the additional channel out_of_range.
-template <class Base>
-class FlaggedPapillArray final : public Base {
- public:
-  FlaggedPapillArray(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
-      : Base(parameters, electronics, key), flags_(this->electronics_.range_flags()) {
-    Channel channel{"out_of_range", "1", {pillars}, {}};
-    for (std::size_t pillar = 0; pillar < pillars; ++pillar)
-      channel.channel_names.push_back("P" + std::to_string(pillar) + "_OUT");
-    this->channels_.push_back(std::move(channel));
-    this->frame_.values = all_values_;
-  }
-
-  const SensorFrame& measure(const ContactFrame& truth) override {
-    const SensorFrame& frame = Base::measure(truth);
-    std::ranges::copy(flags_, std::ranges::copy(this->values_, all_values_.begin()).out);
-    return frame;
-  }
-
- private:
-  std::span<const float> flags_;
-  std::array<float, 2 * channel_size + pillars> all_values_{};
-};
-
-std::unique_ptr<Sensor> create_papillarray(const Parameters& parameters, const std::vector<Named>& electronics,
-                                           std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
-  const auto has = [&](const char* part) { return std::ranges::find(electronics, part, &Named::name) != electronics.end(); };
-  const bool filtered = has("low_pass");
-  auto make = filtered ? created<FilteredPapillArray> : created<PapillArray>;
-  if (parameters.flag("range_flag")) {
-    if (!has("valid_range"))
-      throw SceneValueError("sensors." + sensor_name + ".range_flag",
-                            "needs the part valid_range; add it to electronics, or use electronics: typical");
-    make = filtered ? created<FlaggedPapillArray<FilteredPapillArray>> : created<FlaggedPapillArray<PapillArray>>;
-  }
-  return make(parameters, electronics, seed, trial, sensor_name);
-}
 
 }  // namespace
 }  // namespace papillarray
@@ -406,7 +378,7 @@ SensorKind papillarray_sensor() {
   return {
       .about = papillarray_entry(),
       .electronics = papillarray::electronics_parts(),
-      .create = papillarray::create_papillarray,
+      .create = created<papillarray::PapillArray>,
       .view = {.unit = "pillar",
                .units = "pillars",
                .letter = "P",
