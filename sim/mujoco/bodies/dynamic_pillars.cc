@@ -9,7 +9,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
-#include "sim/mujoco/bodies/model_builder.h"
+#include "sim/mujoco/models/model_builder.h"
 #include "sim/mujoco/mujoco_warnings.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "sim/stage/stage_setup.h"

@@ -19,7 +19,7 @@
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/install.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
-#include "sim/mujoco/bodies/model_builder.h"
+#include "sim/mujoco/models/model_builder.h"
 #include "sim/mujoco/mujoco_warnings.h"
 #include "sim/mujoco/pads/field_plugin.h"
 #include "sim/mujoco/pads/geom_surface.h"

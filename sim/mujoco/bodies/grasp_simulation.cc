@@ -19,7 +19,7 @@
 #include "sim/grasp/push.h"
 #include "sim/motion/motion_catalogue.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
-#include "sim/mujoco/bodies/model_builder.h"
+#include "sim/mujoco/models/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
 #include "sim/stage/stage_setup.h"
 #include "sim/stage/step_plan.h"

@@ -8,7 +8,7 @@
 
 #include "sim/core/error.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
-#include "sim/mujoco/bodies/model_builder.h"
+#include "sim/mujoco/models/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
 
 namespace slipbench {

@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "sim/mujoco/bodies/free_bodies.h"
+#include "sim/mujoco/modes/free_bodies.h"
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/grasp_rig.h"
 #include "tests/sim/mujoco/pads/models.h"

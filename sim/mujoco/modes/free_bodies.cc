@@ -1,4 +1,4 @@
-#include "sim/mujoco/bodies/free_bodies.h"
+#include "sim/mujoco/modes/free_bodies.h"
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-#include "sim/mujoco/bodies/gripper_model.h"
+#include "sim/mujoco/models/gripper_model.h"
 
 #include <algorithm>
 #include <vector>

@@ -28,7 +28,7 @@
 #include "sim/api/pad_layout.h"
 #include "sim/core/parameters.h"
 #include "sim/core/pose.h"
-#include "sim/mujoco/bodies/gripper_model.h"
+#include "sim/mujoco/models/gripper_model.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/scene/scene.h"
 

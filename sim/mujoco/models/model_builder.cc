@@ -1,4 +1,4 @@
-#include "sim/mujoco/bodies/model_builder.h"
+#include "sim/mujoco/models/model_builder.h"
 
 #include <algorithm>
 #include <cmath>
