@@ -15,29 +15,13 @@
 #include "sim/api/pad_layout.h"
 #include "sim/api/simulation.h"
 #include "sim/core/pose.h"
-#include "sim/mujoco/bodies/watch.h"
+#include "sim/mujoco/modes/dynamic_options.h"
 #include "sim/scene/scene.h"
 
 struct mjData_;
 struct mjModel_;
 
 namespace slipbench {
-
-class Motion;
-struct Hand;  // gripper_model.h
-
-struct DynamicSimulationOptions {
-  // False: for tests of the rules above, which must see the effects of a too long step.
-  bool refuse_long_steps = true;
-  WatchLimits limits{};
-  FieldSolver hand_solver = FieldSolver::explicit_springs;  // of a grasp (average_acceleration.h)
-  // The fingers of a grasp, whose springs the caller of step() applies; needed only in the
-  // constructor.
-  const Hand* hand = nullptr;
-  // The motion of the arm, which the caller of step() applies and which limits the step; needed only
-  // in the constructor.
-  const Motion* arm = nullptr;
-};
 
 // Steps bodies by mj_step, or those of a grasp by FreeBodies (free_bodies.h). Fields are instances
 // of the plugin `slipbench.field` (model_builder.h), which must be registered before. The stage,
@@ -68,7 +52,7 @@ struct DynamicSimulationOptions {
 // nothing: the step depends only on the pads that exert forces.
 //
 // A diverged run ends in an InputError with the time: on any warning of MuJoCo (autoreset is off),
-// and by the rules of watch.cc.
+// and by the rules of watch.h.
 class DynamicSimulation final : public Simulation {
  public:
   // As for StageSimulation. Pads beyond the last of `output_rates` touch and push, but only

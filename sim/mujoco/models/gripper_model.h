@@ -11,7 +11,7 @@ struct mjsBody_;
 
 namespace slipbench {
 
-// Each is a free body on the springs of pad_follower.h. Neither arm nor drive yields, so neither
+// Each is a free body on the springs of finger_spring.h. Neither arm nor drive yields, so neither
 // needs a body, and the model has no heavy body. The simulation sets the applied forces to
 // FingerSpring::wrench() plus the force that carries the finger's weight: its springs are measured
 // from its position under its weight. A finger's frame and its mass are at its pivot, so that
