@@ -57,8 +57,8 @@ class DynamicPads {
   virtual void find_force(Eigen::VectorXd& force) const = 0;
   // Reads the pads at a tick.
   virtual PadEnergy read_energy() { return {}; }
-  // Returns the pads' force on a free body [N], at the tick last read. `dof`: first of its six;
-  // `force`: of find_force().
+  // Returns the pads' force on a free body [N], at the tick last read. `dof` is the first of its
+  // six, and `force` the result of find_force().
   [[nodiscard]] virtual Eigen::Vector3d force_on(int /*body*/, int /*dof*/, const Eigen::VectorXd& /*force*/) const {
     return Eigen::Vector3d::Zero();
   }

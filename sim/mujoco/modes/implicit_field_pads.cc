@@ -1,5 +1,8 @@
 #include "sim/mujoco/modes/implicit_field_pads.h"
 
+#include <algorithm>
+#include <ranges>
+
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
@@ -28,11 +31,8 @@ void ImplicitFieldPads::take_tick(std::size_t tick, RunWatch& watch) {
 }
 
 void ImplicitFieldPads::refuse_missing_springs(double time) const {
-  bool touching = false;
-  for (std::size_t pad = 0; pad < contacts_.pads(); ++pad) {
-    touching |= truth(pad, FramePart::states).state != PadState::no_contact;
-  }
-  if (!touching) return;
+  const auto touches = [this](std::size_t pad) { return truth(pad, FramePart::states).state != PadState::no_contact; };
+  if (std::ranges::none_of(std::views::iota(std::size_t{0}, contacts_.pads()), touches)) return;
   // a pad that separates within the step has neither springs nor a force at its end
   Eigen::VectorXd force(world_.m()->nv);
   find_force(force);

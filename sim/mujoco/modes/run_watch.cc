@@ -120,8 +120,6 @@ void RunWatch::weigh(double time, const Eigen::VectorXd& velocity) {
     now.force = pads_force + joints + linear(d->qfrc_constraint) + linear(d->qfrc_applied) + weight;
     now.predicted = joints - centripetal;
     if (settings_.pads_predicted) now.predicted += pads_force;
-    // With impratio 1e4 together with implicit pads MuJoCo's solver leaves a residual that changes
-    // its sign from step to step.
     if (settings_.constraints_predicted) now.predicted += linear(d->qfrc_constraint);
     now.mass_times_acceleration = mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m->dof_armature).cwiseProduct(rate);
     if (const auto wrong = body.rule.check(now, dt)) {
