@@ -36,7 +36,7 @@ function(slipbench_install)
   install(TARGETS ${targets} EXPORT slipbenchTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   foreach(target IN LISTS targets)
     get_target_property(folder ${target} SOURCE_DIR)
-    file(GLOB_RECURSE found RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${folder}/*.h)  # a room may have no target of its own
+    file(GLOB_RECURSE found RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${folder}/*.h)  # a subfolder may have no target of its own
     list(APPEND headers ${found})
   endforeach()
   list(REMOVE_DUPLICATES headers)
