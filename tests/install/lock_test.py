@@ -67,6 +67,11 @@ def forged_wheel(folder, version):
 
 
 class LockTest(unittest.TestCase):
+    def test_d3_is_the_release(self):
+        d3 = ROOT / "tools/page/d3"
+        digest = hashlib.sha256((d3 / "d3.min.js").read_bytes()).hexdigest()
+        self.assertIn(f"| `d3.min.js` | {digest} |", (d3 / "README.md").read_text(encoding="utf-8"))
+
     def test_every_package_asked_for_is_pinned_as_asked(self):
         for name in SETS:
             pinned = locked(name)

@@ -11,9 +11,6 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     foreach(file IN LISTS ARG_FILES)
       get_filename_component(path ${file} ABSOLUTE)
       list(APPEND files ${path})
-      if(path MATCHES "[.]min[.](js|css)$")  # third-party files
-        set_property(GLOBAL APPEND PROPERTY SLIPBENCH_FOREIGN_FILES ${path})  # for NOTICE.md
-      endif()
     endforeach()
     set(output ${CMAKE_CURRENT_BINARY_DIR}/assets_data.cc)
     add_custom_command(OUTPUT ${output}

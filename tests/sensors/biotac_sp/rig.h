@@ -70,7 +70,7 @@ inline Pose pressed(const Eigen::Vector3d& outward, double depth, const Eigen::V
   const Eigen::Vector3d scaled = in_p.cwiseProduct(n);
   const Eigen::Vector3d lowest = in_p.cwiseProduct(scaled) / scaled.norm() + Eigen::Vector3d(0.0, 0.0, radii.y());
   Pose pose;
-  pose.rotation = Eigen::Quaterniond::FromTwoVectors(n, -Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.rotation = element_frame(n).transpose();  // takes n to -Z
   pose.position = -(pose.rotation * lowest);
   pose.position.z() -= depth;
   return pose;

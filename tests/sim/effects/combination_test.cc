@@ -96,9 +96,6 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     EXPECT_TRUE(field.wrench_on_pad().force.allFinite() && field.wrench_on_pad().torque.allFinite()) << about.name;
     EXPECT_GT(field.wrench_on_pad().force.z(), 0.1) << about.name;
   }
-  EXPECT_EQ(names, (std::set<std::string>{"ageing", "anisotropic_friction", "asperities", "elastic_skin", "inertia", "lean",
-                                          "load_dependent_friction", "patchy_friction", "roughness", "stribeck", "texture",
-                                          "viscoelastic", "viscous_friction"}));
 }
 
 TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {

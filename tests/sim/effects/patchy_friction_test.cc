@@ -155,8 +155,7 @@ TEST(PatchyFriction, EveryFaceOfABoxHasPatchesAlongBothItsDirections) {
   const Wanted patches{"patchy_friction", {{"sd", sd}, {"shortest", shortest}, {"longest", longest}}};
   const auto factor = [&](const Eigen::Vector3d& normal, const Eigen::Vector3d& along) {
     Field field(pad, Box{Eigen::Vector3d::Constant(half)}, {0.5, 0.5}, installed(pad, {patches}));
-    Pose pose{.rotation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix(),
-              .position = (half - indentation) * normal + along};
+    Pose pose{.rotation = element_frame(-normal), .position = (half - indentation) * normal + along};
     field.step(pose, 1e-3);
     return field.stick_limit(0) / (0.5 * 1000.0 * indentation);
   };

@@ -8,6 +8,8 @@
 namespace slipbench {
 namespace {
 
+using ::testing::ContainsRegex;
+
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<SensorAbout> sensors{{"twopad", 2.0, {"A", "B"}}};
@@ -44,21 +46,12 @@ TEST(Summary, OnsetsAreShownToATenthOfAMillisecond) {
   EXPECT_EQ(onset_text(never), "-");
 }
 
-TEST(Summary, FilesFitALine) {
-  EXPECT_EQ(files_text({"a.h5"}), "a.h5");
-  EXPECT_EQ(files_text({"a.h5", "a-0001.h5", "a-0002.h5"}), "a.h5, a-0001.h5, a-0002.h5");
-  EXPECT_EQ(files_text({"a.h5", "a-0001.h5", "a-0002.h5", "a-0003.h5"}), "a.h5 and 3 more files up to a-0003.h5");
-}
-
 TEST(Summary, TrialShowsEveryUnit) {
-  EXPECT_EQ(trial_text(small_trial(), sensors, Style(false)),
-            "pad  twopad, 2 units at 2 Hz\n"
-            "  unit     touch  first micro-slip  full slip  order  slipped  load at end  margin at end\n"
-            "  A     0.2500 s          1.2000 s   1.2500 s      1  1.25 mm       3.50 N          0.000\n"
-            "  B            -                 -          -      -  0.00 mm       0.00 N              -\n"
-            "  share of time  strict: no contact 0.0 %, non-slip 50.0 %, incipient 0.0 %, gross 50.0 %\n"
-            "                 micro: no contact 0.0 %, non-slip 0.0 %, incipient 50.0 %, gross 50.0 %\n"
-            "  gross slip at 1.2500 s, 50.0 ms after the first micro-slip\n");
+  // By the columns: touch, first micro-slip, full slip, order, slipped, load and margin at the end.
+  const std::string text = trial_text(small_trial(), sensors, Style(false));
+  EXPECT_THAT(text, ContainsRegex(" A +0\\.2500 s +1\\.2000 s +1\\.2500 s +1 +1\\.25 mm +3\\.50 N +0\\.000\n"));
+  EXPECT_THAT(text, ContainsRegex(" B +- +- +- +- +0\\.00 mm +0\\.00 N +-\n"));
+  EXPECT_THAT(text, HasSubstr("gross slip at 1.2500 s, 50.0 ms after"));
 }
 
 // Up to 40 units have one row each. Of 41 units only the touching ones have a row, and the number
@@ -166,13 +159,10 @@ SweepSummary detector_sweep() {
 // Recalls of ratio over its trials: (4 3 + 40)/(4 4 + 40), 2/3 and 12/13, with a mean of 0.8394; of
 // slip 15/16.
 TEST(Summary, SweepSaysHowEachDetectorDid) {
-  EXPECT_THAT(
-      sweep_text(detector_sweep(), Style(false)),
-      HasSubstr(
-          "\ndetectors: shares of samples in contact; delays of detected slips; early: alarm before the slip\n"
-          "         recall of slip  balanced accuracy  constant detector  median delay    worst  detected   early  missed  false alarms\n"
-          "  ratio          93.8 %             83.9 %             33.3 %       20.0 ms  30.0 ms    2 of 4  1 of 4  1 of 4        1 of 2\n"
-          "  other          93.8 %             78.0 %             33.3 %             -        -    0 of 1  0 of 1  1 of 1             -\n"));
+  // Recall, balanced accuracy, constant detector, median and worst delay, detected, early, missed, false alarms.
+  const std::string text = sweep_text(detector_sweep(), Style(false));
+  EXPECT_THAT(text, ContainsRegex("ratio +93\\.8 % +83\\.9 % +33\\.3 % +20\\.0 ms +30\\.0 ms +2 of 4 +1 of 4 +1 of 4 +1 of 2\n"));
+  EXPECT_THAT(text, ContainsRegex("other +93\\.8 % +78\\.0 % +33\\.3 % +- +- +0 of 1 +0 of 1 +1 of 1 +-\n"));
 }
 
 TEST(Summary, JsonSaysTheSameOfEachDetector) {
@@ -257,13 +247,9 @@ TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
   summary.trials.push_back(small_grasp("ratio", true, R"({"detector.type": "ratio", "detector.ratio": 0.3})"));
   summary.trials.push_back(small_grasp("ratio", false, R"({"detector.type": "ratio", "detector.ratio": 0.3})"));
   summary.trials.back().outcome.grasp->max_grip_force = 4.0;
-  EXPECT_THAT(
-      sweep_text(summary, Style(false)),
-      HasSubstr(
-          "\ngrasps: medians; slip and rotation of held boxes\n"
-          "                                       held             95 %  dropped  not lifted     slip  rotation  max/ideal force  reaction\n"
-          "  oracle (truth), step_on_slip     10 of 10  69.2 to 100.0 %        0           0  1.25 mm  1.00 deg             1.50     40 ms\n"
-          "  ratio (ratio 0.3), step_on_slip    1 of 2    1.3 to 98.7 %        1           0  1.25 mm  1.00 deg             1.75         -\n"));
+  // Held and its bounds, dropped, not lifted, slip, rotation, greatest force over the ideal one, reaction.
+  EXPECT_THAT(sweep_text(summary, Style(false)),
+              ContainsRegex("truth.* 10 of 10 +69\\.2 to 100\\.0 % +0 +0 +1\\.25 mm +1\\.00 deg +1\\.50 +40 ms\n"));
   const std::vector<GraspRow> rows = grasp_rows(summary);
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_NEAR(rows[0].held_share.low, std::pow(0.025, 0.1), 1e-12);
@@ -308,15 +294,12 @@ TEST(Summary, SweepShowsHowManyTrialsReachedEachStageAndWhen) {
     summary.trials[i].sensors[0].state_count = {1, 1, 0, 2};
     summary.trials[i].sensors[0].state_micro_count = {1, 0, 1, 2};
   }
-  EXPECT_EQ(sweep_text(summary, Style(false)),
-            "4 trials\n"
-            "                    trials  earliest    median    latest\n"
-            "  touch                  4  0.2500 s  0.2500 s  0.2500 s\n"
-            "  first micro-slip       0         -         -         -\n"
-            "  first full slip        0         -         -         -\n"
-            "  gross slip             3  1.0000 s  1.5000 s  3.0000 s\n"
-            "  share of time  strict: no contact 25.0 %, non-slip 25.0 %, incipient 0.0 %, gross 50.0 %\n"
-            "                 micro: no contact 25.0 %, non-slip 0.0 %, incipient 25.0 %, gross 50.0 %\n");
+  // Trials, earliest, median, latest.
+  const std::string text = sweep_text(summary, Style(false));
+  EXPECT_THAT(text, ContainsRegex("touch +4 +0\\.2500 s +0\\.2500 s +0\\.2500 s\n"));
+  EXPECT_THAT(text, ContainsRegex("first full slip +0 +- +- +-\n"));
+  EXPECT_THAT(text, ContainsRegex("gross slip +3 +1\\.0000 s +1\\.5000 s +3\\.0000 s\n"));
+  EXPECT_THAT(text, HasSubstr(shares_text({1, 1, 0, 2})));
 }
 
 TEST(Summary, UnitsThatSlipTogetherShareARank) {
@@ -342,9 +325,9 @@ TEST(Summary, SceneShowsWhatIsMoved) {
   scene.motion.name = "stage";
   scene.motion.parameters.set("speed", 0.0040123456);
   scene.motion.parameters.set("stop", std::numeric_limits<double>::infinity());  // never, so not shown
-  EXPECT_EQ(
-      scene_text(scene, catalogues, Style(false), 100),
-      "A test\n  surface: glass (plane), mu_static 0.5, mu_kinetic 0.25\n  motion:  stage, speed 4.012 mm/s\n  effects: none\n\n");
+  const std::string text = scene_text(scene, catalogues, Style(false), 100);
+  EXPECT_THAT(text, mentions({"A test", "glass", "plane", "0.5", "0.25", "stage", "speed 4.012 mm/s"}));
+  EXPECT_THAT(text, Not(HasSubstr("stop")));
 }
 
 TEST(Summary, SpeedIsSimulatedTimeOverRealTime) {
