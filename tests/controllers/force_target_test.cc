@@ -76,8 +76,9 @@ TEST(ForceFollower, OpensOnlyWhenTold) {
   const auto loose = make("force_ratio", {{"force_per_count", "1.2 N"}, {"loosen", "true"}});
   EXPECT_EQ(loose->update(input_of(tight, 30)).position, 25);
   EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(9.1), 29)).position, 25);  // in motion: floor(5.1/1.2) = 4 of 29
-  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(5.1), 25)).position, 25);  // less than a count too much
+  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(5.1), 26)).position, 25);  // less than a count too much: unchanged
   EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(3.9), 24)).position, 25);
+  EXPECT_EQ(loose->update(input_of(PillarFrame::of_forces(3.9), 20)).position, 21);  // from where the fingers are
 }
 
 TEST(ForceFollower, TakesBackNoCountThatIsOnItsWay) {

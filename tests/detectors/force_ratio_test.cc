@@ -29,6 +29,15 @@ TEST(ForceRatio, CountsTheUnitsThatTouchAndThoseThatSlip) {
   EXPECT_EQ(state_of(*two, {1.8F, 2.4F, -6.0F, 0, 0, 0}), PadState::no_contact);
 }
 
+// The law: a unit touches when f_n >= touch. 0.25 is exact as a float.
+TEST(ForceRatio, TouchesAtTheThreshold) {
+  Parameters parameters = defaults_of(force_ratio_detector().about.parameters);
+  parameters.set("touch", 0.25);
+  const auto one = force_ratio_detector().create(parameters, vector_source({"force"}, 1, 1000.0));
+  EXPECT_EQ(state_of(*one, {0, 0, 0.25F}), PadState::non_slip);
+  EXPECT_EQ(state_of(*one, {0, 0, std::nextafter(0.25F, 0.0F)}), PadState::no_contact);
+}
+
 TEST(ForceRatio, TellsTheShareThatSticks) {
   const auto two = detector(0.5, vector_source({"force"}, 2, 1000.0));
   const std::vector<float> air(6), both{1, 0, 9, 1, 0, 9}, one{1, 0, 9, 1, 0, 1}, none{1, 0, 1, 1, 0, 1};

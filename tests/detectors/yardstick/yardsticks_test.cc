@@ -75,13 +75,13 @@ TEST(Deviation, IsThatOfALine) {
   EXPECT_NEAR(score(deviation_detector(), scalar_source(1), line), 0.25 * std::sqrt((frames * frames - 1) / 12.0), digits);
 }
 
-// Vectors: sinusoids of 0.3 N along x and 0.1 N along y, at 2 N and 4 N of two units. The normal force's own
-// sinusoid averages to 0 and does not count.
+// Vectors: sinusoids of 0.3 N along x and 0.1 N along y, at 2 N and -4 N of two units, whose levels do not
+// cancel. The normal force's own sinusoid averages to 0 and does not count.
 TEST(RelativeDeviation, IsShearOverNormalLevel) {
   const Signal pad = [](int k) {
     const double wave = std::sin(2.0 * std::numbers::pi * k / 25.0);
     const auto f = [](double value) { return static_cast<float>(value); };
-    return std::vector<float>{f(0.3 * wave), f(0.1 * wave), f(2.0 + wave), f(0.3 * wave), f(0.1 * wave), f(4.0 - wave)};
+    return std::vector<float>{f(0.3 * wave), f(0.1 * wave), f(2.0 + wave), f(0.3 * wave), f(0.1 * wave), f(-4.0 - wave)};
   };
   const double shear = 2.0 * 0.5 * (0.3 + 0.1) / std::sqrt(2.0), level = 2.0 + 4.0;
   EXPECT_NEAR(score(relative_deviation_detector(), vector_source({"force"}, 2, rate), pad), shear / level, digits);

@@ -210,8 +210,8 @@ FAULTS = (
     # detectors
     (
         "detectors/channel.cc",
-        "subspan(@@seen_ % frames_ * rates_.size()@@(seen_ + 1) % frames_ * rates_.size()@@, rates_",
-        "index: the window starts at a fixed row that is one off",
+        "if (@@seen_ >= frames_@@seen_ > frames_@@) rates_[i]",
+        "comparison: the first rate comes a frame late",
     ),
     (
         "detectors/flip.cc",

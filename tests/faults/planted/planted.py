@@ -12,10 +12,11 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import threading
-from collections import Counter
+from collections import Counter, defaultdict
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -120,6 +121,8 @@ class Suite:
             )
         self.build = build
         self.healthy = {}  # {run: message of its failure without a fault, "" for none}
+        self.turns = {key: threading.Lock() for key in self.programs}
+        self.alone = defaultdict(set)  # {run: tests that must be the only ones of their process}
         self.lock = threading.Lock()
 
     def near(self, file):
@@ -136,10 +139,23 @@ class Suite:
 
         return sorted(self.programs.keys() - set(self.near(file)), key=distance)
 
-    def run(self, key, fault, only=None):
+    def run(self, key, fault):
         """The name of a test that fails under the fault, "" if none does."""
+        filters = self.programs[key]
+        while True:
+            together = [test for test in filters if test not in self.alone[key]]
+            failed = "" if filters and not together else self.run_together(key, fault, together)
+            if not failed or not filters or " " not in failed:
+                break
+            test = failed.split()[1]
+            if self.run_together(key, fault, [test]):
+                return failed
+            self.alone[key].add(test)  # it fails only behind other tests of its program
+        alone = (self.run_together(key, fault, [test]) for test in sorted(self.alone[key]))
+        return failed or next(filter(None, alone), "")
+
+    def run_together(self, key, fault, filters):
         folder, program, arguments = key
-        filters = [only] if only else self.programs[key]
         command = [program, *arguments]
         if filters:
             command += [f"--gtest_filter={':'.join(filters)}", "--gtest_fail_fast"]
@@ -147,6 +163,11 @@ class Suite:
         environment.pop(VARIABLE, None)
         if fault:
             environment[VARIABLE] = str(fault)
+        name = Path(arguments[0] if arguments and not filters else program).name
+        with self.turns[key]:  # some tests write into the folder of their build
+            return self.outcome(name, command, folder, environment, bool(filters))
+
+    def outcome(self, name, command, folder, environment, is_googletest):
         process = subprocess.Popen(
             command,
             cwd=folder,
@@ -158,27 +179,26 @@ class Suite:
             errors="replace",
             start_new_session=True,
         )
-        name = Path(arguments[0] if arguments and not filters else program).name
         try:
             output, _ = process.communicate(timeout=LONGEST)
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
+            os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
-            return f"{name} (longer than {LONGEST} s)"
+            return f"{name}: longer than {LONGEST} s"
         if process.returncode == 0:
             return ""
         # A test that ends the program does not report its failure.
         begun = re.findall(r"^\[ RUN      \] (\S+)", output, re.MULTILINE)
         failed = re.findall(r"^\[  FAILED  \] ([^\s,]+)", output, re.MULTILINE) or begun[-1:]
-        return f"{name} {failed[0]}" if filters and failed else name
+        return f"{name} {failed[0]}" if is_googletest and failed else name
 
     def fails_healthy(self, key, failed):
         """True if the test that failed under a fault fails without one, too."""
-        only = failed.split()[1] if self.programs[key] and len(failed.split()) == 2 else None
+        only = failed.split()[1:] if self.programs[key] and ":" not in failed else []
         with self.lock:
-            if (key, only) not in self.healthy:
-                self.healthy[key, only] = self.run(key, 0, only)
-            return bool(self.healthy[key, only])
+            if (key, *only) not in self.healthy:
+                self.healthy[key, *only] = self.run_together(key, 0, only or self.programs[key])
+            return bool(self.healthy[key, *only])
 
 
 def judge(suite, number, runs):

@@ -19,6 +19,37 @@ double steady_force(Field& field, double v) {
   return field.wrench_on_surface().force.x();
 }
 
+// A pad that rolls about X at w while it moves along Y at u: its root, r below the pad's origin, has
+// the speed u + w r cos(w t). The pad's motion is given, so no difference of positions is taken.
+TEST(Stribeck, SpeedOfARollingPadIsThatOfItsRoot) {
+  constexpr double r = 10e-3, w = 1.0, u = 4e-3, mu_k = 0.5, weakening = 0.4, speed = 5e-3, dt = 1e-3;
+  PadLayout pad = one_unit(k_n, k_t);
+  pad.elements[0].tip.z() = -r;
+  Field field = field_with(pad, {0.6, mu_k}, {{"stribeck", {{"weakening", weakening}, {"speed", speed}, {"exponent", 1.0}}}});
+  double angle = 0.0;
+  for (int tick = 0; tick <= 200; ++tick) {
+    const double t = tick * dt;
+    angle = w * t;
+    Pose pose = at(0.0, u * t, r * std::cos(angle) - depth);
+    pose.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    const Twist motion{{0.0, u, -w * r * std::sin(angle)}, {w, 0.0, 0.0}};
+    field.step(pose, dt, &motion);
+  }
+  ASSERT_EQ(field.state(0), ElementState::slip) << "2.8 mm of travel, of which 0.5 N / 600 N/m = 0.8 mm stretch the element";
+  const double v = u + w * r * std::cos(angle), exact = mu_k * (1.0 - weakening * (1.0 - std::exp(-v / speed))) * load;
+  EXPECT_NEAR(field.tangential_force(0).norm(), exact, 1e-9 * exact);
+}
+
+// growth(v) is the relative slope of factor(v).
+TEST(ViscousFriction, GrowthIsTheSlopeOfTheFactor) {
+  const FieldEffects effects = installed(one_unit(k_n, k_t), {{"viscous_friction", {{"gain", 0.3}, {"speed", 1e-3}}}});
+  for (const double v : {0.0, 1e-3, 20e-3}) {
+    // The error of a central difference is about (h/speed)^2, that of rounding 1e-16 speed/h.
+    const double h = 1e-8, slope = (effects.rate->factor(v + h) - effects.rate->factor(v - h)) / (2.0 * h);
+    EXPECT_NEAR(effects.rate->growth(v), slope / effects.rate->factor(v), 1e-6 * effects.rate->growth(v)) << v;
+  }
+}
+
 TEST(Stribeck, SteadyForceAtAnySpeed) {
   // mu_k(v) = mu_k (1 - w (1 - exp(-(v/v_s)^p)))
   const double mu_s = 0.6, mu_k = 0.5, weakening = 0.4, speed = 2e-3;

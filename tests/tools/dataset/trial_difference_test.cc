@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -39,6 +40,14 @@ TEST(TrialDifference, LibrariesOfOthersMayRound) {
                   }),
             "");
   EXPECT_EQ(found("MuJoCo", [](TrialRecord& record) { record.sensors.front().labels.k_normal.front() *= 1.0 + 5e-10; }), "");
+  // A force near zero has the rounding of the largest one.
+  EXPECT_EQ(found("MuJoCo",
+                  [](TrialRecord& record) {
+                    auto& force = record.sensors.front().labels.force;
+                    *std::ranges::min_element(force, {}, [](float each) { return std::abs(each); }) +=
+                        1e-11F * std::ranges::max(force, {}, [](float each) { return std::abs(each); });
+                  }),
+            "");
   EXPECT_EQ(found("FFTW",
                   [](TrialRecord& record) {
                     for (float& angle : record.sensors.front().labels.slip_direction) angle = -angle;

@@ -92,6 +92,11 @@ TEST(SampleTiming, HasMeanMedianAndLongestStep) {
   }
 }
 
+// Two steps, of 1 s and 3 s: the median is halfway.
+TEST(SampleTiming, MedianOfAnEvenNumberOfSteps) {
+  EXPECT_DOUBLE_EQ(timing_of(std::vector{0.0, 1.0, 4.0}, 1e-6).median_rate, 1.0 / 2.0);
+}
+
 // Mean and median agree although a third of the recording has another rate: 90, 100 and 110 Hz. The
 // same holds for a clock that slows down continuously.
 TEST(EvenlySpaced, LooksAtEveryStretch) {

@@ -45,6 +45,16 @@ TEST(UnitSampling, FindsTheHarmonicThatIsInPhase) {
   EXPECT_EQ(sampling.harmonic, 4U);
 }
 
+// For a wave of 4.4 pitches the fourth harmonic has the gain 0.81: the points are not in phase.
+// The ninth, of 2.05 waves a pitch, is the first with more than 0.9.
+TEST(UnitSampling, AHarmonicThatIsPartlyInPhaseDoesNotCount) {
+  const PadLayout layout = square(4);
+  const double k = 2.0 * std::numbers::pi / (4.4 * pitch);
+  EXPECT_NEAR(row(4.0, 0.5 * 4.0 * k * pitch), 0.81, 0.005);
+  EXPECT_NEAR(row(4.0, 0.5 * 9.0 * k * pitch), 0.95, 0.005);
+  EXPECT_EQ(sampling_of(layout, layout.units[0], {k, 0.0}).harmonic, 9U);
+}
+
 TEST(UnitSampling, OfOnePlaceKeepsTheWave) {
   PadLayout layout;
   layout.units.push_back({0, 3});
