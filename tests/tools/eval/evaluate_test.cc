@@ -116,6 +116,17 @@ TEST_F(Evaluated, TheBestYardstickIsBesideTheDetector) {
   EXPECT_THAT(page_of(result), mentions({"best yardstick, " + type, "Best yardstick: " + type}));
 }
 
+// The higher the threshold of the probability, the fewer samples are called slip: all thresholds are
+// applied, and the recall falls from one to the next.
+TEST_F(Evaluated, RecallFallsWithTheThreshold) {
+  Options options_of_deviation = options(dataset({{"duration", "1 s"}, {"motion.start", "0.75 s"}}));
+  options_of_deviation.detector = chosen_detector("deviation", {});
+  const Json alarms = evaluate(options_of_deviation).at("alarms");
+  const auto recall = [&](std::size_t k) { return alarms.at(k).at("recall_of_slip").get<double>(); };
+  for (std::size_t k = 1; k < alarms.size(); ++k) EXPECT_LE(recall(k), recall(k - 1)) << k;
+  EXPECT_LT(recall(alarms.size() - 1), recall(0));
+}
+
 // An octave holds the speeds in its name: 15.9 and 31.99 mm/s are below 16 and 32.
 TEST_F(Evaluated, SpeedsAreInTheOctaveOfTheirName) {
   const Json result = evaluate(options(dataset({{"sweep.motion.speed", "[15.9 mm/s, 16 mm/s, 31.99 mm/s]"}})));
