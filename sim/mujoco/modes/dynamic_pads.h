@@ -16,7 +16,7 @@ namespace slipbench {
 
 class RunWatch;
 
-// What the rules of watch.h need to know of a mode.
+// Properties of a mode on which the rules of watch.h depend.
 struct WatchSettings {
   WatchLimits limits;
   bool judge_fields = true;  // the energy stored in the pads is known

@@ -1,4 +1,4 @@
-// What the pads of a scene with moving bodies are made of.
+// Input of the modes: a scene with moving bodies, and its pads.
 #pragma once
 
 #include <cstddef>

@@ -44,11 +44,6 @@ DynamicWorld::DynamicWorld(const Scene& scene, const Motion* motion, ModelPointe
   find_controls(scene);
 }
 
-Eigen::Vector3d DynamicWorld::gravity() const {
-  if ((m()->opt.disableflags & mjDSBL_GRAVITY) != 0) return Eigen::Vector3d::Zero();
-  return MjVector(m()->opt.gravity);
-}
-
 void DynamicWorld::find_controls(const Scene& scene) {
   for (const ControlScene& control : scene.controls) {
     const std::string path = "controls." + control.actuator;

@@ -33,8 +33,11 @@ class DynamicWorld {
   [[nodiscard]] mjData* d() const { return data_.get(); }
   [[nodiscard]] double dt() const { return dt_; }  // s, after restart()
   [[nodiscard]] double time_of(std::size_t tick) const { return TickTimes(dt_).at(tick); }
-  [[nodiscard]] Eigen::Vector3d gravity() const;  // m/s2
-  // Of the stage; null without a stage.
+  [[nodiscard]] Eigen::Vector3d gravity() const {  // m/s2
+    if ((m()->opt.disableflags & mjDSBL_GRAVITY) != 0) return Eigen::Vector3d::Zero();
+    return Eigen::Map<const Eigen::Vector3d>(m()->opt.gravity);
+  }
+  // The motion of the stage; null without a stage.
   [[nodiscard]] const Motion* motion() const { return motion_; }
   [[nodiscard]] int stage_joint() const { return stage_joint_; }
   [[nodiscard]] int stage_dof() const { return stage_dof_; }  // first of its six

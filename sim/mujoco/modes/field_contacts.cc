@@ -38,11 +38,6 @@ FieldContacts::FieldContacts(const DynamicWorld& world, const DynamicSetup& setu
   }
 }
 
-Pose FieldContacts::pad_pose(const Contact& contact) const {
-  const int site = pads_[contact.pad].site;
-  return pose_at(world_.d()->site_xpos + 3 * site, world_.d()->site_xmat + 9 * site);
-}
-
 std::vector<int> FieldContacts::sites() const {
   std::vector<int> result;
   for (const Pad& pad : pads_) result.push_back(pad.site);

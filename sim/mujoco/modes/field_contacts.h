@@ -21,6 +21,7 @@
 #include "sim/mujoco/modes/finger_spring.h"
 #include "sim/mujoco/pads/implicit.h"
 #include "sim/mujoco/pads/pad_instance.h"
+#include "sim/mujoco/pads/pad_kinematics.h"
 
 namespace slipbench {
 
@@ -42,11 +43,14 @@ class FieldContacts {
   [[nodiscard]] std::size_t pads() const { return pads_.size(); }
   [[nodiscard]] PadInstance& pad(std::size_t pad) const { return *pads_[pad].instance; }
   [[nodiscard]] int pad_body(const Contact& contact) const { return pads_[contact.pad].body; }
-  [[nodiscard]] Pose pad_pose(const Contact& contact) const;
+  [[nodiscard]] Pose pad_pose(const Contact& contact) const {
+    const int site = pads_[contact.pad].site;
+    return pose_at(world_.d()->site_xpos + 3 * site, world_.d()->site_xmat + 9 * site);
+  }
   [[nodiscard]] std::span<const Contact> all() const { return contacts_; }
   [[nodiscard]] const Field& field(const Contact& contact) const { return pad(contact.pad).fields()[contact.field]; }
   [[nodiscard]] std::vector<int> sites() const;
-  // Of a grasp; empty without one.
+  // The bodies of the fingers; empty without a grasp.
   [[nodiscard]] std::span<const int> finger_bodies() const { return fingers_; }
 
   // Returns the number of touching elements.

@@ -1,4 +1,4 @@
-// What the modes with pads as fields share.
+// Base of the modes whose pads are fields.
 #pragma once
 
 #include <cstddef>

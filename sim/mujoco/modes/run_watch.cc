@@ -99,6 +99,8 @@ void RunWatch::weigh(double time, const Eigen::VectorXd& velocity) {
   const mjData* d = world_.d();
   constexpr double standard_gravity = 9.81;  // m/s2, reference for bodies without weight
   const double dt = world_.dt();
+  const Eigen::Vector3d gravity = world_.gravity();
+  const double gravity_norm = gravity.isZero(0.0) ? standard_gravity : gravity.norm();
   for (WeighedBody& body : weighed_) {
     const auto linear = [&body](const mjtNum* values) { return MjVector(values + body.dof); };
     const double mass = m->body_mass[body.body];
@@ -114,9 +116,9 @@ void RunWatch::weigh(double time, const Eigen::VectorXd& velocity) {
 
     const Eigen::Vector3d joints =
         linear(d->qfrc_actuator) + linear(d->qfrc_spring) + linear(d->qfrc_damper) + linear(d->qfrc_fluid);
-    const Eigen::Vector3d weight = mass * (1.0 - m->body_gravcomp[body.body]) * world_.gravity();
+    const Eigen::Vector3d weight = mass * (1.0 - m->body_gravcomp[body.body]) * gravity;
     WatchedBody now;
-    now.weight = mass * (world_.gravity().isZero(0.0) ? standard_gravity : world_.gravity().norm());
+    now.weight = mass * gravity_norm;
     now.force = pads_force + joints + linear(d->qfrc_constraint) + linear(d->qfrc_applied) + weight;
     now.predicted = joints - centripetal;
     if (settings_.pads_predicted) now.predicted += pads_force;
