@@ -74,7 +74,7 @@ class FieldContacts {
       const PadInstance& pad = *pads_[contact.pad].instance;
       const Field& field = pad.fields()[contact.field];
       const kernel::SpringSums sums = field.spring_sums();
-      const Wrench on_pad = wrench(pad, contact.field);
+      const Wrench& on_pad = wrench(pad, contact.field);
       contact.on_pad = pad_pose(contact).rotation * (field.pad_in_surface().rotation.transpose() * on_pad.force);
       energy.elastic += sums.elastic;
       energy.slip_loss += sums.slip_loss;
