@@ -1,12 +1,23 @@
 #include "detectors/detector_kinds.h"
 
+#include <array>
 #include <utility>
 
+#include "detectors/channel.h"
 #include "tests/detectors/frames.h"
 #include "tests/expect.h"
 
 namespace slipbench::shear_rate_test {
 namespace {
+
+// A window of 3 frames of 10 ms: 0 for three frames, then the change over 30 ms.
+TEST(Window, RatesBeginOnceAWindowHasPassed) {
+  Window window(0.03, 1, vector_source({"force"}, 1, 100.0), "shear_rate");
+  const auto rate = [&](double value) { return window.rates(std::array{value})[0]; };
+  for (const double value : {5.0, 7.0, 9.0}) EXPECT_EQ(rate(value), 0.0);
+  EXPECT_DOUBLE_EQ(rate(8.0), (8.0 - 5.0) / 0.03);
+  EXPECT_DOUBLE_EQ(rate(8.5), (8.5 - 7.0) / 0.03);
+}
 
 // A window of 20 frames. 0.525 lies between the values of two frames, so that rounding decides
 // nothing.

@@ -8,6 +8,7 @@ the script with an error.
 """
 
 import argparse
+import filecmp
 import json
 import os
 import re
@@ -70,14 +71,17 @@ def planted_files(root):
 
 
 def copy_tree(root, tree, texts):
-    """Copies the project's files with their times, so that an earlier build of `tree` is reused."""
+    """Copies the project's files that differ, so that only these are compiled again."""
     listed = subprocess.run(
         ["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True, check=True
     )
     for name in filter(None, listed.stdout.split("\0")):
-        if name not in texts and (root / name).is_file():
-            (tree / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(root / name, tree / name)
+        copy = tree / name
+        if name in texts or not (root / name).is_file():
+            continue
+        if not copy.is_file() or not filecmp.cmp(root / name, copy, shallow=False):
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(root / name, copy)
     for name, text in texts.items():
         path = tree / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -126,9 +130,13 @@ class Suite:
         self.lock = threading.Lock()
 
     def near(self, file):
-        """The runs of the folder that mirrors `file`, and of its subfolders."""
-        mirror = self.build / "tests" / Path(file).parent
-        return [key for key in self.programs if Path(key[0]).is_relative_to(mirror)]
+        """The runs of the folder that mirrors `file`, or of the nearest one above, and of its
+        subfolders."""
+        mirror, runs = self.build / "tests" / Path(file).parent, []
+        while not runs:
+            runs = [key for key in self.programs if Path(key[0]).is_relative_to(mirror)]
+            mirror = mirror.parent
+        return runs
 
     def far(self, file):
         """The other runs: those of the nearest folders first, scripts last."""
