@@ -11,9 +11,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from steps import commands
+
 ROOT, PROGRAM = Path(sys.argv.pop(1)), sys.argv.pop(1)
-sys.path.insert(0, str(ROOT / "tools/lint"))
-from readmes import commands  # noqa: E402
 
 
 class FirstSceneTest(unittest.TestCase):
