@@ -35,6 +35,7 @@ struct ControllerKind {
   // the controller reads or the scene lacks a detector that it needs.
   std::unique_ptr<Controller> (*create)(const Parameters& parameters, const GripSource& source);
   Answers answers = Answers::by_own_rule;
+  bool users_code = false;  // its code is not part of slipbench
 };
 
 namespace controllers {

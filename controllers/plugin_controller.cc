@@ -64,7 +64,9 @@ ControllerKind plugin() {
       {"plugin", "A custom controller from a shared library.",
        "The library computes the command from the estimate and the samples of all sensors. It exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example).",
        "the library's author", plugin_specs()},
-      created<PluginController>};
+      created<PluginController>,
+      Answers::by_own_rule,
+      true};
 }
 
 }  // namespace slipbench::controllers

@@ -3,6 +3,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "sim/api/detector.h"
 #include "sim/core/parameters.h"
@@ -17,6 +20,18 @@ enum class FrameSpacing {
   even,    // counts frames as they are, and refuses others
 };
 
+// The file or folder with which a detector computes.
+struct DetectorFile {
+  enum class Content { network, memories, library };
+
+  const char* parameter;  // path of the file
+  Content content;
+  bool is_required = false;  // slipbench contains no such file that the detector reads by default
+
+  [[nodiscard]] bool is_trained() const { return content != Content::library; }
+};
+
+// A detector. The defaults are right for a detector without the property.
 struct DetectorKind {
   Entry about;
   // `parameters`: all parameters that `about` declares. Throws SceneValueError at detector.sensor
@@ -25,6 +40,11 @@ struct DetectorKind {
   std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);
   void (*check_run)(const Parameters& parameters, std::uint64_t trials) = nullptr;  // null: no requirements
   FrameSpacing spacing = FrameSpacing::even;
+  // Third-party libraries that compute it, such as "FFTW": its results may differ between processors.
+  std::vector<std::string> libraries = {};
+  bool users_code = false;  // its code is not part of slipbench
+  bool yardstick = false;   // a rule of one line, against which `eval` compares detectors
+  std::optional<DetectorFile> file = {};
 };
 
 // Makes a detector from its parameters and source.

@@ -96,7 +96,13 @@ DetectorKind plugin_detector() {
       {"plugin", "A custom detector from a shared library.",
        "The library computes the class from the samples of all sensors. It exports slipbench_detector_abi and slipbench_make_detector (detectors/plugin_abi.h; example: detectors/example).",
        "the library's author", plugin_specs()},
-      created<PluginDetector>};
+      created<PluginDetector>,
+      nullptr,
+      FrameSpacing::even,
+      {},
+      true,
+      false,
+      DetectorFile{"library", DetectorFile::Content::library, true}};
 }
 
 }  // namespace slipbench

@@ -11,6 +11,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -267,7 +268,8 @@ void add_controller(const std::string& name, const nb::object& type, const std::
 
 void add_sensor(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {
   nb::object* const held = kept(type);
-  register_sensor(entry_of(name, summary, declared), [=](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
+  SensorKind kind{.about = entry_of(name, summary, declared), .electronics = {}, .users_code = true};
+  register_sensor(std::move(kind), [=](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
     const ErrorSubject subject{"sensors." + scene.name + ".type", "sensor " + name};
     OwnPart<double> own = locked(subject, [&] {
       const nb::object about = nb::module_::import_("slipbench._own").attr("SensorSource")(scene.name, seed, trial);
@@ -283,6 +285,7 @@ void bind_own_parts(nb::module_& module) {
   module.def("register_detector", &add_detector);
   module.def("register_controller", &add_controller);
   module.def("register_sensor", &add_sensor);
+  module.def("users_types", &users_types);
 }
 
 }  // namespace slipbench::python

@@ -37,6 +37,7 @@
 #include "tools/files/project/project_file.h"
 #include "tools/learning_data/label_rules.h"
 #include "tools/registry/program_catalogues.h"
+#include "tools/registry/sensor_catalogue.h"
 #include "tools/trial/sweep/run_sweep.h"
 #include "tools/trial/sweep/warnings.h"
 #include "tools/trial/trial_run.h"
@@ -355,6 +356,9 @@ std::string describe(const std::string& name) {
   return entries.dump();
 }
 
+// True if viewers show this channel of a sensor of this type as a picture.
+bool is_image(const std::string& type, const std::string& channel) { return sensor_kind(type).view.channel_view(channel).image; }
+
 std::string list_names() { return list_json(catalogue_items(program_catalogues()), catalogue_kinds()).dump(); }
 
 // Number of samples in which the converters of recorded trials were at a limit of their range.
@@ -406,6 +410,7 @@ void bind_scene(nb::module_& module) {
   });
   module.def("dataset_files", &dataset_files, nb::arg("path"), nb::arg("content"));
   module.def("describe", &describe);
+  module.def("is_image", &is_image);
   module.def("list_names", &list_names);
   module.def("project_file", [](const std::string& path) { return project_file(path); });
   module.def("main", [](const std::vector<std::string>& words) { return run_program(command_table(), words); });

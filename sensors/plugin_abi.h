@@ -80,11 +80,16 @@ struct slipbench_note {  // for one parameter
   double least, most;    // limits of a number; both 0: no limits
   const char* choices;   // values of a text: "rows|columns|zigzag"
 };
+struct slipbench_unit {  // unit of a channel, if no parameter changes it
+  const char* channel;
+  const char* unit;
+};
 struct slipbench_about {
   const char* summary;                 // one line
   const char* law;                     // the equations and their symbols
   const char* source;                  // source of the equations
   const struct slipbench_note* notes;  // one for each of slipbench_sensor_parameters, in the same order
+  const struct slipbench_unit* units;  // ends with a null channel; null: none besides force in N and displacement in m
 };
 SLIPBENCH_EXPORT extern const struct slipbench_about slipbench_sensor_about;
 

@@ -147,7 +147,13 @@ DetectorKind gst_hd_detector() {
        .source =
            "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",
        .parameters = hd::detector_parameters()},
-      make_gst_hd};
+      make_gst_hd,
+      nullptr,
+      FrameSpacing::even,
+      {},
+      false,
+      false,
+      DetectorFile{"memories", DetectorFile::Content::memories}};
 }
 
 }  // namespace slipbench

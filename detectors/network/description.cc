@@ -312,28 +312,10 @@ std::vector<Class> parse_classes(const Object& whole) {
 
 }  // namespace
 
-std::string unit_of_pick(const ChannelPick& pick, std::string_view sensor) {
-  struct Known {
-    std::string_view sensor, channel;
-    const char* unit;
-  };
-  // The channels of simulated sensors whose unit no parameter changes.
-  static constexpr std::array<Known, 10> others{{{"magnetic_skin", "field", "uT"},
-                                                 {"magnetic_skin", "counts", "counts"},
-                                                 {"biotac_sp", "electrodes", "counts"},
-                                                 {"biotac_sp", "pdc", "counts"},
-                                                 {"biotac_sp", "pac", "counts"},
-                                                 {"nib_pad", "si", "counts"},
-                                                 {"nib_pad", "fl", "counts"},
-                                                 {"nib_pad", "fr", "counts"},
-                                                 {"piezo_skin", "signal", "counts"},
-                                                 {"myrmex", "taxels", "counts"}}};
+std::string unit_of_pick(const ChannelPick& pick, const std::string& usual) {
   if (!pick.unit.empty()) return pick.unit;
   if (pick.name == "force") return "N";
-  if (pick.name == "displacement") return "m";
-  const auto* known =
-      std::ranges::find_if(others, [&](const Known& one) { return one.sensor == sensor && one.channel == pick.name; });
-  return known == others.end() ? "" : known->unit;
+  return pick.name == "displacement" ? "m" : usual;
 }
 
 double rate_read(const Input& input) {

@@ -18,13 +18,13 @@ inline constexpr const char* metadata_key = "slipbench";
 struct ChannelPick {
   std::string name;                 // of the channel: "force"
   std::vector<std::size_t> values;  // indices into the channel's values in C order; empty: all
-  std::string unit = {};            // in which it was trained: "N"; empty: unit_of_pick() has the conventional one
+  std::string unit = {};            // in which it was trained: "N"; empty: unit_of_pick() has the usual one
 };
 
-// Physical unit in which the network reads the channel of a sensor of the type `sensor`. Without a
-// unit in the description it is the unit of the simulated sensor, N for every force and m for every
-// displacement; empty: unknown, any unit fits.
-std::string unit_of_pick(const ChannelPick& pick, std::string_view sensor);
+// Physical unit in which the network reads a channel. Without a unit in the description it is N of a
+// force, m of a displacement, and of other channels the unit `usual` in simulated sensors; empty:
+// unknown, any unit fits.
+std::string unit_of_pick(const ChannelPick& pick, const std::string& usual);
 
 // Transform of the `window` samples of each value.
 enum class Transform {

@@ -34,7 +34,7 @@ std::vector<std::size_t> picked(const Input& input, std::span<const Channel> cha
                        (forces ? "; the detector force_ratio reads forces, and deviation reads any channel"
                                : "; the detector deviation reads any channel"));
     }
-    const std::string unit = unit_of_pick(pick, input.sensor);
+    const std::string unit = unit_of_pick(pick, found->usual_unit);
     if (!unit.empty() && !found->unit.empty() && found->unit != unit) {
       throw InputError("the network reads the channel " + quote(pick.name) + " in " + quote(unit) +
                        ", but the sensor has it in " + quote(found->unit) + other_unit_remedy(found->unit, unit));

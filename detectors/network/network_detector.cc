@@ -153,7 +153,11 @@ DetectorKind network_detector() {
                                   "set for each scene")}},
       make_network,
       nullptr,
-      FrameSpacing::own};
+      FrameSpacing::own,
+      {"FFTW", "network"},
+      false,
+      false,
+      DetectorFile{"model", DetectorFile::Content::network, true}};
 }
 
 }  // namespace slipbench

@@ -93,7 +93,8 @@ DetectorKind nib_linear_slip_detector() {
                 "paper: equation 4 takes F_S,i and F_N,i, which equations 1 and 2 define by sums and differences of capacitances")})},
       created<nib::LinearSlip>,
       nullptr,
-      FrameSpacing::evened};
+      FrameSpacing::evened,
+      {"FFTW"}};
 }
 
 namespace nib {
@@ -162,7 +163,8 @@ DetectorKind nib_slip_kind_detector() {
                         "assumed: half the curl of a rigid rotation about the centre taxel")})},
       created<nib::SlipKindDetector>,
       nullptr,
-      FrameSpacing::evened};
+      FrameSpacing::evened,
+      {"FFTW"}};
 }
 
 }  // namespace slipbench

@@ -98,7 +98,8 @@ DetectorKind band_energy_detector() {
                         "assumed")}},
       created<BandEnergy>,
       nullptr,
-      FrameSpacing::evened};
+      FrameSpacing::evened,
+      {"FFTW"}};
 }
 
 }  // namespace slipbench

@@ -159,7 +159,10 @@ DetectorKind yardstick(const std::string& name, const std::string& summary, cons
                                       "Value of s from which the pad slips, " + unit + ".", source)}},
           created<Yardstick<law>>,
           nullptr,
-          FrameSpacing::evened};
+          FrameSpacing::evened,
+          {},
+          false,
+          true};
 }
 
 }  // namespace

@@ -282,16 +282,12 @@ DetectorClass = TypeVar("DetectorClass", bound=Callable[..., Detector])
 ControllerClass = TypeVar("ControllerClass", bound=Callable[..., Controller])
 
 
-own_names: set[str] = set()  # registered names
-
-
 def _registering(register: Callable[..., None], name: str) -> Callable[[Any], Any]:
     """Decorator that passes a class to `register` with its summary and its parameters."""
 
     def decorate(made: Any) -> Any:
         summary = ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
         declared = getattr(made, "parameters", {}).items()
-        own_names.add(name)
         register(
             name,
             made,

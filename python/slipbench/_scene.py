@@ -18,7 +18,6 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from slipbench._own import own_names
 from slipbench._trial import Trial
 from slipbench._values import index, plain, shown, yaml
 from slipbench.bin import _core
@@ -488,7 +487,7 @@ class Scene:
         """True if the scene may name a user's Python class or a plugin."""
         return any(
             name in text
-            for name in ("plugin", *own_names)
+            for name in _core.users_types()
             for text in [self.text, *(value for _, value in self.overrides)]
         )
 

@@ -152,7 +152,12 @@ DetectorKind gst_hd_rtl_detector() {
        .source = "rtl/hd: the synthesisable core, as Verilator translates it; the paper's own has 42 cycles at 100 MHz",
        .parameters = hd::rtl_parameters()},
       make_gst_hd_rtl,
-      check_waveform_trial};
+      check_waveform_trial,
+      FrameSpacing::even,
+      {},
+      false,
+      false,
+      DetectorFile{"memories", DetectorFile::Content::memories}};
 }
 
 }  // namespace slipbench

@@ -516,7 +516,13 @@ SensorKind biotac_sp_sensor() {
   return {.about = about(),
           .electronics = electronics_parts(),
           .create = make<electrodes, slots_sp, sp>,
-          .view = {.unit = "electrode", .units = "electrodes", .letter = "E", .first = 1}};
+          .view = {.unit = "electrode",
+                   .units = "electrodes",
+                   .letter = "E",
+                   .first = 1,
+                   .channels = {{.channel = "electrodes", .name = "electrodes", .unit = "counts", .image = true},
+                                {.channel = "pdc", .name = "pdc", .unit = "counts"},
+                                {.channel = "pac", .name = "pac", .unit = "counts"}}}};
 }
 
 SensorKind biotac_19_sensor() {

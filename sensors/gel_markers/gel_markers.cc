@@ -95,7 +95,7 @@ const slipbench_about slipbench_sensor_about = {
     "pixel = middle + f (x, -y)/(distance - z), f = width distance/field, seen from behind: x to the right, y up\n"
     "displacement: pixel and height transformed to the pad's frame, minus the position without load; a marker that is missing or outside the picture repeats its last value",
     "W. Yuan, S. Dong, E. H. Adelson, Sensors 17(12), 2762 (2017): gel, markers, camera; pinhole camera without refraction",
-    notes};
+    notes, nullptr};
 const slipbench_abi slipbench_sensor_abi = SLIPBENCH_SENSOR_BUILD;
 
 namespace {

@@ -247,6 +247,8 @@ void misplace(Skin& skin, std::uint64_t random) {
 
 const slipbench_abi slipbench_sensor_abi = SLIPBENCH_SENSOR_BUILD;
 
+static const slipbench_unit units[] = {{"field", "uT"}, {"counts", "counts"}, {nullptr, nullptr}};
+
 const slipbench_about slipbench_sensor_about = {
     "Magnetic skin: magnets in an elastomer, or magnetised elastomer, above magnetometers of three axes.",
     "u = (1 - magnet_depth/thickness) u_surface: a dipole moves less than the surface above it, in a straight line to the rigid back\n"
@@ -256,7 +258,7 @@ const slipbench_about slipbench_sensor_about = {
     "field [uT] = (counts - counts at rest) sensitivity: the change since the skin was free and cold\n"
     "force (chips: grid): displacement of a single dipole that causes this field, times k_normal and k_tangential; neighbours appear as cross-talk",
     "Point dipoles: Jackson, Classical Electrodynamics, 5.6. Skins: Tomo and others, IEEE RA-L 3, 2018 (uSkin); Bhirangi and others, CoRL 2021 (ReSkin)",
-    notes};
+    notes, units};
 
 void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* readout) {
   Skin* skin = new Skin{};

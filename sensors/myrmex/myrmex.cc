@@ -252,7 +252,7 @@ SensorKind myrmex_sensor() {
                    .letter = "T",
                    .from_behind = true,
                    .orientation = "row 0 of its image at the top",
-                   .channels = {{"taxels", "Taxels"}},
+                   .channels = {{.channel = "taxels", .name = "Taxels", .unit = "counts", .image = true}},
                    .picture = PadPicture{.channel = "taxels",
                                          .width = 0.98,
                                          .rest = myrmex::full_scale,

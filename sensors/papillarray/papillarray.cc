@@ -102,6 +102,17 @@ SignalModel signal_model(const PillarStiffness& stiffness, double rate, const Co
 
 namespace {
 
+UnitDisturbance disturbance(double k_normal, double k_tangential, double rate) {
+  const SignalModel model = signal_model({k_normal, k_tangential}, rate, {});
+  UnitDisturbance unit{};
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    unit.gain_sd[axis] = model.gain_sd[axis];
+    unit.noise_sd[axis] = model.noise_sd[axis];
+    unit.noise_sd[axes + axis] = model.noise_sd[channel_size + axis];
+  }
+  return unit;
+}
+
 constexpr const char* coupling_source =
     "force against displacement of the four undamaged loaded pillars in 1,635 public snapshots (Contactile_Data, 2022): rms over pillars, at 7.1 and 3.9 N/mm, FZ of DX and DY 2.3, FX and FY of DZ 0.6, FX of DY and FY of DX 0.5 N/mm. A uniform coefficient has its limit at sqrt(3) times its rms. The same in x and y: assumed";
 
@@ -382,7 +393,8 @@ SensorKind papillarray_sensor() {
       .view = {.unit = "pillar",
                .units = "pillars",
                .letter = "P",
-               .channels = {{"force", "Force"}, {"displacement", "Displacement"}, {"out_of_range", "Out of the valid range"}}}};
+               .channels = {{"force", "Force"}, {"displacement", "Displacement"}, {"out_of_range", "Out of the valid range"}}},
+      .disturbance = papillarray::disturbance};
 }
 
 }  // namespace slipbench

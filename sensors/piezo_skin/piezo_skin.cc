@@ -214,7 +214,8 @@ SensorKind piezo_skin_sensor() {
                    .channels = {{.channel = "signal",
                                  .name = "Signal",
                                  .note = "charge of the patch through its amplifier: the rate of its force",
-                                 .spectrum = SpectrumView{"the signal", 0.02, 0.01, 1000.0}}}}};
+                                 .spectrum = SpectrumView{"the signal", 0.02, 0.01, 1000.0},
+                                 .unit = "counts"}}}};
 }
 
 }  // namespace slipbench

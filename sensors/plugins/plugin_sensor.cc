@@ -131,7 +131,8 @@ SensorKind plugin_sensor() {
       .create = [](const Parameters& parameters, const std::vector<Named>&, std::uint64_t seed, std::uint64_t trial,
                    const std::string& name) -> std::unique_ptr<Sensor> {
         return std::make_unique<PluginSensor>(nullptr, parameters, seed, trial, name);
-      }};
+      },
+      .users_code = true};
 }
 
 }  // namespace slipbench

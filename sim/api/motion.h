@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -56,16 +57,22 @@ struct MotionKind {
   Entry about;
   // Throws SceneValueError if the parameters contradict each other.
   std::unique_ptr<Motion> (*create)(const Parameters& parameters, const MotionKey& key);
+  bool is_random = false;  // each trial draws its own path
+  bool of_arm = false;     // moves the arm of a grasp; false: the pad of a stage
 };
 
-// Makes a motion from its parameters, and from the key if it draws random numbers.
+// The kind of motion that the class `Made` is. `Made` takes the key if it draws random numbers.
 template <class Made>
-std::unique_ptr<Motion> created(const Parameters& parameters, const MotionKey& key) {
-  if constexpr (std::is_constructible_v<Made, const Parameters&, const MotionKey&>) {
-    return std::make_unique<Made>(parameters, key);
-  } else {
-    return std::make_unique<Made>(parameters);
-  }
+MotionKind motion_kind(Entry about, bool of_arm = false) {
+  constexpr bool is_random = std::is_constructible_v<Made, const Parameters&, const MotionKey&>;
+  const auto create = [](const Parameters& parameters, const MotionKey& key) -> std::unique_ptr<Motion> {
+    if constexpr (is_random) {
+      return std::make_unique<Made>(parameters, key);
+    } else {
+      return std::make_unique<Made>(parameters);
+    }
+  };
+  return {std::move(about), create, is_random, of_arm};
 }
 
 }  // namespace slipbench

@@ -22,6 +22,9 @@ struct Channel {
   std::size_t every = 1;
   double age = 0.0;  // s, mean time from reading the values to the frame's time
 
+  // Unit in which simulated sensors of this type have the channel (SensorView::channels); empty: unknown.
+  std::string usual_unit = {};
+
   [[nodiscard]] bool has_own_time() const { return every != 1 || age != 0.0; }
 
   [[nodiscard]] std::size_t size() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -33,6 +34,9 @@ struct ChannelView {
   // column.
   std::string difference = {};
   std::optional<SpectrumView> spectrum = {};
+  std::string unit =
+      {};              // physical unit, if no parameter of the sensor changes it; "N" of force and "m" of displacement are known
+  bool image = false;  // one value for each unit, which viewers show as a picture
 };
 
 // A channel drawn behind the units as square cells, darker where values differ more from their
@@ -70,6 +74,14 @@ struct SensorView {
 
 class Sensor;
 
+// A device's disturbances of the readings of one unit, before the factors `scale` of its electronics.
+// Its channels are force, then displacement, with x, y and z of each unit.
+struct UnitDisturbance {
+  std::array<double, 3> gain_sd;   // standard deviation of the gains along x, y, z about 1
+  std::array<double, 6> noise_sd;  // of the force [N], then of the displacement [m], along x, y, z
+};
+
+// A sensor. The defaults are right for a sensor without the property.
 struct SensorKind {
   Entry about;
   std::vector<Entry> electronics;  // available parts
@@ -78,8 +90,14 @@ struct SensorKind {
   // and `sensor_name`, the scene's name for the sensor. Throws InputError for parameters that the
   // sensor refuses.
   std::unique_ptr<Sensor> (*create)(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
-                                    std::uint64_t trial, const std::string& sensor_name);
+                                    std::uint64_t trial, const std::string& sensor_name) = nullptr;
   SensorView view = {};
+  // Third-party libraries that compute it, such as "FFTW": its results may differ between processors.
+  std::vector<std::string> libraries = {};
+  bool users_code = false;  // its code is not part of slipbench
+  // Returns the disturbances of a unit of this stiffness [N/m] at this rate [Hz], so that calibration can find
+  // the factors of the parts coupling, gain and noise. Null: the sensor lacks these parts.
+  UnitDisturbance (*disturbance)(double k_normal, double k_tangential, double rate) = nullptr;
 };
 
 }  // namespace slipbench

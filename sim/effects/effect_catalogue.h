@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "sim/api/effect.h"
@@ -42,7 +43,17 @@ enum class Change : std::uint8_t {
   normal_force,           // f_n is not k_n times the depth of the undeformed tip in the surface's shape
 };
 
-// An effect: its entry in the catalogue, and the function that adds it to a field.
+// A wave of an effect's surface, by the names of the effect's parameters.
+struct WaveParameters {
+  const char* length;     // length of the wave
+  const char* amplitude;  // 0: there is no such wave
+  const char* angle;      // direction across the crests, from the surface's X axis
+};
+
+struct ElasticBody;  // sim/effects/skin/influence.h
+
+// An effect: its entry in the catalogue, the function that adds it to a field, and what other
+// folders must know of it. The defaults are right for an effect without the property.
 struct EffectKind {
   Entry about;
   std::vector<Change> changes;
@@ -50,6 +61,15 @@ struct EffectKind {
   void (*install)(const Parameters& parameters, const EffectContext& context, FieldEffects& effects);
   // True: installed after the effect that moves the tips, whatever the scene's order.
   bool after_tip = false;
+  // Third-party libraries that compute it, such as "FFTW": its results may differ between processors.
+  std::vector<std::string> libraries = {};
+  // Parameter that is the tolerance of an iterative solver, which `cost` varies; null: none.
+  const char* tolerance = nullptr;
+  // Waves that the points of a unit must resolve.
+  std::vector<WaveParameters> waves = {};
+  // Returns the body that replaces the elements' springs; null: the springs remain. Such an effect
+  // needs the explicit solver. `parameters`: of the effect.
+  ElasticBody (*body)(const Parameters& parameters) = nullptr;
 };
 
 const std::vector<EffectKind>& effect_catalogue();

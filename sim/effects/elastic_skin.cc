@@ -6,11 +6,12 @@
 namespace slipbench {
 namespace {
 
+ElasticBody body_of(const Parameters& p) { return {p.number("shear_modulus"), p.number("thickness")}; }
+
 class ElasticSkin final : public SkinEffect {
  public:
   ElasticSkin(const Parameters& p, const PadLayout& layout)
-      : contact_(make_influence(layout, {p.number("shear_modulus"), p.number("thickness")}, p.number("patch")),
-                 layout.elements.size(), p.number("tolerance")),
+      : contact_(make_influence(layout, body_of(p), p.number("patch")), layout.elements.size(), p.number("tolerance")),
         n_(layout.elements.size()) {
     find_punch();
   }
@@ -87,7 +88,12 @@ EffectKind elastic_skin() {
               "effects", "elastic_skin replaces the sensor's springs, so the sensor must not have dashpots; set damping to 0");
         }
         effects.skin = std::make_unique<ElasticSkin>(p, *context.layout);
-      }};
+      },
+      false,
+      {"FFTW"},
+      "tolerance",
+      {},
+      body_of};
 }
 
 }  // namespace slipbench

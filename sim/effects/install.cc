@@ -38,16 +38,21 @@ const EffectKind& effect_kind(std::string_view name) {
 FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
                              std::uint64_t seed, std::uint64_t trial) {
   FieldEffects installed;
-  std::string moves_tips, maps_tips;  // the first effect of each kind
+  std::string moves_tips, maps_tips, sets_cone, leans, replaces_springs;  // the first effect of each kind
   const EffectContext context = context_for(layout, surface, seed, trial);
   for (const bool after_tip : {false, true}) {
     for (const Named& effect : effects) {
       const EffectKind& kind = effect_kind(effect.name);
       if (kind.after_tip != after_tip) continue;
       kind.install(effect.parameters, context, installed);
-      if (installed.tip && moves_tips.empty()) moves_tips = effect.name;
-      const bool maps = installed.cone || installed.rate || installed.lean || !installed.rheology.empty();
-      if (maps && maps_tips.empty()) maps_tips = effect.name;
+      const auto name_first = [&effect](bool is_installed, std::string& first) {
+        if (is_installed && first.empty()) first = effect.name;
+      };
+      name_first(installed.tip != nullptr, moves_tips);
+      name_first(installed.cone || installed.rate || installed.lean || !installed.rheology.empty(), maps_tips);
+      name_first(installed.cone != nullptr, sets_cone);
+      name_first(installed.lean.has_value(), leans);
+      name_first(installed.skin != nullptr, replaces_springs);
     }
   }
   if (!moves_tips.empty() && !maps_tips.empty()) {
@@ -55,12 +60,12 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
                                          " moves the tips by its own spring, dashpot and friction");
   }
   if (installed.skin && (installed.tip || !maps_tips.empty())) {
-    throw SceneValueError("effects", "elastic_skin and " + (installed.tip ? moves_tips : maps_tips) +
+    throw SceneValueError("effects", replaces_springs + " and " + (installed.tip ? moves_tips : maps_tips) +
                                          " cannot be combined: each of them sets the force of an element");
   }
   if (installed.lean && installed.cone) {
     throw SceneValueError("effects",
-                          "lean and anisotropic_friction cannot be combined: columns that lean need a circular friction cone");
+                          leans + " and " + sets_cone + " cannot be combined: columns that lean need a circular friction cone");
   }
   return installed;
 }

@@ -116,7 +116,11 @@ EffectKind texture() {
         if (!context.flat_surface) throw SceneValueError("effects", "texture needs a flat surface; allowed shapes: plane, box");
         check_profile(p);
         effects.surface.push_back(std::make_unique<Texture>(p));
-      }};
+      },
+      false,
+      {},
+      nullptr,
+      {{"wavelength", "height", "angle"}, {"waviness_length", "waviness", "angle"}}};
 }
 
 }  // namespace slipbench

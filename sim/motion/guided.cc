@@ -45,7 +45,7 @@ BodyState Guided::pad_at(double t) const {
 double Guided::top_speed(double) const { return std::numbers::sqrt2 * speed_; }
 
 MotionKind guided_motion() {
-  return {
+  return motion_kind<Guided>(
       {"guided",
        "The arm of a grasp moves at the speed that the controller commands, sideways and up.",
        "`latency` after a write, each velocity begins to change at `top_acceleration` to the commanded velocity and then stays constant\nbefore the first command the arm is at rest",
@@ -55,7 +55,7 @@ MotionKind guided_motion() {
         number_spec("top_acceleration", Quantity::acceleration, "200 mm/s2", positive, "Acceleration of either axis.", "assumed"),
         number_spec("latency", Quantity::time, "8 ms", non_negative, "Time from a write of the loop until the arm responds.",
                     "assumed: one period of the 125 Hz at which a UR5-CB2 takes commands")}},
-      created<Guided>};
+      true);
 }
 
 }  // namespace slipbench

@@ -111,6 +111,6 @@ LiftTimes lift_times(const Parameters& parameters) {
   return {start, std::max(start, height.end())};
 }
 
-MotionKind lift_motion() { return {lift_entry(), created<Lift>}; }
+MotionKind lift_motion() { return motion_kind<Lift>(lift_entry(), true); }
 
 }  // namespace slipbench

@@ -1,5 +1,7 @@
 #include "sim/motion/motion_catalogue.h"
 
+#include <algorithm>
+
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/core/readable_quantity.h"
@@ -20,6 +22,14 @@ const std::vector<MotionKind>& motion_catalogue() {
       stage_motion(), lift_motion(), guided_motion(), wander_motion(), press_motion(), rub_motion(),
   };
   return kinds;
+}
+
+const MotionKind& default_motion(bool of_arm) { return *std::ranges::find(motion_catalogue(), of_arm, &MotionKind::of_arm); }
+
+const MotionKind* find_motion(std::string_view name) {
+  const auto found =
+      std::ranges::find(motion_catalogue(), name, [](const MotionKind& kind) { return std::string_view(kind.about.name); });
+  return found == motion_catalogue().end() ? nullptr : &*found;
 }
 
 }  // namespace slipbench

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/api/motion.h"
@@ -25,8 +26,12 @@ MotionKind rub_motion();
 // A hand: the pad stands over the surface, comes down and wanders at random in all six coordinates.
 MotionKind wander_motion();
 
-// All kinds.
+// All kinds. The first one of a stage and the first one of an arm are the defaults of scenes.
 const std::vector<MotionKind>& motion_catalogue();
+// The default of a scene: of a grasp's arm if `of_arm`, otherwise of a stage.
+const MotionKind& default_motion(bool of_arm);
+// Returns the kind `name`; null if there is none.
+const MotionKind* find_motion(std::string_view name);
 
 // The arm starts at the origin, aligned with the world. See describe().
 MotionKind lift_motion();

@@ -78,6 +78,6 @@ class Press final : public Motion {
 
 }  // namespace
 
-MotionKind press_motion() { return {press_entry(), created<Press>}; }
+MotionKind press_motion() { return motion_kind<Press>(press_entry()); }
 
 }  // namespace slipbench

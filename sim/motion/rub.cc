@@ -370,6 +370,6 @@ class Rub final : public Motion {
 }  // namespace
 }  // namespace rub
 
-MotionKind rub_motion() { return {rub::rub_entry(), created<rub::Rub>}; }
+MotionKind rub_motion() { return motion_kind<rub::Rub>(rub::rub_entry()); }
 
 }  // namespace slipbench

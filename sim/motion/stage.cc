@@ -255,6 +255,6 @@ class Stage final : public Motion {
 
 }  // namespace
 
-MotionKind stage_motion() { return {stage_entry(), created<Stage>}; }
+MotionKind stage_motion() { return motion_kind<Stage>(stage_entry()); }
 
 }  // namespace slipbench

@@ -142,6 +142,6 @@ class Wander final : public Motion {
 
 }  // namespace
 
-MotionKind wander_motion() { return {wander_entry(), created<Wander>}; }
+MotionKind wander_motion() { return motion_kind<Wander>(wander_entry()); }
 
 }  // namespace slipbench

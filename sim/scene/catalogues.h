@@ -34,9 +34,10 @@ struct ExpectationEntry : Entry {
 // The catalogues, by the scene key that uses them.
 struct Catalogues {
   std::vector<Material> materials;
-  std::vector<Entry> surfaces;  // surface.shape
-  std::vector<Entry> motions;   // motion.kind
-  std::vector<Entry> sensors;   // sensors.*.type
+  std::vector<Entry> surfaces;           // surface.shape
+  std::vector<Entry> motions;            // motion.kind; the first one that is not in arm_motions is the default of a stage
+  std::vector<std::string> arm_motions;  // those of a grasp's arm, the default first
+  std::vector<Entry> sensors;            // sensors.*.type
   // sensors.*.electronics: the parts of each sensor type, those of `typical`
   std::map<std::string, std::vector<Entry>> electronics;
   std::vector<Entry> effects;       // effects

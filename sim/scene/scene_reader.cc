@@ -16,9 +16,6 @@ constexpr double least_impedance = 1e-4, most_impedance = 0.9999;  // mjMINIMP a
 constexpr double least_width = 1e-15;                              // m, mjMINVAL: lower bound only
 constexpr std::string_view contact_fidelity = "mujoco_contact";
 
-// Motions of a grasp's arm, the default first; they are invalid for a stage.
-constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
-
 constexpr std::array<SceneKey, 27> keys{{
     {"bodies", "Bodies that forces move, by their names."},
     {"box", "The box that a grasp lifts."},
@@ -69,8 +66,8 @@ class SceneReader : EntryReader {
     scene.split = read_split(root.find("split"));
     const Material& material = read_surface(root.find("surface"), scene);
     scene.friction = read_friction(root.find("friction"), material);
-    scene.motion = read_kind(root.find("motion"), "motion", "kind", scene.grasp ? std::string(arm_motions.front()) : "stage",
-                             catalogues_.motions, "motion", {});
+    scene.motion = read_kind(root.find("motion"), "motion", "kind", default_motion(scene.grasp.has_value()), catalogues_.motions,
+                             "motion", {});
     refuse_motion_of_other_bench(root, scene);
     refuse_unfinished_lift(root, scene);
     scene.sensors = read_sensors(root);
@@ -315,14 +312,23 @@ class SceneReader : EntryReader {
     return grasp;
   }
 
-  static void refuse_motion_of_other_bench(const YamlNode& root, const Scene& scene) {
-    const bool of_arm = std::ranges::find(arm_motions, scene.motion.name) != arm_motions.end();
-    if (of_arm == scene.grasp.has_value()) return;
+  // Motions of a grasp's arm are invalid for a stage, and the reverse.
+  [[nodiscard]] bool is_of_arm(const std::string& motion) const {
+    return std::ranges::find(catalogues_.arm_motions, motion) != catalogues_.arm_motions.end();
+  }
+
+  [[nodiscard]] std::string default_motion(bool of_arm) const {
+    if (of_arm) return catalogues_.arm_motions.front();
+    return std::ranges::find_if(catalogues_.motions, [&](const Entry& one) { return !is_of_arm(one.name); })->name;
+  }
+
+  void refuse_motion_of_other_bench(const YamlNode& root, const Scene& scene) const {
+    if (is_of_arm(scene.motion.name) == scene.grasp.has_value()) return;
     const YamlNode& node = *root.find("motion");
     const YamlNode* kind = node.find("kind");
     fail(kind == nullptr ? node.origin : kind->origin,
-         scene.grasp ? "motion " + quote(scene.motion.name) +
-                           " cannot move the arm of a grasp (a scene with 'grip' or 'box'); allowed: lift, guided"
+         scene.grasp ? "motion " + quote(scene.motion.name) + " cannot move the arm of a grasp (a scene with 'grip' or 'box')" +
+                           allowed_names(scene.motion.name, catalogues_.arm_motions)
                      : "motion " + quote(scene.motion.name) + " needs a grasp, that is a scene with 'grip' or 'box'");
   }
 

@@ -145,7 +145,10 @@ Entry shape(std::string name, std::string summary, std::vector<ParameterSpec> si
 void add_sim_catalogues(Catalogues& catalogues) {
   catalogues.materials = material_table();
   for (const SurfaceKind& kind : surface_catalogue()) catalogues.surfaces.push_back(kind.about);
-  for (const MotionKind& kind : motion_catalogue()) catalogues.motions.push_back(kind.about);
+  for (const MotionKind& kind : motion_catalogue()) {
+    catalogues.motions.push_back(kind.about);
+    if (kind.of_arm) catalogues.arm_motions.push_back(kind.about.name);
+  }
   catalogues.bodies = body_catalogue();
   catalogues.grasp = grasp_catalogue();
   catalogues.protocols = protocol_catalogue();

@@ -9,12 +9,14 @@
 
 #include <fmt/format.h>
 
+#include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
 #include "detectors/network/engine.h"
 #include "sim/core/math.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/eval/evaluate.h"
 #include "tools/eval/replay.h"
+#include "tools/eval/shipped_networks.h"
 #include "tools/eval/yardsticks.h"
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
@@ -25,26 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Detectors of the catalogue that need a file of the user's.
-constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
-// Networks that ship, and the type of sensor that each reads.
-struct ShippedNetwork {
-  const char *name, *path, *sensor;
-};
-constexpr std::array<ShippedNetwork, 13> shipped_networks{
-    {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray"},
-     {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
-     {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin"},
-     {"piezo_grasp", "scenes/learn/piezo_grasp.onnx", "piezo_skin"},
-     {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad"},
-     {"nib_grasp", "scenes/learn/nib_grasp.onnx", "nib_pad"},
-     {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp"},
-     {"taxels_slip", "scenes/learn/taxels_slip.onnx", "taxels"},
-     {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"},
-     {"magnetic_skin_slip", "scenes/learn/magnetic_skin_slip.onnx", "magnetic_skin"},
-     {"magnetic_skin_grasp", "scenes/learn/magnetic_skin_grasp.onnx", "magnetic_skin"},
-     {"gel_slip", "scenes/learn/gel_slip.onnx", "gel_markers"},
-     {"gel_grasp", "scenes/learn/gel_grasp.onnx", "gel_markers"}}};
 constexpr const char* no_engine = "OpenVINO, which runs networks, is missing; see slipbench doctor";
 
 std::string file_digest(const std::string& path) {
@@ -65,12 +47,10 @@ std::string file_digest(const std::string& path) {
 }  // namespace
 
 std::string file_of(const DetectorScene& detector) {
-  const auto& values = detector.parameters.values();
-  if (values.contains("memories")) return hd::memories_folder(detector.parameters.path("memories"));
-  for (const char* key : {"model", "library"}) {
-    if (values.contains(key)) return detector.parameters.path(key);
-  }
-  return "";
+  const DetectorKind* const kind = detector_kind(detector.type);
+  if (kind == nullptr || !kind->file) return "";
+  const std::string& path = detector.parameters.path(kind->file->parameter);
+  return kind->file->content == DetectorFile::Content::memories ? hd::memories_folder(path) : path;
 }
 
 std::string kind_word(Kind kind) {
@@ -100,15 +80,16 @@ std::vector<Entrant> shipped_entrants() {
     entrant.reads = reads;
     entrants.push_back(std::move(entrant));
   };
-  const std::vector<DetectorScene> yardsticks = eval::yardsticks();
   for (const Entry& entry : detector_entries()) {
-    const bool asks_for_a_file = std::ranges::find(of_a_file, entry.name) != of_a_file.end();
-    const bool is_yardstick = std::ranges::find(yardsticks, entry.name, &DetectorScene::type) != yardsticks.end();
-    if (!asks_for_a_file && !is_yardstick && entry.name != oracle_type) add(entry.name, entry.name);
+    const DetectorKind* const kind = detector_kind(entry.name);
+    const bool needs_file = kind != nullptr && kind->file && kind->file->is_required;
+    const bool is_yardstick = kind != nullptr && kind->yardstick;
+    if (!needs_file && !is_yardstick && entry.name != oracle_type) add(entry.name, entry.name);
   }
   add("learn_gst_hd", "gst_hd, learn_gst_hd");
   if (network::engine_available()) {
-    for (const ShippedNetwork& network : shipped_networks) add(project_file(network.path), network.name, network.sensor);
+    for (const eval::ShippedNetwork& network : eval::shipped_networks)
+      add(project_file(network.path), network.name, network.sensor);
   }
   return entrants;
 }
@@ -142,7 +123,7 @@ Entrant with_threshold(const Entrant& yardstick, double threshold) {
 std::vector<Missing> missing_entrants() {
   std::vector<Missing> missing;
   if (network::engine_available()) return missing;
-  for (const ShippedNetwork& network : shipped_networks) missing.push_back({network.name, network.sensor, no_engine});
+  for (const eval::ShippedNetwork& network : eval::shipped_networks) missing.push_back({network.name, network.sensor, no_engine});
   return missing;
 }
 

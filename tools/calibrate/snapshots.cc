@@ -11,10 +11,10 @@
 #include <fmt/ranges.h>
 #include <Eigen/Dense>
 
-#include "sensors/papillarray/papillarray.h"
 #include "sim/core/counted.h"
 #include "sim/core/math.h"
 #include "tools/files/reject.h"
+#include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/descriptive.h"
 
 namespace slipbench::calibrate {
@@ -239,10 +239,11 @@ Json key_json(const std::string& key, const std::string& unit, const Estimate& e
   return {{"key", key}, {"unit", unit}, {"value", estimate.value}, {"standard_error", estimate.error}};
 }
 
-// Adds the keys of the PapillArray's parts: the largest coefficients of coupling, and `scale` of
-// gain and noise, a factor on the device's own figures.
-void add_parts(Json& keys, const Snapshots& snapshots, const Summary& summary, const std::vector<UnitFit>& units) {
-  const SignalModel model = papillarray::signal_model({summary.normal.mean(), summary.tangential.mean()}, snapshots.rate, {});
+// Adds the keys of the electronics: the largest coefficients of coupling, and `scale` of gain and
+// noise, a factor on the device's own figures.
+void add_parts(Json& keys, const SensorKind& kind, const Snapshots& snapshots, const Summary& summary,
+               const std::vector<UnitFit>& units) {
+  const UnitDisturbance device = kind.disturbance(summary.normal.mean(), summary.tangential.mean(), snapshots.rate);
   const auto add = [&](const std::string& parameter, const Estimate& estimate) {
     keys.push_back(key_json(fmt::format("sensors.{}.electronics.{}", snapshots.sensor, parameter), "1", estimate));
   };
@@ -257,7 +258,7 @@ void add_parts(Json& keys, const Snapshots& snapshots, const Summary& summary, c
   const Index count = summary.normal.size();
   if (count > 1) {
     const auto ratio = [&](const VectorXd& values, std::size_t axis) {
-      return sd_of(values) / values.mean() / model.gain_sd[axis];
+      return sd_of(values) / values.mean() / device.gain_sd[axis];
     };
     const Eigen::Vector3d ratios(ratio(summary.x, 0), ratio(summary.y, 1), ratio(summary.normal, 2));
     const double gain = std::sqrt(ratios.squaredNorm() / 3.0);
@@ -268,10 +269,7 @@ void add_parts(Json& keys, const Snapshots& snapshots, const Summary& summary, c
   for (const UnitFit& unit : units) {
     if (!unit.noise) continue;
     double sum = 0.0;
-    for (std::size_t k = 0; k < 6; ++k) {
-      const std::size_t value = k < 3 ? k : papillarray::channel_size + k - 3;
-      sum += math::pow((*unit.noise)(static_cast<Index>(k)) / model.noise_sd[value], 2);
-    }
+    for (std::size_t k = 0; k < 6; ++k) sum += math::pow((*unit.noise)(static_cast<Index>(k)) / device.noise_sd[k], 2);
     scales.push_back(std::sqrt(sum / 6.0));
   }
   if (scales.size() > 1) {
@@ -327,7 +325,8 @@ Json fit_snapshots(const std::vector<RawRecording>& recordings, const std::strin
   Json keys = Json::array();
   keys.push_back(key_json(key + "k_normal", "N/m", mean_of(summary.normal, summary.normal_error)));
   keys.push_back(key_json(key + "k_tangential", "N/m", mean_of(summary.tangential, summary.tangential_error)));
-  if (snapshots.type == "papillarray") add_parts(keys, snapshots, summary, units);
+  const SensorKind kind = sensor_kind(snapshots.type);
+  if (kind.disturbance != nullptr) add_parts(keys, kind, snapshots, summary, units);
   Json result{{"slipbench_snapshots", 1},
               {"sensor", snapshots.sensor},
               {"type", snapshots.type},
@@ -376,11 +375,11 @@ page::TextTable snapshot_unit_table(const Json& result) {
 
 namespace {
 
-// Returns all parts of the PapillArray's `typical`, with `fitted` parameters; parts that are not
-// listed would be off.
-std::string electronics_lines(const std::map<std::string, std::string>& fitted) {
+// Returns all parts of the sensor's `typical`, with `fitted` parameters; parts that are not listed
+// would be off.
+std::string electronics_lines(const std::vector<Entry>& parts, const std::map<std::string, std::string>& fitted) {
   std::string lines = "    electronics:\n";
-  for (const Entry& part : papillarray::electronics_parts()) {
+  for (const Entry& part : parts) {
     const auto found = fitted.find(part.name);
     lines += fmt::format("      - {}{}\n", part.name, found == fitted.end() ? "" : fmt::format(": {{{}}}", found->second));
   }
@@ -390,6 +389,7 @@ std::string electronics_lines(const std::map<std::string, std::string>& fitted) 
 }  // namespace
 
 std::string snapshot_text(const Json& result) {
+  const SensorKind kind = sensor_kind(result.at("type").get<std::string>());
   std::string text;
   const Json& noise = result.at("noise");
   if (noise.at("force").is_null()) {
@@ -406,7 +406,7 @@ std::string snapshot_text(const Json& result) {
   }
   text += fmt::format("Normal force per lateral displacement: {:.2g} N/mm rms{}.\n",
                       1e-3 * result.at("shear_to_normal").get<double>(),
-                      result.at("type") == "papillarray" ? "" : "; scenes have no key for it");
+                      kind.disturbance != nullptr ? "" : "; scenes have no key for it");
   text += fmt::format("For a scene:\n\nsensors:\n  {}:\n    type: {}\n", result.at("sensor").get<std::string>(),
                       result.at("type").get<std::string>());
   std::map<std::string, std::string> fitted;  // parameters of each part of the electronics
@@ -423,7 +423,7 @@ std::string snapshot_text(const Json& result) {
       parameters += fmt::format("{}{}: {:.3g}", parameters.empty() ? "" : ", ", name.substr(dot + 1), value);
     }
   }
-  return fitted.empty() ? text : text + electronics_lines(fitted);
+  return fitted.empty() ? text : text + electronics_lines(kind.electronics, fitted);
 }
 
 }  // namespace slipbench::calibrate

@@ -15,6 +15,7 @@
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
 #include "sim/core/quantity.h"
+#include "sim/effects/install.h"
 #include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/descriptive.h"
 
@@ -26,7 +27,7 @@ constexpr std::size_t most_common = 100;     // of the shortest sampling time, t
 constexpr double most_steps = 1e8;           // per trial, the limit of a scene
 constexpr std::size_t most_checked = 64;     // trials in which a step must be stable
 
-constexpr double tight_tolerance = 1e-6;  // of elastic_skin, at the longest step
+constexpr double tight_tolerance = 1e-6;  // of an effect's solver, at the longest step
 constexpr std::size_t tight_cost = 2;     // as `cost` measures for scenes/soft_skin/sphere.yaml
 
 // Largest errors that may be required, by the measure's name.
@@ -77,14 +78,16 @@ class Search {
         throw InputError(plan_.where(0, path) + ": the sweep varies " + path + ", which --accuracy finds; remove it: --set " +
                          path + "=null");
     }
-    const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
-    has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field" && skin == scene.effects.end() &&
+    const auto is_body = [](const Named& effect) { return effect_kind(effect.name).body != nullptr; };
+    has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field" && std::ranges::none_of(scene.effects, is_body) &&
                   read.file.root().find("field_solver") == nullptr;
-    if (skin == scene.effects.end()) return;
-    skin_ = static_cast<std::size_t>(skin - scene.effects.begin());
+    const auto solves = [](const Named& effect) { return effect_kind(effect.name).tolerance != nullptr; };
+    const auto solver = std::ranges::find_if(scene.effects, solves);
+    if (solver == scene.effects.end()) return;
+    solver_ = static_cast<std::size_t>(solver - scene.effects.begin());
     // If a sweep sets the tolerance, or the effects as a whole, the tolerance is not changed here.
-    const std::string ours = tolerance_path() + ".";
-    if (std::ranges::any_of(drawn, [&](const auto& swept) { return ours.starts_with(swept.first + "."); })) skin_.reset();
+    const std::string ours = tolerance_path(scene) + ".";
+    if (std::ranges::any_of(drawn, [&](const auto& swept) { return ours.starts_with(swept.first + "."); })) solver_.reset();
   }
 
   [[nodiscard]] FoundSetting find() {
@@ -113,13 +116,18 @@ class Search {
 
   [[nodiscard]] double step_of(const StepSetting& setting) const { return sampling_time_ / static_cast<double>(setting.steps); }
 
-  [[nodiscard]] std::string tolerance_path() const { return fmt::format("effects.{}.elastic_skin.tolerance", *skin_); }
+  [[nodiscard]] std::string tolerance_path(const Scene& scene) const {
+    const std::string& name = scene.effects[*solver_].name;
+    return fmt::format("effects.{}.{}.{}", *solver_, name, effect_kind(name).tolerance);
+  }
 
   // Residuals of the steps of a slipping skin accumulate over the steps. Never larger than the
   // scene's own tolerance.
   [[nodiscard]] double tolerance_of(const StepSetting& setting) const {
-    constexpr double least = 1e-10;  // lower limit of the parameter
-    const double own = plan_.trial(0).scene.effects[*skin_].parameters.number("tolerance");
+    const Named effect = plan_.trial(0).scene.effects[*solver_];
+    const EffectKind& kind = effect_kind(effect.name);
+    const double least = std::ranges::find(kind.about.parameters, kind.tolerance, &ParameterSpec::name)->range.min;
+    const double own = effect.parameters.number(kind.tolerance);
     return std::min(own,
                     std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(setting.steps)));
   }
@@ -129,7 +137,7 @@ class Search {
     std::vector<Override> overrides{{"time_step", format_quantity(step_of(setting), Quantity::time)}};
     if (setting.implicit) overrides.push_back({"field_solver", "implicit"});
     if (setting.tight) {
-      overrides.push_back({tolerance_path(), format_number(tolerance_of(setting))});
+      overrides.push_back({tolerance_path(plan_.trial(0).scene), format_number(tolerance_of(setting))});
     }
     return overrides;
   }
@@ -139,7 +147,10 @@ class Search {
     Scene scene = plan_.trial(trial).scene;
     scene.time_step = step_of(setting);
     if (has_choice_) scene.field_solver = setting.implicit ? FieldSolver::implicit_springs : FieldSolver::explicit_springs;
-    if (setting.tight) scene.effects[*skin_].parameters.set("tolerance", tolerance_of(setting));
+    if (setting.tight) {
+      Named& effect = scene.effects[*solver_];
+      effect.parameters.set(effect_kind(effect.name).tolerance, tolerance_of(setting));
+    }
     return scene;
   }
 
@@ -217,7 +228,7 @@ class Search {
     for (const auto& [implicit, fewest] : {std::pair{false, explicit_steps_}, std::pair{true, implicit_steps_}}) {
       for (std::size_t steps = fewest; steps > 0 && steps < below; steps *= 2) {
         settings.push_back({implicit, steps});
-        if (skin_) settings.push_back({implicit, steps, true});
+        if (solver_) settings.push_back({implicit, steps, true});
       }
     }
     std::ranges::stable_sort(settings, {}, &StepSetting::cost);
@@ -298,7 +309,7 @@ class Search {
   // Halves the step until two successive runs are close enough.
   void find_reference(std::size_t longest, FoundSetting& found) {
     const bool implicit = explicit_steps_ == 0;
-    StepSetting setting{implicit, 4 * longest, skin_.has_value()};
+    StepSetting setting{implicit, 4 * longest, solver_.has_value()};
     reference_ = run_all(setting);
     while (true) {
       setting.steps *= 2;
@@ -362,8 +373,8 @@ class Search {
   std::size_t requested_;  // number of trials to run
   std::vector<std::size_t> trials_;
   std::vector<Requirement> required_;
-  bool has_choice_ = false;          // of the solver
-  std::optional<std::size_t> skin_;  // index of elastic_skin in the scene's effects
+  bool has_choice_ = false;            // of the solver
+  std::optional<std::size_t> solver_;  // index of the scene's first effect with an iterative solver
   double sampling_time_ = 0.0;
   std::size_t explicit_steps_ = 0, implicit_steps_ = 0;  // fewest per sampling time; 0: no such setting
   std::optional<SceneValueError> last_refusal_;

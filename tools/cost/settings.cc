@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/quantity.h"
+#include "sim/effects/install.h"
 
 namespace slipbench::cost {
 namespace {
@@ -196,14 +197,22 @@ void add_elements(const Scene& scene, std::vector<Setting>& settings) {
   }
 }
 
-// Settings of a soft skin: its solver's tolerance, and the cells of a flat grid of constant extent.
-void add_skin(const Scene& scene, std::vector<Setting>& settings) {
-  const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
-  if (skin == scene.effects.end()) return;
-  for (const char* const tolerance : {"0.01", "0.001", "0.0001", "1e-05", "1e-06", "1e-08"}) {
-    settings.push_back(
-        {"tolerance", tolerance, {{fmt::format("effects.{}.elastic_skin.tolerance", skin - scene.effects.begin()), tolerance}}});
+// Tolerance of the first effect with an iterative solver.
+void add_tolerance(const Scene& scene, std::vector<Setting>& settings) {
+  for (std::size_t i = 0; i < scene.effects.size(); ++i) {
+    const std::string& name = scene.effects[i].name;
+    const char* const parameter = effect_kind(name).tolerance;
+    if (parameter == nullptr) continue;
+    for (const char* const tolerance : {"0.01", "0.001", "0.0001", "1e-05", "1e-06", "1e-08"})
+      settings.push_back({"tolerance", tolerance, {{fmt::format("effects.{}.{}.{}", i, name, parameter), tolerance}}});
+    return;
   }
+}
+
+// Cells of a flat grid of constant extent, on a pad that is one elastic body.
+void add_grid(const Scene& scene, std::vector<Setting>& settings) {
+  const auto is_body = [](const Named& effect) { return effect_kind(effect.name).body != nullptr; };
+  if (std::ranges::none_of(scene.effects, is_body)) return;
   const SensorScene& sensor = scene.sensors.front();
   if (scene.sensors.size() > 1 || !has(sensor, "rows") || !has(sensor, "columns") || !has(sensor, "pitch")) return;
   const auto rows = sensor.parameters.integer("rows"), columns = sensor.parameters.integer("columns");
@@ -269,7 +278,8 @@ std::vector<Setting> settings_to_try(const Scene& scene, double own) {
   add_contact(scene, own, settings);
   add_rates(scene, own, settings);
   add_elements(scene, settings);
-  add_skin(scene, settings);
+  add_tolerance(scene, settings);
+  add_grid(scene, settings);
   return settings;
 }
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
 #include "sim/core/counted.h"
 #include "sim/core/math.h"
@@ -313,9 +314,11 @@ Json loop_json(const std::vector<Judged>& trials) {
   return json;
 }
 
-// is_memories(): the detector consists of memories. is_trained(): it was trained on data.
-bool is_memories(const DetectorScene& detector) { return detector.type == "gst_hd" || detector.type == "gst_hd_rtl"; }
-bool is_trained(const DetectorScene& detector) { return detector.type == "network" || is_memories(detector); }
+// The file that training wrote and the detector reads; null: it was not trained.
+const DetectorFile* trained_file(const std::string& type) {
+  const DetectorKind* const kind = detector_kind(type);
+  return kind != nullptr && kind->file && kind->file->is_trained() ? &*kind->file : nullptr;
+}
 
 Json trial_json(const Judged& trial) {
   const Judgement& judgement = trial.judgement;
@@ -377,9 +380,10 @@ Json training_warnings(const Options& options, std::size_t learnt, std::size_t j
                     learnt, counted(judged, "trial")));
   }
   const Json training = Json::parse(options.trained, nullptr, false);
-  if (is_trained(options.detector) && !(training.is_object() && training.contains("sha256_seen"))) {
+  const DetectorFile* const file = trained_file(options.detector.type);
+  if (file != nullptr && !(training.is_object() && training.contains("sha256_seen"))) {
     warnings.push_back(fmt::format("{} does not record the trials of its training, so none of them are left out{}",
-                                   options.detector.parameters.path(is_memories(options.detector) ? "memories" : "model"),
+                                   options.detector.parameters.path(file->parameter),
                                    training.is_object() && training.contains("trained") && training.at("trained").is_string()
                                        ? "; its description of the training: " + training.at("trained").get<std::string>()
                                        : ""));
@@ -501,8 +505,9 @@ std::string evaluated(const Options& options) {
 
 std::string training_of(const DetectorScene& detector) {
   if (const std::unique_ptr<network::Engine> engine = network_of(detector)) return engine->description().trained;
-  if (!is_memories(detector)) return "{}";
-  const std::string folder = hd::memories_folder(detector.parameters.path("memories"));
+  const DetectorFile* const file = trained_file(detector.type);
+  if (file == nullptr) return "{}";
+  const std::string folder = hd::memories_folder(detector.parameters.path(file->parameter));
   Json training = Json::object();
   if (const auto seen = hd::seen_by(folder)) training["sha256_seen"] = *seen;
   try {
@@ -536,8 +541,10 @@ std::set<std::string> seen_trials(const DetectorScene& detector, const std::stri
   const Json& seen = training.at("sha256_seen");
   const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
   if (!seen.is_array() || !std::ranges::all_of(seen, is_digest)) {
+    const DetectorFile* const file = trained_file(detector.type);
+    const bool is_network = file != nullptr && file->content == DetectorFile::Content::network;
     reject("{}: metadata: trained.sha256_seen is not a list of digests of 64 hexadecimal digits each",
-           detector.type == "network" ? detector.parameters.path("model") : detector.type);
+           is_network ? detector.parameters.path(file->parameter) : detector.type);
   }
   return {seen.begin(), seen.end()};
 }
@@ -545,9 +552,10 @@ std::set<std::string> seen_trials(const DetectorScene& detector, const std::stri
 std::string detector_name(const Json& detector) {
   const Json parameters = detector.value("parameters", Json::object());
   const auto type = detector.at("type").get<std::string>();
-  if (type == "network") return type + " " + parameters.value("model", "");
-  const std::string memories = parameters.value("memories", "");
-  return type + (memories.empty() ? "" : " with the memories " + memories);
+  const DetectorFile* const file = trained_file(type);
+  const std::string path = file == nullptr ? "" : parameters.value(file->parameter, "");
+  if (path.empty()) return type;
+  return type + (file->content == DetectorFile::Content::memories ? " with the memories " : " ") + path;
 }
 
 Json reads_json(const network::Input& input) {

@@ -119,6 +119,16 @@ std::string yaml_word(const std::string& text) {
   return word + "'";
 }
 
+// The first detector of the catalogue with such a file, and the override that names it.
+std::pair<std::string, std::vector<Override>> detector_with(DetectorFile::Content content, const std::string& path) {
+  for (const Entry& entry : detector_entries()) {
+    const DetectorKind* const kind = detector_kind(entry.name);
+    if (kind != nullptr && kind->file && kind->file->content == content)
+      return {entry.name, {{std::string("detector.") + kind->file->parameter, yaml_word(path)}}};
+  }
+  throw std::logic_error("no detector with such a file");
+}
+
 // The detector's type, and the parameter that `text` implies if it is not a name.
 std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
   std::vector<std::string> names;
@@ -129,10 +139,10 @@ std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
   if (text == oracle_type)
     throw InputError(quote(text) + " is the oracle, which needs a simulation and cannot read a recording" + allowed);
   if (std::ranges::find(names, text) != names.end()) return {text, {}};
-  if (text.ends_with(".onnx")) return {"network", {{"detector.model", yaml_word(text)}}};
+  if (text.ends_with(".onnx")) return detector_with(DetectorFile::Content::network, text);
   std::error_code error;
   if (std::filesystem::is_directory(hd::memories_folder(text), error))
-    return {"gst_hd", {{"detector.memories", yaml_word(text)}}};
+    return detector_with(DetectorFile::Content::memories, text);
   throw InputError("unknown detector " + quote(text) + allowed);
 }
 
@@ -204,8 +214,9 @@ DetectorScene chosen_detector(const std::string& text, const std::vector<Overrid
 }
 
 std::unique_ptr<network::Engine> network_of(const DetectorScene& detector) {
-  if (detector.type != "network") return nullptr;
-  const std::string& model = detector.parameters.path("model");
+  const DetectorKind* const kind = detector_kind(detector.type);
+  if (kind == nullptr || !kind->file || kind->file->content != DetectorFile::Content::network) return nullptr;
+  const std::string& model = detector.parameters.path(kind->file->parameter);
   if (model == no_network)
     throw InputError("no network is given; use FILE.onnx instead of 'network', or the parameter model=FILE.onnx");
   return network::load_engine(model);

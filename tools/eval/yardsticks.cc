@@ -6,14 +6,15 @@
 #include <limits>
 #include <utility>
 
+#include "detectors/detector_kinds.h"
 #include "sim/core/error.h"
 #include "tools/eval/replay.h"
+#include "tools/registry/program_catalogues.h"
 #include "tools/statistics/descriptive.h"
 
 namespace slipbench::eval {
 namespace {
 
-constexpr std::array yardstick_types{"deviation", "relative_deviation", "shear_ratio", "sum_change"};
 constexpr std::size_t considered_thresholds = 2000;
 constexpr std::size_t scores_of_a_trial = 5000;  // kept of each yardstick
 
@@ -73,7 +74,10 @@ std::vector<std::size_t> halves_of(const std::vector<Judgement>& trials, const s
 
 std::vector<DetectorScene> yardsticks() {
   std::vector<DetectorScene> all;
-  for (const char* type : yardstick_types) all.push_back(chosen_detector(type, {}));
+  for (const Entry& entry : detector_entries()) {
+    const DetectorKind* const kind = detector_kind(entry.name);
+    if (kind != nullptr && kind->yardstick) all.push_back(chosen_detector(entry.name, {}));
+  }
   return all;
 }
 

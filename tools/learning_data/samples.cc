@@ -16,6 +16,7 @@
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
 #include "tools/files/reject.h"
+#include "tools/registry/sensor_catalogue.h"
 #include "tools/trial/recorded_scene.h"
 
 namespace slipbench {
@@ -53,11 +54,9 @@ SceneFile scene_of(const DatasetReader& reader) {
 
 const Entry& motion_of(const YamlNode& root, const std::string& file) {
   const YamlNode* kind = node_at(root, std::vector<std::string>{"motion", "kind"});
-  const std::string name = kind != nullptr ? kind->text : "stage";
-  for (const MotionKind& candidate : motion_catalogue()) {
-    if (candidate.about.name == name) return candidate.about;
-  }
-  reject("{}: attribute scene has the unknown motion '{}'", file, name);
+  if (kind == nullptr) return default_motion(false).about;
+  if (const MotionKind* const found = find_motion(kind->text)) return found->about;
+  reject("{}: attribute scene has the unknown motion '{}'", file, kind->text);
 }
 
 // Commanded values of one trial: swept values take precedence over written ones.
@@ -166,8 +165,10 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
 
 RecordedSamples::RecordedSamples(const SensorRecord& sensor) : sensor_(&sensor) {
   std::size_t name = 0;
+  const SensorView view = sensor_kind(sensor.type).view;
   for (const SensorColumn& column : sensor.channels) {
     Channel& channel = channels_.emplace_back(Channel{column.name, column.unit, column.shape, {}});
+    channel.usual_unit = view.channel_view(column.name).unit;
     const std::size_t rows = sensor.times_of(column).size(), size = channel.size();
     if (column.values.size() != rows * size) {
       reject("sensor {}: channel {} has {} values for {} samples of {}", sensor.name, column.name, column.values.size(), rows,

@@ -296,10 +296,15 @@ std::vector<Entry> detector_entries() {
   return entries;
 }
 
-FrameSpacing frame_spacing(const std::string& type) {
+const DetectorKind* detector_kind(const std::string& type) {
   const auto found = std::ranges::find(detector_catalogue(), type,
                                        [](const DetectorKind& kind) -> const std::string& { return kind.about.name; });
-  return found == detector_catalogue().end() ? FrameSpacing::even : found->spacing;
+  return found == detector_catalogue().end() ? nullptr : &*found;
+}
+
+FrameSpacing frame_spacing(const std::string& type) {
+  const DetectorKind* const kind = detector_kind(type);
+  return kind == nullptr ? FrameSpacing::even : kind->spacing;
 }
 
 void register_detector(const Entry& about, DetectorMaker make) {
@@ -318,9 +323,8 @@ std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameS
 }
 
 void check_run(const DetectorScene& scene, std::uint64_t trials) {
-  for (const DetectorKind& kind : detector_catalogue()) {
-    if (kind.about.name == scene.type && kind.check_run != nullptr) kind.check_run(scene.parameters, trials);
-  }
+  const DetectorKind* const kind = detector_kind(scene.type);
+  if (kind != nullptr && kind->check_run != nullptr) kind->check_run(scene.parameters, trials);
 }
 
 std::vector<std::string> hd_engine_names() { return choice_names(engine_catalogue); }
@@ -350,11 +354,31 @@ void register_controller(const Entry& about, ControllerMaker make) {
   registered_controllers().put("controller", about, std::move(make), own_controller_entries());
 }
 
-Answers answers_of(const Named& controller) {
-  for (const ControllerKind& kind : controller_catalogue()) {
-    if (kind.about.name == controller.name) return kind.answers;
+const ControllerKind* controller_kind(const std::string& type) {
+  const auto found = std::ranges::find(controller_catalogue(), type,
+                                       [](const ControllerKind& kind) -> const std::string& { return kind.about.name; });
+  return found == controller_catalogue().end() ? nullptr : &*found;
+}
+
+std::set<std::string> users_types() {
+  std::set<std::string> names;
+  for (const Entry& sensor : pad_catalogues().sensors) {
+    if (sensor_kind(sensor.name).users_code) names.insert(sensor.name);
   }
-  return Answers::by_own_rule;
+  for (const Entry& detector : detector_entries()) {
+    const DetectorKind* const kind = detector_kind(detector.name);
+    if (kind == nullptr || kind->users_code) names.insert(detector.name);
+  }
+  for (const Entry& controller : controller_entries()) {
+    const ControllerKind* const kind = controller_kind(controller.name);
+    if (kind == nullptr || kind->users_code) names.insert(controller.name);
+  }
+  return names;
+}
+
+Answers answers_of(const Named& controller) {
+  const ControllerKind* const kind = controller_kind(controller.name);
+  return kind == nullptr ? Answers::by_own_rule : kind->answers;
 }
 
 std::unique_ptr<Controller> make_controller(const Named& controller, const GripSource& source) {

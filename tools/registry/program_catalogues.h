@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,7 @@
 namespace slipbench {
 
 enum class FrameSpacing;  // detectors/detector_kinds.h
+struct DetectorKind;
 
 Catalogues program_catalogues();
 // The same without types registered in this process: those of the command line.
@@ -69,6 +71,9 @@ void register_detector(const Entry& about, DetectorMaker make);
 // flip.
 std::vector<Entry> detector_entries();
 
+// Catalogue entry of a detector of the program; null for other types, such as registered ones.
+const DetectorKind* detector_kind(const std::string& type);
+
 // DetectorKind::spacing of a detector of this type; `even` for those of register_detector().
 FrameSpacing frame_spacing(const std::string& type);
 
@@ -103,6 +108,13 @@ void register_controller(const Entry& about, ControllerMaker make);
 
 // Entries of all controllers: the program's own in the same order, then the registered ones.
 std::vector<Entry> controller_entries();
+
+// Catalogue entry of a controller of the program; null for other types, such as registered ones.
+const ControllerKind* controller_kind(const std::string& type);
+
+// Names of the sensors, detectors and controllers whose code is not part of slipbench: plugins and
+// registered types.
+std::set<std::string> users_types();
 
 // Creates the controller `controller.name` with its parameters for `source`. Throws InputError for
 // an unknown name, and as the controller's constructor does.

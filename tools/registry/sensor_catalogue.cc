@@ -32,17 +32,23 @@ const std::vector<SensorKind>& sensor_catalogue() {
   return kinds;
 }
 
-Registry<SensorMaker>& registered_sensors() {
-  static Registry<SensorMaker> registry;
+struct RegisteredSensor {
+  SensorKind kind;
+  SensorMaker make;
+};
+
+Registry<RegisteredSensor>& registered_sensors() {
+  static Registry<RegisteredSensor> registry;
   return registry;
 }
 
 }  // namespace
 
-void register_sensor(const Entry& about, SensorMaker make) {
+void register_sensor(SensorKind kind, SensorMaker make) {
   std::vector<Entry> own;
-  for (const SensorKind& kind : sensor_catalogue()) own.push_back(kind.about);
-  registered_sensors().put("sensor", about, std::move(make), own);
+  for (const SensorKind& known : sensor_catalogue()) own.push_back(known.about);
+  const Entry about = kind.about;
+  registered_sensors().put("sensor", about, {std::move(kind), std::move(make)}, own);
 }
 
 std::vector<Entry> registered_sensor_entries() { return registered_sensors().entries(); }
@@ -61,7 +67,7 @@ Catalogues pad_catalogues() {
 namespace {
 
 std::unique_ptr<Sensor> created(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
-  if (const std::optional<SensorMaker> make = registered_sensors().find(scene.type)) return (*make)(scene, seed, trial);
+  if (const std::optional<RegisteredSensor> found = registered_sensors().find(scene.type)) return found->make(scene, seed, trial);
   for (const SensorKind& kind : sensor_catalogue()) {
     if (kind.about.name == scene.type) return kind.create(scene.parameters, scene.electronics, seed, trial, scene.name);
   }
@@ -91,11 +97,16 @@ std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed
   return sensor;
 }
 
-SensorView sensor_view(const std::string& type) {
+SensorKind sensor_kind(const std::string& type) {
   for (const SensorKind& kind : sensor_catalogue()) {
-    if (kind.about.name == type) return kind.view;
+    if (kind.about.name == type) return kind;
   }
-  return {};
+  const std::optional<RegisteredSensor> found = registered_sensors().find(type);
+  return found ? found->kind : SensorKind{};
+}
+
+std::string usual_unit(const std::string& type, const std::string& channel) {
+  return sensor_kind(type).view.channel_view(channel).unit;
 }
 
 }  // namespace slipbench

@@ -15,10 +15,10 @@ namespace slipbench {
 
 using SensorMaker = std::function<std::unique_ptr<Sensor>(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial)>;
 
-// Registers a sensor of the embedding application. Scenes of this process may then name it; it
-// replaces a sensor registered under that name before. Thread-safe. Throws InputError if the name
-// is not an identifier or belongs to the program.
-void register_sensor(const Entry& about, SensorMaker make);
+// Registers a sensor of the embedding application, which `make` creates instead of `kind.create`.
+// Scenes of this process may then name it; it replaces a sensor registered under that name before.
+// Thread-safe. Throws InputError if the name is not an identifier or belongs to the program.
+void register_sensor(SensorKind kind, SensorMaker make);
 // Registered sensors, sorted by name.
 std::vector<Entry> registered_sensor_entries();
 
@@ -31,8 +31,11 @@ Catalogues pad_catalogues();
 // is not finite.
 std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial);
 
-// Presentation of a sensor of this type; SensorView's default for an unknown type, which a dataset
-// may name.
-SensorView sensor_view(const std::string& type);
+// The sensor of this type, registered ones included; the defaults for an unknown type, which a
+// dataset may name.
+SensorKind sensor_kind(const std::string& type);
+
+// The channel's unit in simulated sensors of this type; empty: unknown or set by parameters.
+std::string usual_unit(const std::string& type, const std::string& channel);
 
 }  // namespace slipbench

@@ -14,6 +14,8 @@
 #include "sim/api/detector.h"
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "sim/effects/install.h"
+#include "sim/effects/skin/influence.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/dataset/checked_dataset.h"
@@ -132,15 +134,17 @@ Json trial_row(const TrialRecord& record, const std::string& subject) {
 
 // Parameters for the closed form of a pad that is one elastic body; null for other pads.
 Json skin_of(const Scene& scene) {
-  const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
+  const auto is_body = [](const Named& effect) { return effect_kind(effect.name).body != nullptr; };
+  const auto skin = std::ranges::find_if(scene.effects, is_body);
   if (skin == scene.effects.end()) return nullptr;
-  const bool sphere = scene.surface.name == "sphere" && std::isinf(skin->parameters.number("thickness"));
+  const ElasticBody body = effect_kind(skin->name).body(skin->parameters);
+  const bool sphere = scene.surface.name == "sphere" && std::isinf(body.thickness);
   Json sensors = Json::array();  // a sensor with its own friction has no effects
   for (const SensorScene& sensor : scene.sensors) {
     if (!sensor.friction) sensors.push_back(sensor.name);
   }
   return {{"sensors", sensors},
-          {"shear_modulus", skin->parameters.number("shear_modulus")},
+          {"shear_modulus", body.shear_modulus},
           {"friction", scene.friction.static_coefficient},
           {"sphere_radius", sphere ? Json(scene.surface.parameters.number("radius")) : Json(nullptr)}};
 }

@@ -270,9 +270,8 @@ Json grasp_parameters(const std::string& scene, const Json& overrides, const Jso
     if (entry.name != "scatter" || rows.at({"scatter"}) != nullptr) rows.add({entry.name}, entry);
   }
   const YamlNode* kind = rows.at({"motion", "kind"});
-  const std::string arm = kind == nullptr ? "lift" : kind->text;
-  const auto motion = std::ranges::find_if(motion_catalogue(), [&](const MotionKind& known) { return known.about.name == arm; });
-  if (motion != motion_catalogue().end()) rows.add({"motion"}, motion->about);
+  const MotionKind* const motion = kind == nullptr ? &default_motion(true) : find_motion(kind->text);
+  if (motion != nullptr) rows.add({"motion"}, motion->about);
   rows.add_material();
   rows.add_friction("static", "friction coefficient");
   rows.add_friction("kinetic", "friction coefficient of what slides");

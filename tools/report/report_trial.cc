@@ -167,7 +167,7 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
 }
 
 Json view_payload(const std::string& type) {
-  const SensorView view = sensor_view(type);
+  const SensorView view = sensor_kind(type).view;
   Json payload = {{"unit", view.unit},
                   {"units", view.units},
                   {"letter", view.letter},
@@ -187,7 +187,7 @@ Json view_payload(const std::string& type) {
 }
 
 Json spectra_of(const SensorRecord& sensor, std::size_t most_values) {
-  const SensorView view = sensor_view(sensor.type);
+  const SensorView view = sensor_kind(sensor.type).view;
   Json spectra = Json::array();
   for (const SensorColumn& channel : sensor.channels) {
     const std::optional<SpectrumView> spectrum = view.channel_view(channel.name).spectrum;

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "sim/core/error.h"
+#include "sim/motion/motion_catalogue.h"
 #include "sim/scene/entry_reader.h"
 
 namespace slipbench {
@@ -59,9 +60,6 @@ std::string speed_of(const Scene& scene) {
   if (speed != values.end()) return json_number(std::get<double>(speed->second));
   throw SceneValueError("split.by", "the motion '" + scene.motion.name + "' has no speed; allowed: material, object, trial");
 }
-
-// Kinds of motion that draw a path for each trial.
-constexpr std::array<std::string_view, 2> drawn_motions{"rub", "wander"};
 
 bool only_changes_reading(const Scene& scene, const std::string& path) {
   if (path == "seed" || path == "time_step" || path == "fidelity" || path == "duration") return true;
@@ -124,7 +122,7 @@ std::string split_group(const Scene& scene) {
 }
 
 std::string experiment_of(const Scene& scene, const std::vector<std::pair<std::string, std::string>>& swept) {
-  if (std::ranges::find(drawn_motions, scene.motion.name) != drawn_motions.end()) return "";
+  if (find_motion(scene.motion.name)->is_random) return "";
   if (scene.grasp && (scene.grasp->scatter || scene.grasp->grip.number("drift") != 0.0)) return "";
   std::string text = "experiment";
   for (const auto& [path, value] : swept) {

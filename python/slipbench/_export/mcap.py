@@ -21,9 +21,8 @@ from slipbench import Arrays, Dataset, InputError, StoredTrial
 from slipbench._export.card import CARDS, check_card, without_folders, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
+from slipbench.bin import _core
 
-# Channels that are images, by sensor type and channel name.
-PICTURES = {("myrmex", "taxels"), ("biotac_sp", "electrodes")}
 CELL = 1e-3  # m, cell size of an image whose units have unknown positions
 LAYOUT = "foxglove-layout.json"
 MAGIC = b"\x89MCAP0\r\n"
@@ -266,7 +265,7 @@ def _sensor_topics(
     )
     for one in channels:
         topic = f"/sensors/{sensor}/{one.name}"
-        if (kind, one.name) in PICTURES:
+        if _core.is_image(kind, one.name):
             yield _picture(topic, one, trial, sensor, attrs)
         elif f"{one.name}_t" in group:
             yield _own(topic, _camel(f"{kind}_{one.name}"), [one], attrs)

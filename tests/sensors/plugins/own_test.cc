@@ -108,12 +108,12 @@ TEST(OwnSensor, ThatCastsConstAwayChangesNoLabel) {
 TEST(OwnSensor, OfTheProgramItselfIsCheckedAsALibrary) {
   static constexpr slipbench_note note{"The kind of fault.", "the test's", 0.0, 0.0,
                                        "none|refuses|rate|bare|soft|gap|mute|empty|times|nan|throws"};
-  static constexpr slipbench_about about{"A sensor with a fault.", "", "the test's", &note};
+  static constexpr slipbench_about about{"A sensor with a fault.", "", "the test's", &note, nullptr};
   static constexpr BundledSensor bundled{"faulty", slipbench_sensor_parameters, &about, &slipbench_make_sensor};
   const auto make = [](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
     return make_bundled(bundled, scene.parameters, seed, trial, scene.name);
   };
-  register_sensor({bundled.type, about.summary, about.law, about.source, specs_of(bundled)}, make);
+  register_sensor({.about = {bundled.type, about.summary, about.law, about.source, specs_of(bundled)}, .create = nullptr}, make);
   const Catalogues catalogues = program_catalogues();
   for (const std::string& fault : catalogues.sensors.back().parameters[0].choices) {
     std::string expected = outcome(wrong(fault));

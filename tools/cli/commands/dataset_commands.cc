@@ -27,6 +27,7 @@
 #include "tools/dataset/reader.h"
 #include "tools/dataset/record/json.h"
 #include "tools/doctor/doctor.h"
+#include "tools/eval/shipped_networks.h"
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/label_rules.h"
@@ -346,21 +347,10 @@ namespace {
 // Returns a detector that reads these channels of a sensor: an included network, force_ratio or
 // deviation, which reads any channel.
 std::string detector_for(const std::string& type, const std::set<std::string>& channels) {
-  struct Network {
-    const char* type;
-    const char* channel;
-    const char* file;
-  };
-  // No included network reads the electrodes of a BioTac SP alone.
-  static constexpr std::array<Network, 5> networks{{{"gel_markers", "displacement", "scenes/learn/gel_slip.onnx"},
-                                                    {"magnetic_skin", "field", "scenes/learn/magnetic_skin_slip.onnx"},
-                                                    {"nib_pad", "si", "scenes/learn/nib_slip.onnx"},
-                                                    {"papillarray", "displacement", "scenes/learn/papillarray_slip.onnx"},
-                                                    {"piezo_skin", "signal", "scenes/learn/piezo_slip.onnx"}}};
-  for (const Network& network : networks) {
-    if (type != network.type || !channels.contains(network.channel)) continue;
+  for (const eval::ShippedNetwork& network : eval::shipped_networks) {
+    if (type != network.sensor || network.first_choice == nullptr || !channels.contains(network.first_choice)) continue;
     try {
-      return shell_word(project_file(network.file));
+      return shell_word(project_file(network.path));
     } catch (const InputError&) {  // not installed
     }
   }

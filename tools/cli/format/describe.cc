@@ -242,7 +242,7 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
     return fmt::format("sensors:\n  pad:\n    type: {}\n", entry.name) + parameter_lines(entry, 4);
   if (item.kind.plural == surfaces.plural) return fmt::format("surface:\n  shape: {}\n", entry.name) + parameter_lines(entry, 2);
   if (item.kind.plural == bodies.plural) {
-    const std::string touching = catalogues.sensors.empty() ? "papillarray" : catalogues.sensors.front().name;
+    const std::string& touching = catalogues.sensors.front().name;
     return fmt::format("bodies:\n  object:\n    shape: {}\n{}sensors:\n  pad:\n    type: {}\n    touches: [object]\n", entry.name,
                        parameter_lines(entry, 4), touching);
   }
@@ -270,7 +270,8 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
         entry.name);
   }
   if (item.kind.plural == motions.plural) {
-    const std::string arm = entry.name == "lift" || entry.name == guided_motion_name ? "grip: {}\n" : "";
+    const bool of_arm = std::ranges::find(catalogues.arm_motions, entry.name) != catalogues.arm_motions.end();
+    const std::string arm = of_arm ? "grip: {}\n" : "";
     return arm + fmt::format("motion:\n  kind: {}\n", entry.name) + parameter_lines(entry, 2);
   }
   return fmt::format("sensors:\n  pad:\n    type: {}\n    electronics:\n", item.sensor) + list_item(entry, 6);

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/motion/motion_catalogue.h"
 #include "sim/scene/entry_reader.h"
 #include "sim/scene/scene_reader.h"
 #include "sim/scene/scene_values.h"
@@ -427,10 +428,12 @@ class SceneSchema {
   // Rules between keys. A sweep can add keys to the scene, so some rules do not apply to scenes
   // with a sweep.
   Json root_rules() {
-    const Json motions = any_of_texts(arm_motions_);
-    const Json arm{{"properties", {{"kind", motions}}}, {"allOf", {without("kind", reference("motion_lift"))}}};
-    const Json stage{{"properties", {{"kind", negated(motions)}}}, {"allOf", {without("kind", reference("motion_stage"))}}};
-    const Json either = without("kind", {{"anyOf", {reference("motion_stage"), reference("motion_lift")}}});
+    const Json motions = any_of_texts(catalogues_.arm_motions);
+    const Json lift = reference("motion_" + default_motion(true).about.name);
+    const Json press = reference("motion_" + default_motion(false).about.name);
+    const Json arm{{"properties", {{"kind", motions}}}, {"allOf", {without("kind", lift)}}};
+    const Json stage{{"properties", {{"kind", negated(motions)}}}, {"allOf", {without("kind", press)}}};
+    const Json either = without("kind", {{"anyOf", {press, lift}}});
     const Json none{{"properties", {{"type", {{"const", "none"}}}}}};
     const Json material_alone{{"properties", {{"material", true}}}, {"additionalProperties", false}};
     const Json grasp = has_any({"grip", "box"}), forces = has_any({"bodies", "box", "grip", "model"}), swept = has_any({"sweep"});
@@ -532,7 +535,6 @@ class SceneSchema {
   }
 
   const Catalogues& catalogues_;
-  const std::array<std::string, 2> arm_motions_{"lift", std::string(guided_motion_name)};
   Json defs_ = Json::object();
 };
 

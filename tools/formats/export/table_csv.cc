@@ -55,7 +55,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
     reject("sensor {}: {} for {} per sample", sensor.name, counted(sensor.channel_names.size(), "name"),
            counted(expected, "value"));
   }
-  const SensorView view = sensor_view(sensor.type);
+  const SensorView view = sensor_kind(sensor.type).view;
   std::vector<NamedColumn> columns;
   std::span<const std::string> names = sensor.channel_names;
   for (const SensorColumn& column : sensor.channels) {

@@ -28,6 +28,7 @@
 #include "tools/files/reject.h"
 #include "tools/learning_data/myrmex_images.h"
 #include "tools/learning_data/samples.h"
+#include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/slip_score.h"
 
 namespace slipbench::train {
@@ -241,8 +242,10 @@ void turn_taxels(std::span<float> sample, std::size_t rows, std::size_t columns,
 
 void check_turnable(const SensorRecord& sensor) {
   const std::vector<std::size_t>& shape = sensor.channels.front().shape;
-  if (sensor.type != "myrmex" || shape.size() != 2 || shape[0] < cropped || shape[1] < cropped)
-    reject("sensor {}: --turned needs a myrmex of at least {} x {} taxels", sensor.name, cropped, cropped);
+  const bool image = sensor_kind(sensor.type).view.channel_view(sensor.channels.front().name).image;
+  if (!image || shape.size() != 2 || shape[0] < cropped || shape[1] < cropped)
+    reject("sensor {}: --turned needs an image of at least {} x {} taxels, such as that of a myrmex", sensor.name, cropped,
+           cropped);
 }
 
 // Indices of the kept frames, in order: at most `at_most` of each class.
@@ -281,7 +284,7 @@ bool fits(const SensorRecord& sensor, const network::Input& input) {
 // later sensors must have the same. The units that unit_of_pick() knows remain.
 void adopt_units(const SensorRecord& sensor, network::Input& input) {
   for (network::ChannelPick& pick : input.channels) {
-    if (pick.unit.empty()) pick.unit = network::unit_of_pick(pick, input.sensor);
+    if (pick.unit.empty()) pick.unit = network::unit_of_pick(pick, usual_unit(input.sensor, pick.name));
     if (pick.unit.empty()) pick.unit = std::ranges::find(sensor.channels, pick.name, &SensorColumn::name)->unit;
   }
 }
@@ -480,7 +483,7 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
   there.input.rate = found->rate;
   there.units = count_of_values(column.shape) / 3;
   network::ChannelPick& pick = there.input.channels.front();
-  const std::string unit = network::unit_of_pick(pick, input.sensor);
+  const std::string unit = network::unit_of_pick(pick, usual_unit(input.sensor, pick.name));
   if (column.name != pick.name || column.unit != unit) {
     pick.name = column.name;
     pick.unit = column.unit;

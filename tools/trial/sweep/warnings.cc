@@ -21,6 +21,7 @@
 #include "sim/core/math.h"
 #include "sim/core/quantity.h"
 #include "sim/core/readable_quantity.h"
+#include "sim/effects/install.h"
 #include "tools/dataset/header.h"
 #include "tools/registry/sensor_catalogue.h"
 #include "tools/statistics/descriptive.h"
@@ -159,11 +160,12 @@ void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
   }
 }
 
-// Checks one of a texture's two waves, whose length is the parameter `name`. Assumes the pad's axes
-// parallel or perpendicular to the surface's, as on a stage.
-void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& texture, const std::string& name, Collector& found) {
+// Checks one wave of an effect. Assumes the pad's axes parallel or perpendicular to the surface's, as
+// on a stage.
+void look_at_wave(const Scene& scene, std::size_t trial, const Named& effect, const WaveParameters& wave, Collector& found) {
   constexpr double lost = 0.1;  // share of a wave below which harmonics dominate the reading
-  const double wavelength = texture.number(name), angle = texture.number("angle");
+  const double wavelength = effect.parameters.number(wave.length), angle = effect.parameters.number(wave.angle);
+  const std::string path = fmt::format("effects.{}.{}", effect.name, wave.length);
   const Eigen::Vector2d k = 2.0 * std::numbers::pi / wavelength * Eigen::Vector2d(math::cos(angle), math::sin(angle));
   for (const SensorScene& sensor : scene.sensors) {
     if (sensor.friction || !sensor.follows.empty()) continue;  // no effects, or the points of another sensor
@@ -177,7 +179,7 @@ void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& textu
       const std::string length = readable_quantity(wavelength, Quantity::length);
       if (sampling.gain < lost && sampling.harmonic > 0) {
         found.add(
-            trial, "effects.texture." + name,
+            trial, path,
             fmt::format(
                 "{} is cancelled by {}; the unit vibrates at {} speed/wavelength, the harmonic at which they are in phase, instead of "
                 "speed/wavelength; use points with another spacing, or one point per unit",
@@ -185,7 +187,7 @@ void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& textu
         break;
       }
       if (sampling.phase > std::numbers::pi * (1.0 + 1e-9)) {
-        found.add(trial, "effects.texture." + name,
+        found.add(trial, path,
                   fmt::format("{} is not resolved by {}, so the mean over the unit's face is wrong; use points less than half a "
                               "wavelength apart, or one point per unit",
                               length, points));
@@ -195,12 +197,12 @@ void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& textu
   }
 }
 
-void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
-  const auto texture = std::ranges::find(scene.effects, "texture", &Named::name);
-  if (texture == scene.effects.end()) return;
-  const Parameters& parameters = texture->parameters;
-  if (parameters.number("height") > 0.0) look_at_wave(scene, trial, parameters, "wavelength", found);
-  if (parameters.number("waviness") > 0.0) look_at_wave(scene, trial, parameters, "waviness_length", found);
+void look_at_waves(const Scene& scene, std::size_t trial, Collector& found) {
+  for (const Named& effect : scene.effects) {
+    for (const WaveParameters& wave : effect_kind(effect.name).waves) {
+      if (effect.parameters.number(wave.amplitude) > 0.0) look_at_wave(scene, trial, effect, wave, found);
+    }
+  }
 }
 
 void look_at_material(const Trace& values, const TrialPlan& plan, std::size_t trial, Collector& found) {
@@ -253,7 +255,7 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
       const Scene scene = plan.read(trial, values);
       look_at_values(values, trial, found);
       look_at_motion(scene, trial, found);
-      look_at_texture(scene, trial, found);
+      look_at_waves(scene, trial, found);
       look_at_material(values, plan, trial, found);
       if (std::ranges::find(built, i) != built.end()) look_at_steps(scene, trial, found);
     } catch (const InputError&) {

@@ -185,9 +185,11 @@ int report_interrupted(const SweepSummary& summary, bool streams) {
   return exit_interrupted;
 }
 
-// Returns true if a value in the scene, perhaps one of several in its sweep, is the type of a
-// plugin.
-bool names_plugin(const YamlNode& node) { return node.text == "plugin" || std::ranges::any_of(node.children, names_plugin); }
+// Returns true if a value in the scene, perhaps one of several in its sweep, is one of `names`.
+bool has_value(const YamlNode& node, const std::set<std::string>& names) {
+  return names.contains(node.text) ||
+         std::ranges::any_of(node.children, [&](const YamlNode& child) { return has_value(child, names); });
+}
 
 }  // namespace
 
@@ -204,7 +206,7 @@ void IsolationOptions::declare(Arguments& arguments) {
 
 Isolation IsolationOptions::chosen(const ReadSweep& read, const SweepOptions& sweep) const {
   const bool several = !sweep.only && read.planned.requested > 1;
-  return {.on = isolate || (!together && several && names_plugin(read.file.root())), .limit = limit};
+  return {.on = isolate || (!together && several && has_value(read.file.root(), users_types())), .limit = limit};
 }
 
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
