@@ -113,7 +113,7 @@ TEST(OwnSensor, OfTheProgramItselfIsCheckedAsALibrary) {
   const auto make = [](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
     return make_bundled(bundled, scene.parameters, seed, trial, scene.name);
   };
-  register_sensor({.about = {bundled.type, about.summary, about.law, about.source, specs_of(bundled)}, .create = nullptr}, make);
+  register_sensor({.about = {bundled.type, about.summary, about.law, about.source, specs_of(bundled)}, .electronics = {}}, make);
   const Catalogues catalogues = program_catalogues();
   for (const std::string& fault : catalogues.sensors.back().parameters[0].choices) {
     std::string expected = outcome(wrong(fault));
