@@ -214,8 +214,8 @@ class HdSequences {
 // The board of `slipbench benchmark` for one detector and the sensors of one type, as JSON.
 std::string benchmark_detector(const std::string& detector, const std::string& sensor, std::size_t jobs) {
   benchmark::Options options;
-  options.asked.detectors = {detector};
-  options.asked.sensor = sensor;
+  options.request.detectors = {detector};
+  options.request.sensor = sensor;
   options.jobs = jobs;
   options.interrupt = &InterruptGuard::flag();
   return call_library([&] { return benchmark::benchmark(options).dump(); });
