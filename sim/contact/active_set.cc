@@ -75,8 +75,7 @@ void ActiveSet::end_step(const ContactPoints& contacts, const kernel::Columns& c
     if (!(room > least_sleep * step_travel_ + slack)) continue;
     bool outside = true;
     for (std::size_t i = first; i < end && outside; ++i) {
-      outside = contacts.is_outside(
-          pose_ * Eigen::Vector3d(columns[kernel::tip_x][i], columns[kernel::tip_y][i], columns[kernel::tip_z][i]));
+      outside = contacts.is_outside(pose_ * columns.tip.at(i));
     }
     if (!outside) continue;
     wakes_at_[first / lanes] = travel_ + room;
@@ -145,14 +144,12 @@ void ActiveSet::wake(const ContactPoints& contacts, const kernel::Columns& colum
   // The last step is written to the columns of "before". reset_idle() makes those of "now" equal,
   // and this step overwrites them.
   kernel::Columns then = columns;
-  for (const std::size_t k : {0U, 1U, 2U}) std::swap(then[kernel::contact_x + k], then[kernel::contact_before_x + k]);
-  std::swap(then[kernel::gap], then[kernel::gap_before]);
-  std::swap(then[kernel::faces], then[kernel::faces_before]);
-  std::swap(then[kernel::f_normal], then[kernel::f_normal_before]);
+  then.swap_before();
+  std::swap(then.faces, then.faces_before);
   update(contacts, then);
   for (std::size_t k = 0; k < selected_.count; ++k) {
     const std::size_t first = selected_.first[k];
-    const double* const gaps = columns[kernel::gap_before] + first;
+    const double* const gaps = columns.before.gap + first;
     const double wakes_at = before + *std::min_element(gaps, gaps + std::min(lanes, count_ - first)) - slack;
     wakes_at_[first / lanes] = wakes_at > travel_ ? wakes_at : awake;
   }
@@ -165,8 +162,8 @@ double ActiveSet::clearance(const kernel::Columns& columns, std::size_t first) c
   double least = std::numeric_limits<double>::infinity();
   const std::size_t end = std::min(count_, first + lanes);
   for (std::size_t i = first; i < end; ++i) {
-    if (columns[kernel::depth_offset][i] != 0.0) return 0.0;
-    least = std::min(least, columns[kernel::gap][i]);
+    if (columns.depth_offset[i] != 0.0) return 0.0;
+    least = std::min(least, columns.gap[i]);
   }
   return least - slack;
 }

@@ -158,7 +158,7 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
     return;
   }
   if (one_field && single_) {
-    const double* const mode = front.column(kernel::mode);
+    const double* const mode = front.columns().mode;
     for_each_in(viewed_, [&](std::size_t first, std::size_t end) {
       for (std::size_t u = first; u < end; ++u) frame_.unit_state[u] = static_cast<UnitState>(static_cast<int>(mode[u]));
     });
@@ -191,20 +191,23 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
 // sum_fields().
 void ContactLabels::feel(std::span<const Field> fields, std::size_t vectors) {
   for (std::size_t u = 0; u < units_.size(); ++u) {
-    const auto sum = [&](std::size_t c) {
+    // `of`: a vector of the pad frame; `k`: its component.
+    const auto sum = [&](const auto& of, std::size_t k) {
       double total = 0.0;
       for (const Field& field : fields) {
-        const double* const values = field.column(static_cast<kernel::Column>(c)) + units_[u].first;
+        const double* const values = of(field).components()[k] + units_[u].first;
         double of_unit = values[0];
         for (std::size_t i = 1; i < units_[u].count; ++i) of_unit += values[i];
         total = fields.size() == 1 ? of_unit : total + of_unit;
       }
       return total;
     };
+    const auto force = [](const Field& field) -> const kernel::VectorColumns& { return field.columns().pad.force; };
+    const auto deflection = [](const Field& field) -> const kernel::VectorColumns& { return field.columns().pad.deflection; };
     const auto column = static_cast<Eigen::Index>(u);
     for (std::size_t k = 0; k < 3; ++k) {
-      frame_.force(static_cast<Eigen::Index>(k), column) = sum(kernel::pad_force_x + k);
-      if (vectors > 1) frame_.displacement(static_cast<Eigen::Index>(k), column) = shares_[u] * sum(kernel::deflection_x + k);
+      frame_.force(static_cast<Eigen::Index>(k), column) = sum(force, k);
+      if (vectors > 1) frame_.displacement(static_cast<Eigen::Index>(k), column) = shares_[u] * sum(deflection, k);
     }
   }
 }
@@ -236,13 +239,17 @@ void ContactLabels::for_each_in(const kernel::Groups& groups, Visit&& visit) con
 
 // Returns the elements' columns as those of units of one element on one surface.
 kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
-  const auto vector = [&](kernel::Column x) {
-    const auto component = [&](std::size_t k) { return field.column(static_cast<kernel::Column>(x + k)); };
-    return std::array{component(0), component(1), component(2)};
-  };
-  return {vector(kernel::pad_force_x), vector(kernel::deflection_x), vector(kernel::pad_slip_x),
-          vector(kernel::force_x),     vector(kernel::normal_x),     field.column(kernel::path),
-          field.column(kernel::limit), field.column(kernel::mode),   shares_.data()};
+  const kernel::Columns& c = field.columns();
+  const auto vector = [](const kernel::VectorColumns& v) { return std::array<const double*, 3>{v.x, v.y, v.z}; };
+  return {vector(c.pad.force),
+          vector(c.pad.deflection),
+          vector(c.pad.slip),
+          vector(c.force),
+          vector(c.normal),
+          c.path,
+          c.limit,
+          c.mode,
+          shares_.data()};
 }
 
 // Sums the elements of units of several elements, or on several surfaces.
@@ -298,16 +305,12 @@ void ContactLabels::sum_viewed(Field& field) {
 // of the element with the greatest normal force, since an element beside the surface has the normal
 // of another face.
 void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::size_t end_unit, Eigen::ArrayXXd& sums) const {
+  const kernel::Columns& c = field.columns();
   // The vectors among the columns, and their position in `sums`.
-  constexpr std::size_t vectors = 4;
-  constexpr std::array<std::pair<kernel::Column, std::size_t>, vectors> summed{{{kernel::pad_force_x, unit::force},
-                                                                                {kernel::deflection_x, unit::deflection},
-                                                                                {kernel::pad_slip_x, unit::slip},
-                                                                                {kernel::force_x, unit::tangential}}};
-  const auto element = [&](std::size_t c) { return field.column(static_cast<kernel::Column>(c)); };
-  kernel::UnitSum::Summed from{
-      {}, element(kernel::path), element(kernel::limit), element(kernel::f_normal), element(kernel::mode)};
-  for (std::size_t v = 0; v < from.vectors.size(); ++v) from.vectors[v] = element(summed[v / 3].first + v % 3);
+  const std::array<std::pair<const kernel::VectorColumns&, std::size_t>, 4> summed{
+      {{c.pad.force, unit::force}, {c.pad.deflection, unit::deflection}, {c.pad.slip, unit::slip}, {c.force, unit::tangential}}};
+  kernel::UnitSum::Summed from{{}, c.path, c.limit, c.f_normal, c.mode};
+  for (std::size_t v = 0; v < from.vectors.size(); ++v) from.vectors[v] = summed[v / 3].first.components()[v % 3];
   const bool curved = !field.on_plane();
   for (std::size_t u = begin; u < end_unit; ++u) {
     const std::size_t first = units_[u].first, end = first + units_[u].count;
@@ -320,14 +323,14 @@ void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::siz
       }
     }
     const auto row = static_cast<Eigen::Index>(u);
-    const auto set = [&](std::size_t c, double value) { sums(row, static_cast<Eigen::Index>(c)) = value; };
+    const auto set = [&](std::size_t column, double value) { sums(row, static_cast<Eigen::Index>(column)) = value; };
     for (std::size_t v = 0; v < from.vectors.size(); ++v) set(summed[v / 3].second + v % 3, sum.vectors[v]);
     set(unit::path, sum.path);
     set(unit::limit, sum.limit);
     set(unit::touching, sum.touching);
     set(unit::slipping, sum.slipping);
     set(unit::normal_force, sum.normal_force);
-    for (const std::size_t k : {0U, 1U, 2U}) set(unit::normal + k, element(kernel::normal_x + k)[most_loaded]);
+    for (const std::size_t k : {0U, 1U, 2U}) set(unit::normal + k, c.normal.components()[k][most_loaded]);
   }
 }
 

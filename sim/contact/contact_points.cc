@@ -201,24 +201,24 @@ void ContactPoints::meet(const Shape& shape, const kernel::Columns& columns, con
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t first = groups[k], end = std::min(count_, first + kernel::lanes);
     for (std::size_t i = first; i < end; ++i) {
-      const Eigen::Vector3d tip = pose * Eigen::Vector3d(c[kernel::tip_x][i], c[kernel::tip_y][i], c[kernel::tip_z][i]);
-      if (!flat_pad_) axis = pose.rotation * Eigen::Vector3d(c[kernel::axis_x][i], c[kernel::axis_y][i], c[kernel::axis_z][i]);
+      const Eigen::Vector3d tip = pose * c.tip.at(i);
+      if (!flat_pad_) axis = pose.rotation * c.axis.at(i);
       SurfacePoint met;
       if constexpr (std::is_same_v<Shape, DistanceGrid>) {
         met = met_by.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z(), column_in_grid());
       } else {
         met = met_by.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
       }
-      c[kernel::gap][i] = met.gap;
-      c[kernel::normal_x][i] = met.nx;
-      c[kernel::normal_y][i] = met.ny;
-      c[kernel::normal_z][i] = met.nz;
-      c[kernel::contact_x][i] = tip.x() - met.gap * met.nx;
-      c[kernel::contact_y][i] = tip.y() - met.gap * met.ny;
-      c[kernel::contact_z][i] = tip.z() - met.gap * met.nz;
+      c.gap[i] = met.gap;
+      c.normal.x[i] = met.nx;
+      c.normal.y[i] = met.ny;
+      c.normal.z[i] = met.nz;
+      c.contact.x[i] = tip.x() - met.gap * met.nx;
+      c.contact.y[i] = tip.y() - met.gap * met.ny;
+      c.contact.z[i] = tip.z() - met.gap * met.nz;
       const bool away =
           met.faces == SurfacePoint::only_face && !(met.nx * axis.x() + met.ny * axis.y() + met.nz * axis.z() < 0.0);
-      c[kernel::faces][i] = away ? 0.0 : met.faces;
+      c.faces[i] = away ? 0.0 : met.faces;
     }
   }
 }

@@ -1,9 +1,12 @@
 #include "sim/contact/field.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -18,18 +21,6 @@ namespace slipbench {
 namespace {
 
 constexpr std::size_t alignment = 64;
-
-// The columns carried to the next step. A step fills its "before" columns from them.
-constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::f_normal,
-                          kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
-                          kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
-// For a skin, which does not recompute them at rest; on a plane only the first.
-constexpr std::array kept_of_skin{kernel::depth, kernel::normal_x, kernel::normal_y, kernel::normal_z};
-std::span<const kernel::Column> kept_by_skin(bool plane) {
-  return std::span(kept_of_skin).first(plane ? 1 : kept_of_skin.size());
-}
-// Also these, unless the surface is a plane with its single face.
-constexpr std::array kept_of_faces{kernel::faces, kernel::depth_offset};
 
 const PadLayout& checked(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
@@ -83,43 +74,42 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   }
   extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() ||
               effects_.tip || effects_.skin;
-  const std::size_t columns = extended_ ? all_columns : plain_columns;
+  const std::size_t columns = extended_ ? kernel::all_columns : kernel::plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
   const std::size_t bytes = columns * stride * sizeof(double);
   block_.reset(static_cast<double*>(std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment)));
   if (!block_) throw std::bad_alloc();
   std::memset(block_.get(), 0, bytes);
-  for (std::size_t c = 0; c < columns; ++c) columns_[c] = block_.get() + c * stride;
-  if (!has_memory()) columns_[h_x] = nullptr;
+  std::array<double*, kernel::all_columns> all{};
+  for (std::size_t c = 0; c < columns; ++c) all[c] = block_.get() + c * stride;
+  columns_ = std::bit_cast<kernel::Columns>(all);
+  if (!has_memory()) columns_.history.tangential.x = nullptr;
 
   for (std::size_t i = 0; i < count_; ++i) {
     const Element& element = layout_.elements[i];
-    for (int k = 0; k < 3; ++k) {
-      columns_[tip_x + static_cast<std::size_t>(k)][i] = element.tip[k];
-      columns_[axis_x + static_cast<std::size_t>(k)][i] = element.axis[k];
-    }
-    columns_[k_normal][i] = element.k_normal;
-    columns_[k_tangential][i] = element.k_tangential;
-    columns_[compliance][i] = 1.0 / element.k_tangential;
-    columns_[mu_static][i] = friction.mu_static;
-    columns_[mu_kinetic][i] = friction.mu_kinetic;
+    columns_.tip.set(i, element.tip);
+    columns_.axis.set(i, element.axis);
+    columns_.k_normal[i] = element.k_normal;
+    columns_.k_tangential[i] = element.k_tangential;
+    columns_.compliance[i] = 1.0 / element.k_tangential;
+    columns_.mu_static[i] = friction.mu_static;
+    columns_.mu_kinetic[i] = friction.mu_kinetic;
   }
   if (extended_) {
-    std::copy_n(columns_[k_normal], count_, columns_[k_normal_spring]);
-    std::copy_n(columns_[k_tangential], count_, columns_[k_tangential_spring]);
-    std::copy_n(columns_[mu_static], count_, columns_[mu_static_surface]);
-    std::copy_n(columns_[mu_kinetic], count_, columns_[mu_kinetic_surface]);
+    std::copy_n(columns_.k_normal, count_, columns_.spring.k_normal);
+    std::copy_n(columns_.k_tangential, count_, columns_.spring.k_tangential);
+    std::copy_n(columns_.mu_static, count_, columns_.surface.mu_static);
+    std::copy_n(columns_.mu_kinetic, count_, columns_.surface.mu_kinetic);
   } else {
-    columns_[k_normal_spring] = columns_[k_normal];
-    columns_[k_tangential_spring] = columns_[k_tangential];
+    columns_.spring.k_normal = columns_.k_normal;
+    columns_.spring.k_tangential = columns_.k_tangential;
   }
   may_update_separated_ = extended_ && !on_plane() && !effects_.cone && !effects_.lean && !effects_.tip && !effects_.skin &&
                           !has_memory() && effects_.surface.empty() &&
                           std::ranges::all_of(effects_.friction, [](const auto& effect) { return effect->memory().empty(); });
-  if (effects_.skin) prepare_skin();
-  if (effects_.tip) transmitted_ = transmitted_x;
-  std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
+  if (effects_.skin) skin_.emplace(*effects_.skin, layout_, columns_);
+  std::fill(columns_.normal.z, columns_.normal.z + padded_, 1.0);
   for_each_kept([this](std::span<const double> part) { state_size_ += part.size(); });
   const bool springs_alone = !extended_ && !effects_.cone;
   plain_ = springs_alone && on_plane() && contacts_.flat_pad();
@@ -129,14 +119,17 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
 // Calls visit() for each part of the state, in order.
 template <class Visit>
 void Field::for_each_kept(Visit&& visit) {
-  const auto visit_all = [&](std::span<const Column> all) {
-    for (const Column column : all) visit(std::span(columns_[column], count_));
+  const kernel::Columns& c = columns_;
+  const auto visit_all = [&](std::initializer_list<double*> all) {
+    for (double* const column : all) visit(std::span(column, count_));
   };
-  visit_all(kept);
-  if (!on_plane()) visit_all(kept_of_faces);
-  if (effects_.skin) {
-    visit_all(kept_by_skin(on_plane()));
-    visit(skin_pose());
+  visit_all({c.contact.x, c.contact.y, c.contact.z, c.gap, c.f_normal, c.limit, c.mode, c.anchor.x, c.anchor.y, c.anchor.z,
+             c.force.x, c.force.y, c.force.z, c.path});
+  if (!on_plane()) visit_all({c.faces, c.depth_offset});  // a plane has a single face
+  if (skin_) {                                            // at rest it does not recompute these
+    visit_all({c.depth});
+    if (!on_plane()) visit_all({c.normal.x, c.normal.y, c.normal.z});
+    visit(skin_->pose());
   }
   // of any shape, since models are compiled before the grids of their meshes exist
   if (!on_plane()) visit(std::span(pose_before_));
@@ -165,19 +158,12 @@ SLIPBENCH_INLINE void Field::begin_step(const Pose& pad_in_surface, double dt) {
   step_ = placed_ ? dt : 0.0;
   events_.clear();
   lost_.reset();
-  for (const std::size_t k : {0U, 1U, 2U}) {
-    std::swap(columns_[contact_x + k], columns_[contact_before_x + k]);
-    std::swap(columns_[force_x + k], columns_[force_before_x + k]);
-  }
-  keep_as_before(f_normal, f_normal_before);
-  keep_as_before(gap, gap_before);
-  keep_as_before(limit, limit_before);
-  keep_as_before(mode, mode_before);
+  columns_.swap_before();
 }
 
 void Field::find_contacts() {
-  if (effects_.skin) return approach_on_skin();
-  if (!on_plane()) keep_as_before(faces, faces_before);
+  if (skin_) return find_contacts_of_skin();
+  if (!on_plane()) std::swap(columns_.faces, columns_.faces_before);
   candidates_ = active_set_ ? active_set_->begin_step(contacts_, columns_, pose_) : all();
   if (!active_set_) contacts_.find(columns_, pose_, candidates_);
   if (contacts_.knows_crossings()) keep_faces_of_grid();
@@ -194,24 +180,42 @@ void Field::keep_faces_of_grid() {
   if (!placed_) return;
   const Pose before = pose_before();
   for_each_element(candidates_, [&](std::size_t i) {
-    const auto here = static_cast<unsigned>(columns_[faces][i]), last = static_cast<unsigned>(columns_[faces_before][i]);
-    if (!(columns_[gap][i] < 0.0) || last == 0 || here == 0 || (here == SurfacePoint::only_face && (here & last) != 0)) return;
+    const auto here = static_cast<unsigned>(columns_.faces[i]), last = static_cast<unsigned>(columns_.faces_before[i]);
+    if (!(columns_.gap[i] < 0.0) || last == 0 || here == 0 || (here == SurfacePoint::only_face && (here & last) != 0)) return;
     const Eigen::Vector3d &place = layout_.elements[i].tip, tip_before = before * place;
-    const bool was_inside = last != SurfacePoint::only_face || columns_[gap_before][i] < 0.0;
-    const double gap_then = (was_inside ? -1.0 : 1.0) * (tip_before - vector(contact_before_x, i)).norm();
-    const bool continuous = std::abs(columns_[gap][i] - gap_then) <= (pose_ * place - tip_before).norm() + same_place;
+    const bool was_inside = last != SurfacePoint::only_face || columns_.before.gap[i] < 0.0;
+    const double gap_then = (was_inside ? -1.0 : 1.0) * (tip_before - columns_.before.contact.at(i)).norm();
+    const bool continuous = std::abs(columns_.gap[i] - gap_then) <= (pose_ * place - tip_before).norm() + same_place;
     constexpr unsigned other = 2 * DistanceGrid::entered;
     if (here == SurfacePoint::only_face) {
-      if (continuous) columns_[faces][i] = here | last;
+      if (continuous) columns_.faces[i] = here | last;
     } else if (continuous) {
-      columns_[faces][i] = last;
+      columns_.faces[i] = last;
     } else {
-      columns_[faces][i] = (last & DistanceGrid::entered) != 0 ? other : DistanceGrid::entered;
+      columns_.faces[i] = (last & DistanceGrid::entered) != 0 ? other : DistanceGrid::entered;
     }
   });
 }
 
-void Field::find_forces(const Twist* motion) { effects_.skin ? step_on_skin(motion) : step_in_stages(motion); }
+void Field::find_forces(const Twist* motion) { skin_ ? step_on_skin(motion) : step_in_stages(motion); }
+
+void Field::find_contacts_of_skin() {
+  candidates_ = all();
+  if (skin_->rests(pose_, placed_ && effects_.friction.empty())) return skin_->keep_state(columns_);
+  skin_->place_tips(columns_, pose_);
+  contacts_.find(columns_, pose_, all());
+  for (const auto& effect : effects_.surface) {
+    effect->displace(count_, columns_.contact.x, columns_.contact.y, columns_.normal.z, columns_.gap);
+  }
+}
+
+void Field::step_on_skin(const Twist* motion) {
+  if (skin_->rests()) return;
+  open_excluded();
+  skin_->press(columns_, pose_, on_plane());
+  if (!effects_.friction.empty()) rate_friction(step_, motion);
+  skin_->shear(columns_, pose_, placed_);
+}
 
 SLIPBENCH_INLINE void Field::end_step() {
   if (kernel::any_changes(columns_, active())) resolve_events();
@@ -249,7 +253,7 @@ void Field::step_in_stages(const Twist* motion) {
   if (may_update_separated_ && touching_ == 0 && kernel::update_if_separated(columns_, padded_)) return;
   if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
-    effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
+    effect->displace(count_, columns_.place.x, columns_.place.y, columns_.normal.z, columns_.gap);
   }
   open_excluded();
   if (!on_plane() && !kernel::all_keep_faces(columns_, candidates_)) {
@@ -265,7 +269,7 @@ void Field::step_in_stages(const Twist* motion) {
       active_set_ ? active_set_->sort(columns_) : touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_);
   if (touches) {  // anchor new contacts where they touched, inside the step
     for_each_element(active(), [this](std::size_t i) {
-      if (columns_[mode_before][i] == 0.0 && raw_normal_force(i) > 0.0) anchor_touched(i);
+      if (columns_.before.mode[i] == 0.0 && raw_normal_force(i) > 0.0) anchor_touched(i);
     });
   }
   map_to_cone();
@@ -275,9 +279,9 @@ void Field::step_in_stages(const Twist* motion) {
 // Moves elements that touch another surface out of this one, by their depth.
 void Field::open_excluded() {
   for (const std::uint32_t i : excluded_) {
-    if (columns_[gap][i] >= 0.0) continue;
-    columns_[gap][i] = -columns_[gap][i];
-    if (!on_plane()) columns_[faces][i] = 0.0;
+    if (columns_.gap[i] >= 0.0) continue;
+    columns_.gap[i] = -columns_.gap[i];
+    if (!on_plane()) columns_.faces[i] = 0.0;
   }
 }
 
@@ -285,7 +289,7 @@ bool Field::is_near() const {
   // a tip in a grid may point out of it near a seam
   if (touching_ > 0 || has_bumps() || on_grid()) return true;
   for (std::size_t k = 0; k < candidates_.count; ++k) {
-    const double* const gaps = columns_[gap] + candidates_[k];
+    const double* const gaps = columns_.gap + candidates_[k];
     if (std::any_of(gaps, gaps + kernel::lanes, [](double each) { return each < 0.0; })) return true;
   }
   return false;
@@ -293,7 +297,7 @@ bool Field::is_near() const {
 
 double Field::way_inside(std::size_t i) const {
   const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis;
-  return columns_[gap][i] / normal(i).dot(axis);
+  return columns_.gap[i] / normal(i).dot(axis);
 }
 
 bool Field::keeps_face(std::size_t i) const { return is_inside(i) && (on_plane() || share_face(i)); }
@@ -304,22 +308,20 @@ std::optional<ContactPoints::Entry> Field::entry(std::size_t i, double from) con
 }
 
 void Field::meet_face(std::size_t i, const ContactPoints::Entry& entry) {
-  if (is_inside(i) && (on_plane() || static_cast<unsigned>(columns_[faces][i]) == entry.faces)) return;
+  if (is_inside(i) && (on_plane() || static_cast<unsigned>(columns_.faces[i]) == entry.faces)) return;
   const Eigen::Vector3d tip = pose_ * layout_.elements[i].tip, axis = pose_.rotation * layout_.elements[i].axis;
   const double deep = -entry.way * entry.n.dot(axis);
   const Eigen::Vector3d contact = tip + deep * entry.n;
-  columns_[gap][i] = -deep;
-  columns_[faces][i] = entry.faces;
-  for (const std::size_t k : {0U, 1U, 2U}) {
-    columns_[normal_x + k][i] = entry.n[static_cast<Eigen::Index>(k)];
-    columns_[contact_x + k][i] = contact[static_cast<Eigen::Index>(k)];
-  }
+  columns_.gap[i] = -deep;
+  columns_.faces[i] = entry.faces;
+  columns_.normal.set(i, entry.n);
+  columns_.contact.set(i, contact);
 }
 
 double Field::travel(std::size_t i) const {
-  const double offset = on_plane() ? 0.0 : columns_[depth_offset][i];
-  return (vector(contact_x, i) - vector(contact_before_x, i)).norm() +
-         std::abs(columns_[gap][i] + offset - columns_[gap_before][i]);
+  const double offset = on_plane() ? 0.0 : columns_.depth_offset[i];
+  return (columns_.contact.at(i) - columns_.before.contact.at(i)).norm() +
+         std::abs(columns_.gap[i] + offset - columns_.before.gap[i]);
 }
 
 // The element's columns of "before" are set as if it had always touched `next`. Its tip comes from
@@ -328,32 +330,32 @@ double Field::travel(std::size_t i) const {
 void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   const kernel::Columns &from = columns_, &to = next.columns_;
   const auto in_plane = [](const Eigen::Vector3d& v, const Eigen::Vector3d& n) { return Eigen::Vector3d(v - v.dot(n) * n); };
-  const auto put = [i](const kernel::Columns& c, Column x, const Eigen::Vector3d& v) {
-    for (const std::size_t k : {0U, 1U, 2U}) c[x + k][i] = v[static_cast<Eigen::Index>(k)];
-  };
   if (effects_.skin) return;
   const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis, tip = pose_ * layout_.elements[i].tip;
-  const Eigen::Vector3d contact = vector(contact_before_x, i), anchor = vector(anchor_x, i);
+  const Eigen::Vector3d contact = columns_.before.contact.at(i), anchor = columns_.anchor.at(i);
   const Eigen::Vector3d n =
-      contacts_.normal_at(contact, axis, on_plane() ? SurfacePoint::only_face : static_cast<unsigned>(from[faces_before][i]));
+      contacts_.normal_at(contact, axis, on_plane() ? SurfacePoint::only_face : static_cast<unsigned>(from.faces_before[i]));
   const Eigen::Vector3d there = next.normal(i);
-  const double offset = on_plane() ? 0.0 : from[depth_offset][i], beyond = (tip - contact).dot(n);
+  const double offset = on_plane() ? 0.0 : from.depth_offset[i], beyond = (tip - contact).dot(n);
   const Eigen::Vector3d root = tip - beyond * n;  // contact point on the surface held here
   const Eigen::Vector3d stretch = in_plane(here_in_next.rotation * (root - anchor), there);
   const Eigen::Vector3d way = in_plane(here_in_next.rotation * (root - contact), there);
-  put(to, anchor_x, next.vector(contact_x, i) - stretch);
-  put(to, contact_before_x, next.vector(contact_x, i) - way);
-  put(to, force_before_x, in_plane(here_in_next.rotation * vector(force_before_x, i), there));
-  for (const Column c : {gap_before, f_normal_before, limit_before, mode_before}) to[c][i] = from[c][i];
+  to.anchor.set(i, to.contact.at(i) - stretch);
+  to.before.contact.set(i, to.contact.at(i) - way);
+  to.before.force.set(i, in_plane(here_in_next.rotation * from.before.force.at(i), there));
+  to.before.gap[i] = from.before.gap[i];
+  to.before.f_normal[i] = from.before.f_normal[i];
+  to.before.limit[i] = from.before.limit[i];
+  to.before.mode[i] = from.before.mode[i];
   if (!next.on_plane()) {
-    to[faces_before][i] = to[faces][i];
+    to.faces_before[i] = to.faces[i];
     // A bend of the surface is passed at one position along the axis, although the depths along the
     // two normals differ. Only a distance between the faces along the axis is a jump.
-    const double jump = -to[gap][i] - std::max(0.0, -beyond);
+    const double jump = -to.gap[i] - std::max(0.0, -beyond);
     const double along_there = there.dot(here_in_next.rotation * axis), along = n.dot(axis);
-    const double ahead = to[gap][i] / along_there - beyond / along;
-    const double travelled = (root - contact).norm() + std::abs(-beyond - offset + from[gap_before][i]);
-    to[depth_offset][i] = std::max(0.0, offset + (std::abs(ahead) > travelled + same_place ? jump : 0.0));
+    const double ahead = to.gap[i] / along_there - beyond / along;
+    const double travelled = (root - contact).norm() + std::abs(-beyond - offset + from.before.gap[i]);
+    to.depth_offset[i] = std::max(0.0, offset + (std::abs(ahead) > travelled + same_place ? jump : 0.0));
   }
   const auto pass_on = [&](const auto& mine, const auto& others) {
     for (std::size_t k = 0; k < mine.size(); ++k) mine[k]->pass_on(i, *others[k], here_in_next.rotation);
@@ -367,13 +369,13 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
     --slipping_;
     ++next.slipping_;
   }
-  put(from, force_before_x, Eigen::Vector3d::Zero());
-  from[gap_before][i] = std::abs(from[gap_before][i]);
-  from[f_normal_before][i] = -std::abs(from[f_normal_before][i]);
-  from[limit_before][i] = from[mode_before][i] = 0.0;
-  if (!on_plane()) from[depth_offset][i] = 0.0;
+  from.before.force.set(i, Eigen::Vector3d::Zero());
+  from.before.gap[i] = std::abs(from.before.gap[i]);
+  from.before.f_normal[i] = -std::abs(from.before.f_normal[i]);
+  from.before.limit[i] = from.before.mode[i] = 0.0;
+  if (!on_plane()) from.depth_offset[i] = 0.0;
   // of two steps ago: keeps the group of a sparse field active in this step (ActiveSet)
-  from[mode][i] = 1.0;
+  from.mode[i] = 1.0;
   ++changes_;
   ++next.changes_;
 }
@@ -392,7 +394,7 @@ void Field::map_to_cone() {
   } else {
     if (rate != nullptr) {
       kernel::find_trials(columns_, on_plane(), padded_);
-      rate->strengthen(0, count_, step_, columns_[trial], columns_[k_tangential], columns_[slide], columns_[mu_kinetic]);
+      rate->strengthen(0, count_, step_, columns_.trial, columns_.k_tangential, columns_.slide, columns_.mu_kinetic);
     }
     kernel::return_map(columns_, on_plane(), extended_, active());
   }
@@ -405,13 +407,13 @@ void Field::place_tips() {
   if (on_plane() || kernel::all_keep_faces(columns_, all())) return;
   for (std::size_t i = 0; i < count_; ++i) {
     if (share_face(i)) continue;
-    for (const std::size_t k : {0U, 1U, 2U}) columns_[place_x + k][i] = columns_[contact_x + k][i];
+    columns_.place.set(i, columns_.contact.at(i));
   }
 }
 
 // True if element i meets a face that it met before.
 bool Field::share_face(std::size_t i) const {
-  return (static_cast<unsigned>(columns_[faces][i]) & static_cast<unsigned>(columns_[faces_before][i])) != 0;
+  return (static_cast<unsigned>(columns_.faces[i]) & static_cast<unsigned>(columns_.faces_before[i])) != 0;
 }
 
 // Updates the offset s of field.h. k_n delta^2/2 is a function of the tip's position while an
@@ -419,93 +421,96 @@ bool Field::share_face(std::size_t i) const {
 // delivers no work on any path.
 void Field::keep_energy(std::size_t i) {
   const kernel::Columns& c = columns_;
-  double& s = c[kernel::depth_offset][i];
-  const double depth = -c[kernel::gap][i], now = c[kernel::faces][i], before = c[kernel::faces_before][i];
+  double& s = c.depth_offset[i];
+  const double depth = -c.gap[i], now = c.faces[i], before = c.faces_before[i];
   if (s == 0.0 && (!(depth > 0.0) || now == before)) return;
   if (!placed_) {
     s = 0.0;
   } else if (!(depth > 0.0) || share_face(i)) {
     s = std::min(s, std::max(0.0, depth));
   } else {
-    s = std::max(0.0, depth - std::max(0.0, -c[kernel::gap_before][i]));
-    for (const std::size_t k : {0U, 1U, 2U}) c[kernel::anchor_x + k][i] = c[kernel::contact_x + k][i];
+    s = std::max(0.0, depth - std::max(0.0, -c.before.gap[i]));
+    c.anchor.set(i, c.contact.at(i));
   }
-  c[kernel::gap][i] += s;
+  c.gap[i] += s;
 }
 
 void Field::prepare_rheology(double dt) {
-  std::copy_n(columns_[k_normal_spring], count_, columns_[k_normal]);
-  std::copy_n(columns_[k_tangential_spring], count_, columns_[k_tangential]);
-  for (const Column c : {h_normal, h_x, h_y, h_z}) std::fill_n(columns_[c], count_, 0.0);
-  const AffineForce force{columns_[k_normal], columns_[h_normal], columns_[k_tangential],
-                          columns_[h_x],      columns_[h_y],      columns_[h_z]};
+  std::copy_n(columns_.spring.k_normal, count_, columns_.k_normal);
+  std::copy_n(columns_.spring.k_tangential, count_, columns_.k_tangential);
+  const auto& history = columns_.history;
+  for (double* const column : {history.normal, history.tangential.x, history.tangential.y, history.tangential.z}) {
+    std::fill_n(column, count_, 0.0);
+  }
+  const AffineForce force{columns_.k_normal,
+                          columns_.history.normal,
+                          columns_.k_tangential,
+                          columns_.history.tangential.x,
+                          columns_.history.tangential.y,
+                          columns_.history.tangential.z};
   for (const auto& effect : effects_.rheology) effect->prepare(view(dt), force);
-  for (std::size_t i = 0; i < count_; ++i) columns_[compliance][i] = 1.0 / columns_[k_tangential][i];
+  for (std::size_t i = 0; i < count_; ++i) columns_.compliance[i] = 1.0 / columns_.k_tangential[i];
 }
 
 void Field::commit_rheology(double dt) {
   for (std::size_t i = 0; i < count_; ++i) {
     const Eigen::Vector3d u = stretch(i);
-    columns_[depth][i] = penetration(i);
-    if (effects_.lean) columns_[depth][i] = std::max(0.0, columns_[depth][i] - effects_.lean->drop(u.norm()));
-    columns_[stretch_x][i] = u.x();
-    columns_[stretch_y][i] = u.y();
-    columns_[stretch_z][i] = u.z();
+    columns_.depth[i] = penetration(i);
+    if (effects_.lean) columns_.depth[i] = std::max(0.0, columns_.depth[i] - effects_.lean->drop(u.norm()));
+    columns_.stretch.set(i, u);
   }
   for (const auto& effect : effects_.rheology) {
-    effect->commit(view(dt), columns_[stretch_x], columns_[stretch_y], columns_[stretch_z]);
+    effect->commit(view(dt), columns_.stretch.x, columns_.stretch.y, columns_.stretch.z);
   }
 }
 
 double Field::raw_normal_force(std::size_t i) const {
-  return kernel::raw_normal_force(columns_[gap][i], columns_[k_normal][i], has_memory() ? columns_[h_normal][i] : 0.0);
+  return kernel::raw_normal_force(columns_.gap[i], columns_.k_normal[i], has_memory() ? columns_.history.normal[i] : 0.0);
 }
 
 void Field::rate_friction(double dt, const Twist* motion) {
-  std::copy_n(columns_[mu_static_surface], count_, columns_[mu_static]);
-  std::copy_n(columns_[mu_kinetic_surface], count_, columns_[mu_kinetic]);
+  std::copy_n(columns_.surface.mu_static, count_, columns_.mu_static);
+  std::copy_n(columns_.surface.mu_kinetic, count_, columns_.mu_kinetic);
   if (effects_.friction.empty()) return;
   const bool speeds = std::ranges::any_of(effects_.friction, [](const auto& effect) { return effect->by_speed(); });
   kernel::rate(columns_, pose_, motion, dt, has_memory(), speeds, padded_);
   if (effects_.lean) {
     for (std::size_t i = 0; i < count_; ++i) {
-      const double drop = effects_.lean->drop((vector(contact_x, i) - vector(place_x, i)).norm());
-      columns_[depth][i] = std::max(0.0, columns_[depth][i] - drop);
-      columns_[load][i] = std::max(0.0, columns_[load][i] - columns_[k_normal][i] * drop);
+      const double drop = effects_.lean->drop((columns_.contact.at(i) - columns_.place.at(i)).norm());
+      columns_.depth[i] = std::max(0.0, columns_.depth[i] - drop);
+      columns_.load[i] = std::max(0.0, columns_.load[i] - columns_.k_normal[i] * drop);
     }
   }
   if (effects_.skin) {
-    for (std::size_t i = 0; i < count_; ++i) columns_[load][i] = normal_force(i);
+    for (std::size_t i = 0; i < count_; ++i) columns_.load[i] = normal_force(i);
   }
-  for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
+  for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_.mu_static, columns_.mu_kinetic);
 }
 
 // Returns the fraction of the step at which an element touches: where its gap closes or, if a
 // dashpot had released it inside the surface, where it pushes again.
 double Field::touch_fraction(std::size_t i) const {
-  return columns_[gap_before][i] > 0.0 ? zero_crossing(columns_[gap_before][i], columns_[gap][i])
-                                       : zero_crossing(columns_[f_normal_before][i], raw_normal_force(i));
+  return columns_.before.gap[i] > 0.0 ? zero_crossing(columns_.before.gap[i], columns_.gap[i])
+                                      : zero_crossing(columns_.before.f_normal[i], raw_normal_force(i));
 }
 
 void Field::anchor_touched(std::size_t i) {
   const double fraction = touch_fraction(i);
-  for (const std::size_t k : {0U, 1U, 2U}) {
-    const double before = columns_[contact_before_x + k][i], now = columns_[contact_x + k][i];
-    columns_[anchor_x + k][i] = placed_ ? before + fraction * (now - before) : now;
-  }
+  const Eigen::Vector3d before = columns_.before.contact.at(i), now = columns_.contact.at(i);
+  columns_.anchor.set(i, placed_ ? Eigen::Vector3d(before + fraction * (now - before)) : now);
 }
 
 // Returns the fraction of the step at which the trial force leaves the stick cone. Force and limit
 // are linear in the step, so their difference is convex and crosses zero once.
 double Field::onset_fraction(std::size_t i) const {
-  const Eigen::Vector3d start = vector(force_before_x, i);
-  Eigen::Vector3d end = vector(force_x, i) + columns_[k_tangential][i] * vector(slip_x, i);
-  const Eigen::Vector3d n = vector(normal_x, i);
-  const double limit_start = columns_[limit_before][i];
-  double limit_end = columns_[limit][i];
+  const Eigen::Vector3d start = columns_.before.force.at(i);
+  Eigen::Vector3d end = columns_.force.at(i) + columns_.k_tangential[i] * columns_.slip.at(i);
+  const Eigen::Vector3d n = columns_.normal.at(i);
+  const double limit_start = columns_.before.limit[i];
+  double limit_end = columns_.limit[i];
   if (effects_.lean) {  // a slip also changes its normal force
-    end = columns_[trial][i] * vector(slip_x, i).normalized();
-    limit_end = columns_[slide][i];
+    end = columns_.trial[i] * columns_.slip.at(i).normalized();
+    limit_end = columns_.slide[i];
   }
   const auto inside = [&](double fraction) {
     const Eigen::Vector3d t = start + fraction * (end - start);
@@ -526,26 +531,26 @@ void Field::move_tips(double dt) {
   const TipColumns tips{.count = count_,
                         .padded = padded_,
                         .dt = dt,
-                        .x = c[contact_x],
-                        .y = c[contact_y],
-                        .x_before = c[contact_before_x],
-                        .y_before = c[contact_before_y],
-                        .f_normal = c[f_normal],
-                        .f_normal_before = c[f_normal_before],
-                        .limit = c[limit],
-                        .limit_before = c[limit_before],
-                        .mu_kinetic = c[mu_kinetic],
-                        .mode_before = c[mode_before],
-                        .tip_x = c[anchor_x],
-                        .tip_y = c[anchor_y],
-                        .slip_x = c[slip_x],
-                        .slip_y = c[slip_y],
-                        .path = c[path],
-                        .friction_x = c[force_x],
-                        .friction_y = c[force_y],
-                        .transmitted_x = c[transmitted_x],
-                        .transmitted_y = c[transmitted_y],
-                        .mode = c[mode]};
+                        .x = c.contact.x,
+                        .y = c.contact.y,
+                        .x_before = c.before.contact.x,
+                        .y_before = c.before.contact.y,
+                        .f_normal = c.f_normal,
+                        .f_normal_before = c.before.f_normal,
+                        .limit = c.limit,
+                        .limit_before = c.before.limit,
+                        .mu_kinetic = c.mu_kinetic,
+                        .mode_before = c.before.mode,
+                        .tip_x = c.anchor.x,
+                        .tip_y = c.anchor.y,
+                        .slip_x = c.slip.x,
+                        .slip_y = c.slip.y,
+                        .path = c.path,
+                        .friction_x = c.force.x,
+                        .friction_y = c.force.y,
+                        .transmitted_x = c.transmitted.x,
+                        .transmitted_y = c.transmitted.y,
+                        .mode = c.mode};
   effects_.tip->move(tips, events_);
   for (const auto& effect : effects_.ringing) effect->ring(tips);
   kernel::clear_ended_slip(columns_, padded_);
@@ -576,7 +581,7 @@ void Field::resolve_event(std::size_t i) {
   } else if (from == ElementState::detached) {
     fraction = touch_fraction(i);
   } else if (to == ElementState::detached) {
-    fraction = zero_crossing(columns_[f_normal_before][i], columns_[f_normal][i]);
+    fraction = zero_crossing(columns_.before.f_normal[i], columns_.f_normal[i]);
   } else if (to == ElementState::slip) {
     fraction = onset_fraction(i);
   }
@@ -586,18 +591,18 @@ void Field::resolve_event(std::size_t i) {
 
 void Field::note_lost(std::size_t i) {
   constexpr double least_depth = 1e-5;  // m: below the accuracy of body positions
-  const double depth = -columns_[gap_before][i];
+  const double depth = -columns_.before.gap[i];
   // An element with an offset separates when it is no deeper than the offset (keep_energy).
   // Crossings tell walls of any thickness, but not for the tips of a skin, which do not move straight.
   const bool by_crossings = contacts_.knows_crossings() && !effects_.skin;
-  if ((depth < least_depth && !by_crossings) || columns_[depth_offset][i] > 0.0) return;
+  if ((depth < least_depth && !by_crossings) || columns_.depth_offset[i] > 0.0) return;
   const Eigen::Vector3d tip = pose_ * layout_.elements[i].tip, axis = pose_.rotation * layout_.elements[i].axis;
   if (by_crossings) {
-    const Eigen::Vector3d before = pose_before() * layout_.elements[i].tip, to_face = vector(contact_before_x, i) - before;
+    const Eigen::Vector3d before = pose_before() * layout_.elements[i].tip, to_face = columns_.before.contact.at(i) - before;
     if (to_face.norm() > same_place && contacts_.has_left_grid(before, tip, axis, to_face.normalized())) lost_ = Lost{i, depth};
     return;
   }
-  if (contacts_.has_come_through(tip, axis, static_cast<unsigned>(columns_[faces_before][i]), depth, contacts_.at(tip, axis)))
+  if (contacts_.has_come_through(tip, axis, static_cast<unsigned>(columns_.faces_before[i]), depth, contacts_.at(tip, axis)))
     lost_ = Lost{i, depth};
 }
 
@@ -608,7 +613,7 @@ void Field::note_passed() {
   for_each_element(candidates_, [&](std::size_t i) {
     if (state_before(i) != ElementState::detached || state(i) != ElementState::detached) return;
     const Eigen::Vector3d& place = layout_.elements[i].tip;
-    if (columns_[gap][i] > shift + turn * place.norm() || std::ranges::find(excluded_, i) != excluded_.end()) return;
+    if (columns_.gap[i] > shift + turn * place.norm() || std::ranges::find(excluded_, i) != excluded_.end()) return;
     const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis;
     if (contacts_.has_left_grid(pose_then * place, pose_ * place, axis, Eigen::Vector3d::Zero())) lost_ = Lost{i, 0.0};
   });
@@ -627,18 +632,18 @@ ElementColumns Field::view(double dt) const {
   const kernel::Columns& c = columns_;
   return {.count = count_,
           .dt = dt,
-          .x = c[place_x],
-          .y = c[place_y],
-          .z = c[place_z],
-          .nx = c[normal_x],
-          .ny = c[normal_y],
-          .nz = c[normal_z],
-          .penetration = c[depth],
-          .normal_force = c[load],
-          .vx = c[velocity_x],
-          .vy = c[velocity_y],
-          .vz = c[velocity_z],
-          .mode = c[mode_before]};
+          .x = c.place.x,
+          .y = c.place.y,
+          .z = c.place.z,
+          .nx = c.normal.x,
+          .ny = c.normal.y,
+          .nz = c.normal.z,
+          .penetration = c.depth,
+          .normal_force = c.load,
+          .vx = c.velocity.x,
+          .vy = c.velocity.y,
+          .vz = c.velocity.z,
+          .mode = c.before.mode};
 }
 
 }  // namespace slipbench

@@ -45,6 +45,7 @@
 #include "sim/contact/contact_points.h"
 #include "sim/contact/field_results.h"
 #include "sim/contact/kernel.h"
+#include "sim/contact/skin.h"
 #include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
 
@@ -85,7 +86,7 @@ class Field : public FieldResults {
   }
   // True if element i, after approach(), is inside the surface and points at it, whatever its
   // offset.
-  [[nodiscard]] bool is_inside(std::size_t i) const { return columns_[gap][i] < 0.0; }
+  [[nodiscard]] bool is_inside(std::size_t i) const { return columns_.gap[i] < 0.0; }
   // True if element i, after approach(), points at the face nearest to it.
   [[nodiscard]] bool looks_in(std::size_t i) const { return normal(i).dot(pose_.rotation * layout_.elements[i].axis) < 0.0; }
   // Returns how far the tip of an element that looks_in() has come along its axis since it entered,
@@ -139,14 +140,8 @@ class Field : public FieldResults {
   template <class Visit>
   void for_each_kept(Visit&& visit);
   void step_in_stages(const Twist* motion);
-  void prepare_skin();
-  // The pad's pose in the last step, as a skin stores it: rotation and position.
-  [[nodiscard]] std::span<double> skin_pose() { return std::span(skin_).last(12); }
-  [[nodiscard]] bool skin_rests();
-  void approach_on_skin();
+  void find_contacts_of_skin();
   void step_on_skin(const Twist* motion);
-  void step_resting_skin();
-  void shear_skin();
   // Calls visit(i) for each element of the groups, in order.
   template <class Visit>
   void for_each_element(const kernel::Groups& groups, Visit&& visit) {
@@ -176,16 +171,13 @@ class Field : public FieldResults {
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
   [[nodiscard]] bool has_memory() const { return !effects_.rheology.empty(); }
-  void keep_as_before(Column now, Column before) { std::swap(columns_[now], columns_[before]); }
 
   std::size_t state_size_ = 1;
-  bool extended_;              // true if the columns from plain_columns on exist
+  bool extended_;              // true if the columns beyond PlainColumns exist
   bool may_update_separated_;  // kernel::update_if_separated() may replace a step without contact
   bool plain_;                 // springs on a plane without effects: a single pass suffices
   bool placed_ = false;
-  std::vector<double> skin_;  // elastic body: its elements' frames and work space (skin.cc)
-  bool one_axis_ = false;     // true if all its elements have the same axis
-  bool at_rest_ = false;      // true if the pad has not moved in this step
+  std::optional<SkinStepper> skin_;  // with a SkinEffect
   // elements that touch another surface
   std::vector<std::uint32_t> excluded_;
   kernel::Groups candidates_{};  // of approach()

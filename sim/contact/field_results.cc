@@ -19,7 +19,7 @@ void FieldResults::Free::operator()(double* block) const { std::free(block); }
 double FieldResults::sliding_share(std::size_t i) const {
   if (!effects_.rate || state(i) != ElementState::slip || !(step_ > 0.0)) return 0.0;
   const double resists = tangential_force(i).norm() * effects_.rate->growth(slip_step(i).norm() / step_) / step_;
-  return resists / (columns_[k_tangential][i] + resists);
+  return resists / (columns_.k_tangential[i] + resists);
 }
 
 bool FieldResults::level() const {
@@ -32,9 +32,9 @@ bool FieldResults::level() const {
 Wrench FieldResults::wrench_on_surface() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d force = vector(force_x, i) - vector(normal_x, i) * normal_force(i);
+    const Eigen::Vector3d force = columns_.force.at(i) - columns_.normal.at(i) * normal_force(i);
     total.force += force;
-    total.torque += vector(contact_x, i).cross(force);
+    total.torque += columns_.contact.at(i).cross(force);
   }
   return total;
 }
@@ -42,9 +42,9 @@ Wrench FieldResults::wrench_on_surface() const {
 Wrench FieldResults::wrench_on_pad() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector3d force = vector(normal_x, i) * normal_force(i) - vector(transmitted_, i);
+    const Eigen::Vector3d force = columns_.normal.at(i) * normal_force(i) - transmitted().at(i);
     total.force += force;
-    total.torque += (vector(contact_x, i) - pose_.position).cross(force);
+    total.torque += (columns_.contact.at(i) - pose_.position).cross(force);
   }
   return {pose_.rotation.transpose() * total.force, pose_.rotation.transpose() * total.torque};
 }
@@ -52,6 +52,25 @@ Wrench FieldResults::wrench_on_pad() const {
 Wrench FieldResults::damped_wrench_on_pad(const Twist& motion, double tau) const {
   if (touching_ == 0) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   return kernel::damped_wrench_on_pad(columns_, pose_.position, motion, tau, effects_.cone.get(), active());
+}
+
+void FieldResults::add_sunk(double* depth_of) const {
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (state(i) == ElementState::detached) depth_of[i] += columns_.depth[i];
+  }
+}
+
+// p'C p/2 + q'C q/2: forces times displacements of the surface.
+kernel::SpringSums FieldResults::skin_sums() const {
+  kernel::SpringSums sums{Eigen::Vector3d::Zero(), 0.0, 0.0};
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (state(i) == ElementState::detached) continue;
+    const Eigen::Vector3d t = tangential_force(i);
+    sums.force_on_pad += normal_force(i) * normal(i) - t;
+    sums.elastic += 0.5 * (normal_force(i) * penetration(i) + t.dot(stretch(i)));
+    sums.slip_loss += t.dot(slip_step(i));
+  }
+  return sums;
 }
 
 }  // namespace slipbench

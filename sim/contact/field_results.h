@@ -16,6 +16,7 @@
 #include "sim/api/effect.h"
 #include "sim/api/pad_layout.h"
 #include "sim/contact/active_set.h"
+#include "sim/contact/columns.h"
 #include "sim/contact/contact_points.h"
 #include "sim/contact/kernel.h"
 #include "sim/contact/label_kernel.h"
@@ -42,9 +43,9 @@ class FieldResults {
 
   // Element states and events of the last step. Events are in order of element, those of one
   // element (tips with mass have several) in order of time.
-  [[nodiscard]] ElementState state(std::size_t i) const { return state_in(columns_[mode][i]); }
+  [[nodiscard]] ElementState state(std::size_t i) const { return state_in(columns_.mode[i]); }
   // The state before the last step.
-  [[nodiscard]] ElementState state_before(std::size_t i) const { return state_in(columns_[mode_before][i]); }
+  [[nodiscard]] ElementState state_before(std::size_t i) const { return state_in(columns_.before.mode[i]); }
   [[nodiscard]] std::span<const ElementEvent> events() const { return events_; }
   // Increases whenever element states may have changed.
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
@@ -52,18 +53,18 @@ class FieldResults {
   // Values of element i in the surface frame S: normal force [N], penetration [m], path slipped
   // since the start [m]. Its contact (normal, contact_point), and its gap if it touches nothing,
   // may be of an earlier step in a sparse field: view_from_pad() brings all up to date.
-  [[nodiscard]] double normal_force(std::size_t i) const { return std::max(0.0, columns_[f_normal][i]); }
-  [[nodiscard]] double penetration(std::size_t i) const { return std::max(0.0, -columns_[gap][i]); }
-  [[nodiscard]] double slip_path(std::size_t i) const { return columns_[path][i]; }
+  [[nodiscard]] double normal_force(std::size_t i) const { return std::max(0.0, columns_.f_normal[i]); }
+  [[nodiscard]] double penetration(std::size_t i) const { return std::max(0.0, -columns_.gap[i]); }
+  [[nodiscard]] double slip_path(std::size_t i) const { return columns_.path[i]; }
 
   // Tangential force of the pad on the surface, i.e. the friction [N]; stretch of the element [m]
   // (undeformed contact point minus anchored tip; the tip's deflection is minus this); slip of the
   // tip over the surface in the last step [m]; surface normal; contact point [m].
-  [[nodiscard]] Eigen::Vector3d tangential_force(std::size_t i) const { return vector(force_x, i); }
-  [[nodiscard]] Eigen::Vector3d stretch(std::size_t i) const { return vector(contact_x, i) - vector(anchor_x, i); }
-  [[nodiscard]] Eigen::Vector3d slip_step(std::size_t i) const { return vector(slip_x, i); }
-  [[nodiscard]] Eigen::Vector3d normal(std::size_t i) const { return vector(normal_x, i); }
-  [[nodiscard]] Eigen::Vector3d contact_point(std::size_t i) const { return vector(contact_x, i); }
+  [[nodiscard]] Eigen::Vector3d tangential_force(std::size_t i) const { return columns_.force.at(i); }
+  [[nodiscard]] Eigen::Vector3d stretch(std::size_t i) const { return columns_.contact.at(i) - columns_.anchor.at(i); }
+  [[nodiscard]] Eigen::Vector3d slip_step(std::size_t i) const { return columns_.slip.at(i); }
+  [[nodiscard]] Eigen::Vector3d normal(std::size_t i) const { return columns_.normal.at(i); }
+  [[nodiscard]] Eigen::Vector3d contact_point(std::size_t i) const { return columns_.contact.at(i); }
 
   // The groups that may touch, and those that may have touched in a step after step number `since`,
   // brought up to date: of all others only the gap has changed since then. Valid until the next
@@ -76,7 +77,7 @@ class FieldResults {
   // Computes the three values below for those groups, or the first `vectors` of the values; or all
   // for all groups.
   void view_from_pad(const kernel::Groups& groups, std::size_t vectors) {
-    kernel::view_from_pad(columns_, pose_.rotation, transmitted_, groups, vectors);
+    kernel::view_from_pad(columns_, pose_.rotation, transmitted(), groups, vectors);
   }
   void view_from_pad() { view_from_pad(active_since(0), 3); }
   // True if label_level() may replace that: a plane whose normal is exactly the pad's Z, the
@@ -85,16 +86,16 @@ class FieldResults {
   // Fills a frame of one-element units with `part` of the results of kernel::label_units(); with
   // all of it also their states. `rate`: 1/step [1/s].
   void label_level(double rate, FramePart part, ContactFrame& frame) const {
-    kernel::label_level_elements(columns_, pose_.rotation, transmitted_, rate, count_, part, frame);
+    kernel::label_level_elements(columns_, pose_.rotation, transmitted(), rate, count_, part, frame);
   }
   // Number of steps taken; load_state() does not set it back. Only a sparse field counts.
   [[nodiscard]] std::uint64_t steps() const { return active_set_ ? active_set_->steps() : 0; }
   // Values of element i in the pad frame P: force of the surface on the pad, as the element
   // transmits it [N], deformed minus undeformed tip [m], and slip of the tip over the surface in
   // the last step [m].
-  [[nodiscard]] Eigen::Vector3d force_on_pad(std::size_t i) const { return vector(pad_force_x, i); }
-  [[nodiscard]] Eigen::Vector3d deflection(std::size_t i) const { return vector(deflection_x, i); }
-  [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return vector(pad_slip_x, i); }
+  [[nodiscard]] Eigen::Vector3d force_on_pad(std::size_t i) const { return columns_.pad.force.at(i); }
+  [[nodiscard]] Eigen::Vector3d deflection(std::size_t i) const { return columns_.pad.deflection.at(i); }
+  [[nodiscard]] Eigen::Vector3d slip_in_pad(std::size_t i) const { return columns_.pad.slip.at(i); }
 
   // For the groups' elements: adds their depth in the surface to `depth` [m], and their tips'
   // deflections along the surface, in P, to the three of `shear` [m]. For an elastic skin also its
@@ -113,7 +114,7 @@ class FieldResults {
   }
   // mu_s f_n of the element with all effects [N]; with a rate law (effect.h) a slipping tip may
   // carry more.
-  [[nodiscard]] double stick_limit(std::size_t i) const { return columns_[limit][i]; }
+  [[nodiscard]] double stick_limit(std::size_t i) const { return columns_.limit[i]; }
   // Returns the share of k by which the force of a slipping element grows with a stretch along its
   // slip within the last step: 0 by Coulomb's law; by a rate law r/(k + r) with r = f g'(w)/(g(w)
   // dt), nearly 1 where the tip creeps.
@@ -138,8 +139,8 @@ class FieldResults {
 
   // The groups of all elements.
   [[nodiscard]] kernel::Groups all() const { return {nullptr, padded_ / kernel::lanes}; }
-  // A column of the structure of arrays, in the order of elements.
-  [[nodiscard]] const double* column(kernel::Column c) const { return columns_[c]; }
+  // The structure of arrays, in the order of elements, for reading.
+  [[nodiscard]] const kernel::Columns& columns() const { return columns_; }
   // Number of elements that touch after the last step, and of those that slip.
   [[nodiscard]] std::size_t touching() const { return touching_; }
   [[nodiscard]] std::size_t slipping() const { return slipping_; }
@@ -175,17 +176,13 @@ class FieldResults {
   [[nodiscard]] const Pose& pad_in_surface() const { return pose_; }
 
  protected:
-  using enum kernel::Column;
-  using Column = kernel::Column;
-
   FieldResults(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects&& effects);
 
   [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
   void add_sunk(double* depth_of) const;
   [[nodiscard]] kernel::SpringSums skin_sums() const;
-  [[nodiscard]] Eigen::Vector3d vector(Column x, std::size_t i) const {
-    return {columns_[x][i], columns_[x + 1][i], columns_[x + 2][i]};
-  }
+  // The tangential force that the pad feels; with a massless tip it is the friction.
+  [[nodiscard]] const kernel::VectorColumns& transmitted() const { return effects_.tip ? columns_.transmitted : columns_.force; }
 
   PadLayout layout_;
   ContactPoints contacts_;
@@ -198,12 +195,10 @@ class FieldResults {
     void operator()(double* block) const;
   };
   std::unique_ptr<double[], Free> block_;
-  // into block_; "now" and "before" swap places instead of being copied
+  // into block_; a step swaps its values with those before it instead of copying them
   kernel::Columns columns_{};
   std::vector<ElementEvent> events_;
   Pose pose_;
-  // The tangential force that the pad feels; with a massless tip it is the friction.
-  Column transmitted_ = force_x;
   // for many plain springs on a surface other than a plane
   std::optional<ActiveSet> active_set_;
   double step_ = 0.0;  // s, the last one

@@ -18,12 +18,8 @@
 namespace slipbench::kernel {
 namespace {
 
-SLIPBENCH_INLINE Lanes at(const Columns& c, Column column, std::size_t i) { return lanes_at(c[column] + i); }
-SLIPBENCH_INLINE void put(const Columns& c, Column column, std::size_t i, const Lanes& values) {
-  put_lanes(c[column] + i, values);
-}
-
 SLIPBENCH_INLINE double total(const Lanes& sums) { return (sums[0] + sums[1]) + (sums[2] + sums[3]); }
+SLIPBENCH_INLINE Eigen::Vector3d total(const LaneVectors& sums) { return {total(sums.x), total(sums.y), total(sums.z)}; }
 
 // Row `row` of a rotated vector, in the order in which Eigen adds up a product, for bit-identical
 // results.
@@ -57,8 +53,8 @@ template <bool kPlane>
 SLIPBENCH_INLINE void find_all_trials(const Columns& c, std::size_t count) {
   for (std::size_t i = 0; i < count; i += lanes) {
     const auto t = find_trial<Lanes, kPlane, true>(c, i);
-    put(c, trial, i, size_of<Lanes, kPlane>(t));
-    put(c, slide, i, at(c, mu_kinetic, i) * t.f_n);
+    put(c.trial, i, size_of<Lanes, kPlane>(t));
+    put(c.slide, i, at(c.mu_kinetic, i) * t.f_n);
   }
 }
 
@@ -69,10 +65,10 @@ SLIPBENCH_DISPATCHED void find_trials_on_curve(const Columns& c, std::size_t cou
 SLIPBENCH_INLINE void locate_group(const Columns& c, const Pose& pose, std::size_t i) {
   const Eigen::Matrix3d& r = pose.rotation;
   const Eigen::Vector3d& p = pose.position;
-  const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
-  put(c, contact_x, i, r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + p.x());
-  put(c, contact_y, i, r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + p.y());
-  put(c, gap, i, r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + p.z());
+  const Lanes x = at(c.tip.x, i), y = at(c.tip.y, i), z = at(c.tip.z, i);
+  put(c.contact.x, i, r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + p.x());
+  put(c.contact.y, i, r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + p.y());
+  put(c.gap, i, r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + p.z());
 }
 
 }  // namespace
@@ -86,8 +82,8 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
   const double rx = pose.rotation(2, 0), ry = pose.rotation(2, 1), rz = pose.rotation(2, 2);
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
-    const double looks = rx * c[axis_x][i] + ry * c[axis_y][i] + rz * c[axis_z][i];
-    c[gap][i] = looks < 0.0 ? c[gap][i] : std::abs(c[gap][i]);
+    const double looks = rx * c.axis.x[i] + ry * c.axis.y[i] + rz * c.axis.z[i];
+    c.gap[i] = looks < 0.0 ? c.gap[i] : std::abs(c.gap[i]);
   }
 }
 
@@ -99,20 +95,16 @@ SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose&
   const Eigen::Matrix3d& r = pose.rotation;
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
-    const Lanes u = at(c, axis_x, i), v = at(c, axis_y, i), w = at(c, axis_z, i);
+    const Lanes x = at(c.tip.x, i), y = at(c.tip.y, i), z = at(c.tip.z, i);
+    const Lanes u = at(c.axis.x, i), v = at(c.axis.y, i), w = at(c.axis.z, i);
     const Lanes tip[3] = {turned(r, 0, x, y, z) + pose.position.x(), turned(r, 1, x, y, z) + pose.position.y(),
                           turned(r, 2, x, y, z) + pose.position.z()};
     const Lanes axis[3] = {turned(r, 0, u, v, w), turned(r, 1, u, v, w), turned(r, 2, u, v, w)};
     const Met<Lanes> met = shape.template met<kThin>(tip, axis, column);
-    put(c, gap, i, met.gap);
-    put(c, normal_x, i, met.nx);
-    put(c, normal_y, i, met.ny);
-    put(c, normal_z, i, met.nz);
-    put(c, contact_x, i, tip[0] - met.gap * met.nx);
-    put(c, contact_y, i, tip[1] - met.gap * met.ny);
-    put(c, contact_z, i, tip[2] - met.gap * met.nz);
-    put(c, faces, i, met.faces);
+    put(c.gap, i, met.gap);
+    put(c.normal, i, {met.nx, met.ny, met.nz});
+    put(c.contact, i, {tip[0] - met.gap * met.nx, tip[1] - met.gap * met.ny, tip[2] - met.gap * met.nz});
+    put(c.faces, i, met.faces);
   }
 }
 
@@ -135,19 +127,17 @@ SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& candidat
   Mask touches{};
   for (std::size_t k = 0; k < candidates.count; ++k) {
     const std::size_t i = candidates[k];
-    const Lanes raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), none), before = at(c, mode_before, i);
+    const Lanes raw = raw_normal_force(at(c.gap, i), at(c.k_normal, i), none), before = at(c.before.mode, i);
     const Mask pressed = raw > 0.0, apart = before == 0.0;
     touches |= pressed & apart;
     // The column of modes still holds those of two steps ago; this step will overwrite it.
-    if (any(pressed | ~apart | (at(c, mode, i) != 0.0))) {
+    if (any(pressed | ~apart | (at(c.mode, i) != 0.0))) {
       active[found.active++] = static_cast<std::uint32_t>(i);
       continue;
     }
     idle[found.idle++] = static_cast<std::uint32_t>(i);
-    put(c, f_normal, i, raw);
-    put(c, anchor_x, i, at(c, contact_x, i));
-    put(c, anchor_y, i, at(c, contact_y, i));
-    put(c, anchor_z, i, at(c, contact_z, i));
+    put(c.f_normal, i, raw);
+    put(c.anchor, i, at(c.contact, i));
   }
   found.touches = any(touches);
   return found;
@@ -157,53 +147,40 @@ SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& candidat
 SLIPBENCH_DISPATCHED void reset_idle(const Columns& c, const Groups& groups) {
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    const Lanes raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), Lanes{});
-    put(c, f_normal, i, raw);
-    put(c, f_normal_before, i, raw);
-    put(c, gap_before, i, at(c, gap, i));
-    put(c, faces_before, i, at(c, faces, i));
-    for (const std::size_t axis : {0U, 1U, 2U}) {
-      const Lanes place = lanes_at(c[contact_x + axis] + i);
-      put_lanes(c[contact_before_x + axis] + i, place);
-      put_lanes(c[anchor_x + axis] + i, place);
-    }
+    const Lanes raw = raw_normal_force(at(c.gap, i), at(c.k_normal, i), Lanes{});
+    put(c.f_normal, i, raw);
+    put(c.before.f_normal, i, raw);
+    put(c.before.gap, i, at(c.gap, i));
+    put(c.faces_before, i, at(c.faces, i));
+    const LaneVectors place = at(c.contact, i);
+    put(c.before.contact, i, place);
+    put(c.anchor, i, place);
   }
 }
 
 // Compares the states with those of the last step.
 SLIPBENCH_DISPATCHED bool any_changes(const Columns& c, const Groups& groups) {
   Mask changed{};
-  for (std::size_t k = 0; k < groups.count; ++k) changed |= at(c, mode, groups[k]) != at(c, mode_before, groups[k]);
+  for (std::size_t k = 0; k < groups.count; ++k) changed |= at(c.mode, groups[k]) != at(c.before.mode, groups[k]);
   return any(changed);
 }
 
 SLIPBENCH_DISPATCHED bool any_deeper(const Columns& c, double depth, const Groups& groups) {
   Mask deeper{};
-  for (std::size_t k = 0; k < groups.count; ++k) deeper |= -at(c, gap, groups[k]) > depth;
+  for (std::size_t k = 0; k < groups.count; ++k) deeper |= -at(c.gap, groups[k]) > depth;
   return any(deeper);
 }
 
 // A stuck tip is at its anchor; a slipping one trails its root by its stretch after the last step.
 SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
   for (std::size_t i = 0; i < count; i += lanes) {
-    const Lanes x = at(c, contact_x, i), y = at(c, contact_y, i), z = at(c, contact_z, i);
-    const Lanes ax = at(c, anchor_x, i), ay = at(c, anchor_y, i), az = at(c, anchor_z, i);
-    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
-    Lanes ux = x - ax, uy = y - ay, uz = z - az;
-    const Lanes along = ux * nx + uy * ny + uz * nz;
-    ux -= along * nx;
-    uy -= along * ny;
-    uz -= along * nz;
-    const Lanes bx = at(c, contact_before_x, i) - ax, by = at(c, contact_before_y, i) - ay, bz = at(c, contact_before_z, i) - az;
-    const Lanes stretch2 = ux * ux + uy * uy + uz * uz, before2 = bx * bx + by * by + bz * bz;
-    const Lanes state = at(c, mode_before, i), none{};
+    const LaneVectors contact = at(c.contact, i), anchor = at(c.anchor, i), normal = at(c.normal, i), way = contact - anchor;
+    const LaneVectors stretch = way - dot(way, normal) * normal, before = at(c.before.contact, i) - anchor;
+    const Lanes stretch2 = dot(stretch, stretch), before2 = dot(before, before), state = at(c.before.mode, i), none{};
     // A detached tip, state 0, is under its root.
     const Lanes trails = stretch2 > before2 ? root(before2 / stretch2) : none + 1.0;
     const Lanes share = state == 2.0 ? trails : none;
-    const Mask stuck = state == 1.0;
-    put(c, place_x, i, stuck ? ax : x - share * ux);
-    put(c, place_y, i, stuck ? ay : y - share * uy);
-    put(c, place_z, i, stuck ? az : z - share * uz);
+    put(c.place, i, select(state == 1.0, anchor, contact - share * stretch));
   }
 }
 
@@ -212,7 +189,7 @@ SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups)
   Mask changed{};
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    changed |= (at(c, depth_offset, i) != 0.0) | ((at(c, gap, i) < 0.0) & (at(c, faces, i) != at(c, faces_before, i)));
+    changed |= (at(c.depth_offset, i) != 0.0) | ((at(c.gap, i) < 0.0) & (at(c.faces, i) != at(c.faces_before, i)));
   }
   return !any(changed);
 }
@@ -220,20 +197,17 @@ SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups)
 // Writes what commit_state() would write for elements without contact.
 SLIPBENCH_DISPATCHED bool update_if_separated(const Columns& c, std::size_t count) {
   Mask near{};
-  for (std::size_t i = 0; i < count; i += lanes) near |= (at(c, gap, i) < 0.0) | (at(c, depth_offset, i) != 0.0);
+  for (std::size_t i = 0; i < count; i += lanes) near |= (at(c.gap, i) < 0.0) | (at(c.depth_offset, i) != 0.0);
   if (any(near)) return false;
   const Lanes none{};
   for (std::size_t i = 0; i < count; i += lanes) {
     const auto t = find_trial<Lanes, false, true>(c, i);
-    put(c, f_normal, i, t.raw);
-    const Lanes pulled[3] = {t.tx, t.ty, t.tz};
-    for (const std::size_t axis : {0U, 1U, 2U}) {
-      put_lanes(c[slip_x + axis] + i, none * pulled[axis]);
-      put_lanes(c[anchor_x + axis] + i, lanes_at(c[contact_x + axis] + i));
-      put_lanes(c[force_x + axis] + i, none);
-    }
-    put(c, limit, i, none);
-    put(c, mode, i, none);
+    put(c.f_normal, i, t.raw);
+    put(c.slip, i, {none * t.tx, none * t.ty, none * t.tz});
+    put(c.anchor, i, at(c.contact, i));
+    put(c.force, i, {none, none, none});
+    put(c.limit, i, none);
+    put(c.mode, i, none);
   }
   return true;
 }
@@ -242,8 +216,8 @@ SLIPBENCH_DISPATCHED bool update_if_separated(const Columns& c, std::size_t coun
 SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t count) {
   Mask touched{};
   for (std::size_t i = 0; i < count; i += lanes) {
-    const Lanes history = memory ? at(c, h_normal, i) : Lanes{};
-    touched |= (at(c, mode_before, i) == 0.0) & (raw_normal_force(at(c, gap, i), at(c, k_normal, i), history) > 0.0);
+    const Lanes history = memory ? at(c.history.normal, i) : Lanes{};
+    touched |= (at(c.before.mode, i) == 0.0) & (raw_normal_force(at(c.gap, i), at(c.k_normal, i), history) > 0.0);
   }
   return any(touched);
 }
@@ -260,49 +234,35 @@ SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std
 SLIPBENCH_DISPATCHED void load_tips(const Columns& c, std::size_t count) {
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
-    const double raw = raw_normal_force(c[gap][i], c[k_normal][i], 0.0);
-    c[f_normal][i] = raw;
-    c[limit][i] = c[mu_static][i] * (0.5 * (raw + std::abs(raw)));
+    const double raw = raw_normal_force(c.gap[i], c.k_normal[i], 0.0);
+    c.f_normal[i] = raw;
+    c.limit[i] = c.mu_static[i] * (0.5 * (raw + std::abs(raw)));
   }
 }
 
 SLIPBENCH_DISPATCHED void clear_ended_slip(const Columns& c, std::size_t count) {
   const Lanes none{};
   for (std::size_t i = 0; i < count; i += lanes) {
-    const Mask slips = at(c, mode, i) == 2.0;
-    put(c, slip_x, i, slips ? at(c, slip_x, i) : none);
-    put(c, slip_y, i, slips ? at(c, slip_y, i) : none);
+    const Mask slips = at(c.mode, i) == 2.0;
+    put(c.slip.x, i, slips ? at(c.slip.x, i) : none);
+    put(c.slip.y, i, slips ? at(c.slip.y, i) : none);
   }
 }
 
-namespace {
-
-// Writes a vector of columns rotated into the pad frame.
-SLIPBENCH_INLINE void put_turned(const Columns& c, Column column, std::size_t i, const Rotation& r, const Lanes& x,
-                                 const Lanes& y, const Lanes& z) {
-  put(c, column, i, r.r00 * x + r.r01 * y + r.r02 * z);
-  put(c, static_cast<Column>(column + 1), i, r.r10 * x + r.r11 * y + r.r12 * z);
-  put(c, static_cast<Column>(column + 2), i, r.r20 * x + r.r21 * y + r.r22 * z);
-}
-
-}  // namespace
-
 // Rotates forces, deflections and slip from S into the pad frame.
-SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted,
+SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& rotation, const VectorColumns& transmitted,
                                         const Groups& groups, std::size_t vectors) {
-  const double *const tx = c[transmitted], *const ty = c[transmitted + 1], *const tz = c[transmitted + 2];
+  const VectorColumns felt = transmitted;
   const Rotation r = entries_back(rotation);
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i), f_n = positive(at(c, f_normal, i));
-    put_turned(c, pad_force_x, i, r, f_n * nx - lanes_at(tx + i), f_n * ny - lanes_at(ty + i), f_n * nz - lanes_at(tz + i));
+    const LaneVectors normal = at(c.normal, i);
+    put(c.pad.force, i, turned(r, positive(at(c.f_normal, i)) * normal - at(felt, i)));
     if (vectors == 1) continue;
-    const Lanes indentation = positive<Lanes>(-at(c, gap, i));
-    put_turned(c, deflection_x, i, r, indentation * nx - (at(c, contact_x, i) - at(c, anchor_x, i)),
-               indentation * ny - (at(c, contact_y, i) - at(c, anchor_y, i)),
-               indentation * nz - (at(c, contact_z, i) - at(c, anchor_z, i)));
+    const Lanes indentation = positive<Lanes>(-at(c.gap, i));
+    put(c.pad.deflection, i, turned(r, indentation * normal - (at(c.contact, i) - at(c.anchor, i))));
     if (vectors == 2) continue;
-    put_turned(c, pad_slip_x, i, r, at(c, slip_x, i), at(c, slip_y, i), at(c, slip_z, i));
+    put(c.pad.slip, i, turned(r, at(c.slip, i)));
   }
 }
 
@@ -316,9 +276,8 @@ SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& 
     for (std::size_t i = first; i < end; ++i) {
       // The anchor lies in the surface's tangent plane through the contact point, so the difference
       // has no normal part.
-      const double dx = c[anchor_x][i] - c[contact_x][i], dy = c[anchor_y][i] - c[contact_y][i],
-                   dz = c[anchor_z][i] - c[contact_z][i];
-      depth[i] += 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
+      const double dx = c.anchor.x[i] - c.contact.x[i], dy = c.anchor.y[i] - c.contact.y[i], dz = c.anchor.z[i] - c.contact.z[i];
+      depth[i] += 0.5 * (std::abs(c.gap[i]) - c.gap[i]);
       sx[i] += r.r00 * dx + r.r01 * dy + r.r02 * dz;
       sy[i] += r.r10 * dx + r.r11 * dy + r.r12 * dz;
       sz[i] += r.r20 * dx + r.r21 * dy + r.r22 * dz;
@@ -338,49 +297,44 @@ SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* 
   const Lanes none{};
   for (std::size_t i = 0; i < count; i += lanes) {
     if (speeds) {
-      Lanes vx = none, vy = none, vz = none;
+      LaneVectors v{none, none, none};
       if (motion != nullptr) {
-        const Eigen::Vector3d &v = motion->linear, &w = motion->angular;
-        const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
-        const Lanes ax = turned(r, 0, x, y, z), ay = turned(r, 1, x, y, z), az = turned(r, 2, x, y, z);
-        vx = v.x() + (w.y() * az - w.z() * ay);
-        vy = v.y() + (w.z() * ax - w.x() * az);
-        vz = v.z() + (w.x() * ay - w.y() * ax);
+        const Eigen::Vector3d &linear = motion->linear, &w = motion->angular;
+        const LaneVectors tip = at(c.tip, i);
+        const Lanes ax = turned(r, 0, tip.x, tip.y, tip.z), ay = turned(r, 1, tip.x, tip.y, tip.z),
+                    az = turned(r, 2, tip.x, tip.y, tip.z);
+        v = {linear.x() + (w.y() * az - w.z() * ay), linear.y() + (w.z() * ax - w.x() * az),
+             linear.z() + (w.x() * ay - w.y() * ax)};
       } else if (dt > 0.0) {
-        vx = (at(c, contact_x, i) - at(c, contact_before_x, i)) / dt;
-        vy = (at(c, contact_y, i) - at(c, contact_before_y, i)) / dt;
-        vz = (at(c, contact_z, i) - at(c, contact_before_z, i)) / dt;
+        const LaneVectors way = at(c.contact, i) - at(c.before.contact, i);
+        v = {way.x / dt, way.y / dt, way.z / dt};
       }
-      const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
-      const Lanes away = nx * vx + (ny * vy + nz * vz);
-      put(c, velocity_x, i, vx - nx * away);
-      put(c, velocity_y, i, vy - ny * away);
-      put(c, velocity_z, i, vz - nz * away);
+      const LaneVectors n = at(c.normal, i);
+      const Lanes away = n.x * v.x + (n.y * v.y + n.z * v.z);
+      put(c.velocity, i, v - away * n);
     }
-    const Lanes history = memory ? at(c, h_normal, i) : none;
-    const Lanes inward = -at(c, gap, i), raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), history);
-    put(c, depth, i, inward > 0.0 ? inward : none);
-    put(c, load, i, raw > 0.0 ? raw : none);
+    const Lanes history = memory ? at(c.history.normal, i) : none;
+    const Lanes inward = -at(c.gap, i), raw = raw_normal_force(at(c.gap, i), at(c.k_normal, i), history);
+    put(c.depth, i, inward > 0.0 ? inward : none);
+    put(c.load, i, raw > 0.0 ? raw : none);
   }
 }
 
 // Force f_n n - f, energy f_n^2/2k_n + |f|^2/2k_t and loss f . s of each spring.
 SLIPBENCH_DISPATCHED SpringSums sum_springs(const Columns& c, const Groups& groups) {
   const Lanes none{};
-  Lanes x{}, y{}, z{}, elastic{}, loss{};
+  LaneVectors force{};
+  Lanes elastic{}, loss{};
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    const Lanes raw = at(c, f_normal, i), pressed = raw > 0.0 ? raw : none;
-    const Lanes tx = at(c, force_x, i), ty = at(c, force_y, i), tz = at(c, force_z, i);
-    x += pressed * at(c, normal_x, i) - tx;
-    y += pressed * at(c, normal_y, i) - ty;
-    z += pressed * at(c, normal_z, i) - tz;
-    const Lanes stored =
-        pressed * pressed / at(c, k_normal_spring, i) + (tx * tx + ty * ty + tz * tz) / at(c, k_tangential_spring, i);
-    elastic += at(c, mode, i) != 0.0 ? stored : none;
-    loss += tx * at(c, slip_x, i) + ty * at(c, slip_y, i) + tz * at(c, slip_z, i);
+    const Lanes raw = at(c.f_normal, i), pressed = raw > 0.0 ? raw : none;
+    const LaneVectors t = at(c.force, i);
+    force = force + (pressed * at(c.normal, i) - t);
+    const Lanes stored = pressed * pressed / at(c.spring.k_normal, i) + dot(t, t) / at(c.spring.k_tangential, i);
+    elastic += at(c.mode, i) != 0.0 ? stored : none;
+    loss += dot(t, at(c.slip, i));
   }
-  return {{total(x), total(y), total(z)}, 0.5 * total(elastic), total(loss)};
+  return {total(force), 0.5 * total(elastic), total(loss)};
 }
 
 // Adds tau k times the velocity to each spring and scales tangential forces back into the cone.
@@ -388,45 +342,36 @@ SLIPBENCH_DISPATCHED Wrench damped_wrench_on_pad(const Columns& c, const Eigen::
                                                  const ConeEffect* cone, const Groups& groups) {
   const Eigen::Vector3d &v = motion.linear, &w = motion.angular;
   const Lanes none{};
-  Lanes force_sum_x{}, force_sum_y{}, force_sum_z{}, torque_sum_x{}, torque_sum_y{}, torque_sum_z{};
+  LaneVectors force{}, torque{};
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t i = groups[k];
-    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
-    const Lanes ax = at(c, contact_x, i) - origin.x(), ay = at(c, contact_y, i) - origin.y(),
-                az = at(c, contact_z, i) - origin.z();
-    const Lanes vx = v.x() + w.y() * az - w.z() * ay, vy = v.y() + w.z() * ax - w.x() * az, vz = v.z() + w.x() * ay - w.y() * ax;
-    const Lanes approach = -(nx * vx + ny * vy + nz * vz);
-    const Lanes state = at(c, mode, i);
-    const Lanes viscous = state == 1.0 ? tau * at(c, k_tangential_spring, i) : none;
-    const Lanes tx = at(c, force_x, i) + viscous * (vx + approach * nx);
-    const Lanes ty = at(c, force_y, i) + viscous * (vy + approach * ny);
-    const Lanes tz = at(c, force_z, i) + viscous * (vz + approach * nz);
-    const Lanes reach = at(c, limit, i);
+    const LaneVectors normal = at(c.normal, i), place = at(c.contact, i);
+    const LaneVectors arm{place.x - origin.x(), place.y - origin.y(), place.z - origin.z()};
+    const LaneVectors velocity{v.x() + w.y() * arm.z - w.z() * arm.y, v.y() + w.z() * arm.x - w.x() * arm.z,
+                               v.z() + w.x() * arm.y - w.y() * arm.x};
+    const Lanes approach = -dot(normal, velocity), state = at(c.mode, i), reach = at(c.limit, i);
+    const Lanes viscous = state == 1.0 ? tau * at(c.spring.k_tangential, i) : none;
+    const LaneVectors t = at(c.force, i) + viscous * (velocity + approach * normal);
     Lanes held = none + 1.0;
     if (cone != nullptr) {
       for (std::size_t lane = 0; lane < lanes; ++lane) {
         if (!(viscous[lane] > 0.0 && reach[lane] > 0.0)) continue;
-        const double t[3] = {tx[lane], ty[lane], tz[lane]}, n[3] = {nx[lane], ny[lane], nz[lane]};
-        const double gauge = cone->gauge(t, n, reach[lane]);
+        const double along[3] = {t.x[lane], t.y[lane], t.z[lane]}, n[3] = {normal.x[lane], normal.y[lane], normal.z[lane]};
+        const double gauge = cone->gauge(along, n, reach[lane]);
         if (gauge > 1.0) held[lane] = 1.0 / gauge;
       }
     } else {
-      const Lanes size = root(tx * tx + ty * ty + tz * tz);
+      const Lanes size = root(dot(t, t));
       held = ((viscous > 0.0) & (size > reach)) ? reach / size : held;
     }
-    const Lanes raw = at(c, f_normal, i);
-    const Lanes stopped = (raw > 0.0 ? raw : none) + tau * at(c, k_normal_spring, i) * approach;
+    const Lanes raw = at(c.f_normal, i);
+    const Lanes stopped = (raw > 0.0 ? raw : none) + tau * at(c.spring.k_normal, i) * approach;
     const Lanes pressed = ((state != 0.0) & (stopped > 0.0)) ? stopped : none;
-    const Lanes fx = pressed * nx - held * tx, fy = pressed * ny - held * ty, fz = pressed * nz - held * tz;
-    force_sum_x += fx;
-    force_sum_y += fy;
-    force_sum_z += fz;
-    torque_sum_x += ay * fz - az * fy;
-    torque_sum_y += az * fx - ax * fz;
-    torque_sum_z += ax * fy - ay * fx;
+    const LaneVectors f = pressed * normal - held * t;
+    force = force + f;
+    torque = torque + cross(arm, f);
   }
-  return {{total(force_sum_x), total(force_sum_y), total(force_sum_z)},
-          {total(torque_sum_x), total(torque_sum_y), total(torque_sum_z)}};
+  return {total(force), total(torque)};
 }
 
 void find_trials(const Columns& columns, bool plane, std::size_t count) {

@@ -9,54 +9,11 @@
 
 #include "sim/api/contact_frame.h"
 #include "sim/api/effect.h"
+#include "sim/contact/columns.h"
 #include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
 
 namespace slipbench::kernel {
-
-// Columns of the structure of arrays, with one entry per element, 32-byte aligned, with a length
-// that is a multiple of `lanes`. Three in a row form a vector. "before" is the value at the end of
-// the last step. In the surface frame S unless stated otherwise.
-// clang-format off
-enum Column : std::size_t {
-  tip_x, tip_y, tip_z, axis_x, axis_y, axis_z,              // pad frame P [m], [1]
-  k_normal, k_tangential, compliance,                       // [N/m], [N/m], 1/k_tangential [m/N]
-  mu_static, mu_kinetic,
-  contact_x, contact_y, contact_z, contact_before_x, contact_before_y, contact_before_z,  // [m]
-  normal_x, normal_y, normal_z,                             // of the surface
-  gap, gap_before,                                          // [m], negative: penetration
-  f_normal, f_normal_before,                                // raw [N], negative while separated
-  limit, limit_before,                                      // mu_s f_n [N]
-  anchor_x, anchor_y, anchor_z,                             // [m]
-  slip_x, slip_y, slip_z,                                   // slip of the last step if it goes on [m]
-  // tangential, of the pad on the surface [N]
-  force_x, force_y, force_z, force_before_x, force_before_y, force_before_z,
-  // 0 detached, 1 stick, 2 slip; double, so that loops vectorise
-  mode, mode_before,
-  path,                                                     // slipped since the start [m]
-  faces, faces_before,                                      // SurfacePoint::faces; 0: plane
-  depth_offset,                                             // s of field.h: depth offset [m]
-  pad_force_x, pad_force_y, pad_force_z,                    // surface on pad, in P [N]
-  deflection_x, deflection_y, deflection_z,                 // deformed - undeformed tip, in P [m]
-  pad_slip_x, pad_slip_y, pad_slip_z,                       // slip in P [m]
-  plain_columns,
-  // Only where effects or dashpots need them; without them the first two are the springs themselves
-  k_normal_spring = plain_columns, k_tangential_spring,     // before effects
-  mu_static_surface, mu_kinetic_surface,                    // before effects
-  // history of the rheology: f = k u + h [N]; without a rheology h_x is null
-  h_normal, h_x, h_y, h_z,
-  // read by effects
-  velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,
-  // position at which the tip reads effects (SurfaceEffect) [m]
-  place_x, place_y, place_z,
-  // force of spring and dashpot on a tip with mass [N]
-  transmitted_x, transmitted_y, transmitted_z,
-  // size of the trial force; mu_k f_n (mu_s f_n for leaning columns) [N]
-  trial, slide,
-  all_columns
-};
-// clang-format on
-using Columns = std::array<double*, all_columns>;
 
 // Entries of a column processed at once (vectorise.h); columns are padded to a multiple of it.
 inline constexpr std::size_t lanes = 4;
@@ -110,7 +67,7 @@ void place_tips(const Columns& columns, std::size_t count);
 void find_trials(const Columns& columns, bool plane, std::size_t count);
 
 // Pass 2: normal force, and return mapping onto the friction cone (field.h). `extended`: the
-// columns from plain_columns on exist; then the rheology's history counts, and on a plane a
+// columns beyond PlainColumns exist; then the rheology's history counts, and on a plane a
 // sticking anchor stays bit-identical. Without them it stays up to rounding.
 void return_map(const Columns& columns, bool plane, bool extended, const Groups& groups);
 
@@ -124,8 +81,8 @@ void clear_ended_slip(const Columns& columns, std::size_t count);
 
 // After the passes: forces, deflections and slip in the pad frame, or the first `vectors` of these.
 // `rotation`: of the pad in the surface. `transmitted`: the tangential force that the pad feels.
-void view_from_pad(const Columns& columns, const Eigen::Matrix3d& rotation, Column transmitted, const Groups& groups,
-                   std::size_t vectors);
+void view_from_pad(const Columns& columns, const Eigen::Matrix3d& rotation, const VectorColumns& transmitted,
+                   const Groups& groups, std::size_t vectors);
 
 // Field::add_elements(). `to_pad`: rotation of the surface in the pad; `count`: of all elements.
 void add_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,

@@ -235,33 +235,34 @@ SLIPBENCH_INLINE void put_states(UnitState* to, double mode) { *to = static_cast
 // Bit-identical to view_from_pad() and label_units() for level elements, but without products with
 // zeros and ones, and without intermediate columns.
 template <class Real>
-SLIPBENCH_INLINE void label_level_at(const Columns& c, const Rotation& r, Column transmitted, double rate, std::size_t i,
-                                     FramePart part, ContactFrame& frame) {
+SLIPBENCH_INLINE void label_level_at(const Columns& c, const Rotation& r, const VectorColumns& transmitted, double rate,
+                                     std::size_t i, FramePart part, ContactFrame& frame) {
   const Real none{};
   const Labels labels = labels_at(frame, i);
   const auto along_x = [&](const Real& x, const Real& y) SLIPBENCH_INLINE_BODY { return r.r00 * x + r.r01 * y + none; };
   const auto along_y = [&](const Real& x, const Real& y) SLIPBENCH_INLINE_BODY { return r.r10 * x + r.r11 * y + none; };
-  const auto at = [&c, i](std::size_t column) SLIPBENCH_INLINE_BODY { return vector_at<Real>(c[column] + i); };
-  const Real f_n = positive<Real>(at(f_normal)), depth = positive<Real>(-at(gap));
-  const Real fx = none - at(transmitted), fy = none - at(transmitted + 1U);
+  const auto at = [i](const double* column) SLIPBENCH_INLINE_BODY { return vector_at<Real>(column + i); };
+  const Real f_n = positive<Real>(at(c.f_normal)), depth = positive<Real>(-at(c.gap));
+  const Real fx = none - at(transmitted.x), fy = none - at(transmitted.y);
   const Real force_x_of_pad = along_x(fx, fy), force_y_of_pad = along_y(fx, fy);
   put_vectors(labels.force, force_x_of_pad, force_y_of_pad, f_n);
-  const Real dx = none - (at(contact_x) - at(anchor_x)), dy = none - (at(contact_y) - at(anchor_y));
+  const Real dx = none - (at(c.contact.x) - at(c.anchor.x)), dy = none - (at(c.contact.y) - at(c.anchor.y));
   put_vectors(labels.displacement, along_x(dx, dy), along_y(dx, dy), depth);
   if (part != FramePart::all) return;
   put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
-  const Real moving = at(mode), sx = at(slip_x), sy = at(slip_y);
+  const Real moving = at(c.mode), sx = at(c.slip.x), sy = at(c.slip.y);
   put_vectors(labels.slip_velocity, rate * along_x(sx, sy), rate * along_y(sx, sy));
-  put_vector(labels.slip_distance, at(path));
-  put_vector(labels.margin, margin_of<Real>(at(force_x) * at(force_x) + at(force_y) * at(force_y), at(limit), moving));
+  put_vector(labels.slip_distance, at(c.path));
+  put_vector(labels.margin, margin_of<Real>(at(c.force.x) * at(c.force.x) + at(c.force.y) * at(c.force.y), at(c.limit), moving));
   put_states(frame.unit_state.data() + i, moving);
 }
 
 }  // namespace
 
 // The last entries one by one: overlapping lanes would wait for the values written before.
-SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted, double rate,
-                                               std::size_t count, FramePart part, ContactFrame& frame) {
+SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& rotation,
+                                               const VectorColumns& transmitted, double rate, std::size_t count, FramePart part,
+                                               ContactFrame& frame) {
   const Rotation r = entries_back(rotation);
   std::size_t i = 0;
   for (; i + lanes <= count; i += lanes) label_level_at<Lanes>(c, r, transmitted, rate, i, part, frame);

@@ -29,9 +29,9 @@ UnitSum sum_unit(const UnitSum::Summed& columns, std::size_t first, std::size_t 
 
 // Input of the labels, one entry per unit: sums over its elements, vectors by component.
 struct UnitColumns {
-  // columns pad_force_x, deflection_x and pad_slip_x
+  // columns pad.force, pad.deflection and pad.slip
   std::array<const double*, 3> force, deflection, slip;
-  std::array<const double*, 3> tangential, normal;  // columns force_x and normal_x
+  std::array<const double*, 3> tangential, normal;  // columns force and normal
   const double *path, *limit;
   const double* touching;  // 0: no element of the unit touches
   const double* share;     // 1/elements of the unit
@@ -52,7 +52,7 @@ void label_groups(const UnitColumns& units, const Eigen::Matrix3d& to_pad, doubl
 // The same, or its felt part, for `count` >= lanes one-element units on a plane whose normal is
 // exactly the pad's Z, without a preceding view_from_pad(), and their states. `rotation`,
 // `transmitted`: as there.
-void label_level_elements(const Columns& columns, const Eigen::Matrix3d& rotation, Column transmitted, double rate,
+void label_level_elements(const Columns& columns, const Eigen::Matrix3d& rotation, const VectorColumns& transmitted, double rate,
                           std::size_t count, FramePart part, ContactFrame& frame);
 
 }  // namespace slipbench::kernel

@@ -115,24 +115,23 @@ double strengthened(const ConeEffect& cone, RateEffect& rate, double dt, std::si
 
 kernel::Projected project_onto_cone(const Lean& lean, const RateEffect* rate, double dt, const kernel::Columns& c, std::size_t i,
                                     const kernel::Trial& trial) {
-  const auto vector = [&c, i](kernel::Column x) { return Eigen::Vector3d(c[x][i], c[x + 1][i], c[x + 2][i]); };
-  const double k = c[kernel::k_tangential][i];
+  const double k = c.k_tangential[i];
   const LeaningElement element{.stretch = {trial.ux, trial.uy, trial.uz},
                                .history = {trial.hx, trial.hy, trial.hz},
                                .k = k,
-                               .k_normal = c[kernel::k_normal][i],
-                               .depth = -c[kernel::gap][i],
-                               .history_normal = c[kernel::h_normal][i],
-                               .mu_slide = c[kernel::mu_kinetic][i]};
+                               .k_normal = c.k_normal[i],
+                               .depth = -c.gap[i],
+                               .history_normal = c.history.normal[i],
+                               .mu_slide = c.mu_kinetic[i]};
   LeaningForce force = leaning_force(lean, element, element.stretch);
-  const double size = force.tangential.norm(), limit_stick = c[kernel::mu_static][i] * force.normal;
-  c[kernel::trial][i] = size;
-  c[kernel::slide][i] = limit_stick;
+  const double size = force.tangential.norm(), limit_stick = c.mu_static[i] * force.normal;
+  c.trial[i] = size;
+  c.slide[i] = limit_stick;
   double slip = 0.0;
   Eigen::Vector3d along(0.0, 0.0, 0.0);
   if (size > kernel::slips_beyond<double, true>(c, i, limit_stick, element.mu_slide * force.normal)) {
     along = force.tangential / size;
-    const double trailed = element.stretch.norm() - (vector(kernel::contact_x) - vector(kernel::place_x)).norm();
+    const double trailed = element.stretch.norm() - (c.contact.at(i) - c.place.at(i)).norm();
     slip = leaning_slip(lean, element, along, trailed, dt, rate);
   }
   const bool slides =
@@ -156,16 +155,16 @@ kernel::Projected project_onto_cone(const Lean& lean, const RateEffect* rate, do
 
 kernel::Projected project_onto_cone(const ConeEffect& cone, RateEffect* rate, double dt, const kernel::Columns& c, std::size_t i,
                                     const kernel::Trial& trial) {
-  const Eigen::Vector3d n(c[kernel::normal_x][i], c[kernel::normal_y][i], c[kernel::normal_z][i]);
+  const Eigen::Vector3d n = c.normal.at(i);
   const Eigen::Vector3d t(trial.tx, trial.ty, trial.tz);
-  double limit_slide = c[kernel::mu_kinetic][i] * trial.f_n;
-  if (rate != nullptr) limit_slide = strengthened(cone, *rate, dt, i, t, n, c[kernel::k_tangential][i], limit_slide);
-  const double limit_stick = c[kernel::mu_static][i] * trial.f_n;
+  double limit_slide = c.mu_kinetic[i] * trial.f_n;
+  if (rate != nullptr) limit_slide = strengthened(cone, *rate, dt, i, t, n, c.k_tangential[i], limit_slide);
+  const double limit_stick = c.mu_static[i] * trial.f_n;
   const auto mapped =
       cone.project(t.data(), n.data(), kernel::slips_beyond<double, true>(c, i, limit_stick, limit_slide), limit_slide);
   const Eigen::Vector3d force(mapped.fx, mapped.fy, mapped.fz);
   Eigen::Vector3d slip(0.0, 0.0, 0.0);
-  if (mapped.slides) slip = (t - force) * c[kernel::compliance][i];
+  if (mapped.slides) slip = (t - force) * c.compliance[i];
   return {trial.raw, mapped.fx, mapped.fy, mapped.fz, slip.x(), slip.y(), slip.z(), slip.norm(), mapped.slides};
 }
 

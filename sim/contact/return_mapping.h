@@ -20,8 +20,8 @@ namespace slipbench::kernel {
 // Returns an element's entry of a column, or those of several elements from it on. `Real`: double,
 // or Lanes.
 template <class Real>
-SLIPBENCH_INLINE Real entry(const Columns& c, Column column, std::size_t i) {
-  return vector_at<Real>(c[column] + i);
+SLIPBENCH_INLINE Real entry(const double* column, std::size_t i) {
+  return vector_at<Real>(column + i);
 }
 template <class Real>
 using Flag = decltype(Real{} < Real{});
@@ -38,15 +38,15 @@ using Trial = TrialState<double>;
 
 template <class Real, bool kPlane, bool kExtended>
 SLIPBENCH_INLINE TrialState<Real> find_trial(const Columns& c, std::size_t i) {
-  const auto at = [&c, i](Column column) SLIPBENCH_INLINE_BODY { return entry<Real>(c, column, i); };
+  const auto at = [i](const double* column) SLIPBENCH_INLINE_BODY { return entry<Real>(column, i); };
   TrialState<Real> t{};
-  t.raw = raw_normal_force<Real>(at(gap), at(k_normal), kExtended ? at(h_normal) : Real{});
+  t.raw = raw_normal_force<Real>(at(c.gap), at(c.k_normal), kExtended ? at(c.history.normal) : Real{});
   t.f_n = positive(t.raw);
-  const Real k = at(k_tangential), nx = at(normal_x), ny = at(normal_y), nz = at(normal_z);
-  t.ux = at(contact_x) - at(anchor_x);
-  t.uy = at(contact_y) - at(anchor_y);
+  const Real k = at(c.k_tangential), nx = at(c.normal.x), ny = at(c.normal.y), nz = at(c.normal.z);
+  t.ux = at(c.contact.x) - at(c.anchor.x);
+  t.uy = at(c.contact.y) - at(c.anchor.y);
   if constexpr (!kPlane) {
-    t.uz = at(contact_z) - at(anchor_z);
+    t.uz = at(c.contact.z) - at(c.anchor.z);
     const Real along = t.ux * nx + t.uy * ny + t.uz * nz;
     t.ux -= along * nx;
     t.uy -= along * ny;
@@ -56,11 +56,11 @@ SLIPBENCH_INLINE TrialState<Real> find_trial(const Columns& c, std::size_t i) {
   t.ty = k * t.uy;
   if constexpr (!kPlane) t.tz = k * t.uz;
   if constexpr (kExtended) {
-    if (c[h_x] != nullptr) {
-      t.hx = at(h_x);
-      t.hy = at(h_y);
+    if (c.history.tangential.x != nullptr) {
+      t.hx = at(c.history.tangential.x);
+      t.hy = at(c.history.tangential.y);
       if constexpr (!kPlane) {  // the history was computed in an earlier tangent plane
-        t.hz = at(h_z);
+        t.hz = at(c.history.tangential.z);
         const Real along = t.hx * nx + t.hy * ny + t.hz * nz;
         t.hx -= along * nx;
         t.hy -= along * ny;
@@ -100,18 +100,18 @@ inline constexpr double clearly_beyond = 1.0 + 1e-6;
 template <class Real, bool kExtended>
 SLIPBENCH_INLINE Real slips_beyond(const Columns& c, std::size_t i, const Real& stick, const Real& slide) {
   const Real onset = kExtended ? (slide > stick ? slide : stick) : stick;
-  const Real asked = entry<Real>(c, mode_before, i) == 2.0 ? slide : onset, most = clearly_beyond * stick;
+  const Real asked = entry<Real>(c.before.mode, i) == 2.0 ? slide : onset, most = clearly_beyond * stick;
   const Real beyond = asked > most ? most : asked;
-  return (kExtended ? beyond : asked) + entry<Real>(c, k_tangential, i) * shortest_slip;
+  return (kExtended ? beyond : asked) + entry<Real>(c.k_tangential, i) * shortest_slip;
 }
 
 // Projects onto Coulomb's circular cone, also for elements without contact.
 template <class Real, bool kPlane, bool kExtended>
 SLIPBENCH_INLINE ProjectedState<Real> project_onto_circle(const Columns& c, std::size_t i, const TrialState<Real>& t) {
-  const Real none{}, one = none + 1.0, softness = entry<Real>(c, compliance, i);
+  const Real none{}, one = none + 1.0, softness = entry<Real>(c.compliance, i);
   const Flag<Real> touches = t.f_n > none;
-  const Real limit_stick = entry<Real>(c, mu_static, i) * t.f_n;
-  Real limit_slide = entry<Real>(c, mu_kinetic, i) * t.f_n;
+  const Real limit_stick = entry<Real>(c.mu_static, i) * t.f_n;
+  Real limit_slide = entry<Real>(c.mu_kinetic, i) * t.f_n;
   const Real size = size_of<Real, kPlane>(t);
   const Flag<Real> slides = touches & (size > slips_beyond<Real, kExtended>(c, i, limit_stick, limit_slide));
   // That of a rate law may exceed the force of a creeping tip by rounding.
@@ -135,26 +135,27 @@ SLIPBENCH_INLINE void commit_state(const Columns& c, std::size_t i, const TrialS
                                    const ProjectedState<Real>& projected) {
   const Real none{}, one = none + 1.0;
   const Flag<Real> touches = t.f_n > none, stays = touches != projected.slides;
-  const auto set = [&c, i](Column column, const Real& value) SLIPBENCH_INLINE_BODY { put_vector(c[column] + i, value); };
-  const auto move_anchor = [&](Column anchor, Column contact, const Real& stretch, const Real& slip) SLIPBENCH_INLINE_BODY {
-    const Real left = stretch - slip, moved = entry<Real>(c, contact, i) - (touches ? left : none);
-    set(anchor, kKeepsAnchor ? (stays ? entry<Real>(c, anchor, i) : moved) : moved);
-  };
-  set(f_normal, projected.raw);
-  set(slip_x, projected.sx);
-  set(slip_y, projected.sy);
-  move_anchor(anchor_x, contact_x, t.ux, projected.sx);
-  move_anchor(anchor_y, contact_y, t.uy, projected.sy);
-  set(force_x, projected.fx);
-  set(force_y, projected.fy);
+  const auto set = [i](double* column, const Real& value) SLIPBENCH_INLINE_BODY { put_vector(column + i, value); };
+  const auto move_anchor = [&](double* anchor, const double* contact, const Real& stretch, const Real& slip)
+                               SLIPBENCH_INLINE_BODY {
+                                 const Real left = stretch - slip, moved = entry<Real>(contact, i) - (touches ? left : none);
+                                 set(anchor, kKeepsAnchor ? (stays ? entry<Real>(anchor, i) : moved) : moved);
+                               };
+  set(c.f_normal, projected.raw);
+  set(c.slip.x, projected.sx);
+  set(c.slip.y, projected.sy);
+  move_anchor(c.anchor.x, c.contact.x, t.ux, projected.sx);
+  move_anchor(c.anchor.y, c.contact.y, t.uy, projected.sy);
+  set(c.force.x, projected.fx);
+  set(c.force.y, projected.fy);
   if constexpr (!kPlane) {
-    set(slip_z, projected.sz);
-    move_anchor(anchor_z, contact_z, t.uz, projected.sz);
-    set(force_z, projected.fz);
+    set(c.slip.z, projected.sz);
+    move_anchor(c.anchor.z, c.contact.z, t.uz, projected.sz);
+    set(c.force.z, projected.fz);
   }
-  set(limit, entry<Real>(c, mu_static, i) * positive(projected.raw));
-  set(path, entry<Real>(c, path, i) + projected.path);
-  set(mode, (touches ? one : none) + (projected.slides ? one : none));
+  set(c.limit, entry<Real>(c.mu_static, i) * positive(projected.raw));
+  set(c.path, entry<Real>(c.path, i) + projected.path);
+  set(c.mode, (touches ? one : none) + (projected.slides ? one : none));
 }
 
 // Maps `count` elements one by one; `project_onto_cone(i, trial)` projects those that touch onto the

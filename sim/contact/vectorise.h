@@ -24,6 +24,33 @@ SLIPBENCH_INLINE bool any(bool one) { return one; }
 SLIPBENCH_INLINE Lanes lanes_at(const double* from) { return vector_at<Lanes>(from); }
 SLIPBENCH_INLINE void put_lanes(double* to, const Lanes& values) { put_vector(to, values); }
 
+// Vectors of several elements, by component.
+struct LaneVectors {
+  Lanes x, y, z;
+};
+SLIPBENCH_INLINE LaneVectors operator+(const LaneVectors& a, const LaneVectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+SLIPBENCH_INLINE LaneVectors operator-(const LaneVectors& a, const LaneVectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+SLIPBENCH_INLINE LaneVectors operator*(const Lanes& s, const LaneVectors& a) { return {s * a.x, s * a.y, s * a.z}; }
+SLIPBENCH_INLINE Lanes dot(const LaneVectors& a, const LaneVectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+SLIPBENCH_INLINE LaneVectors cross(const LaneVectors& a, const LaneVectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+SLIPBENCH_INLINE LaneVectors select(const Mask& mask, const LaneVectors& a, const LaneVectors& b) {
+  return {mask ? a.x : b.x, mask ? a.y : b.y, mask ? a.z : b.z};
+}
+
+// Entries of columns from element i on.
+SLIPBENCH_INLINE Lanes at(const double* column, std::size_t i) { return lanes_at(column + i); }
+SLIPBENCH_INLINE LaneVectors at(const VectorColumns& columns, std::size_t i) {
+  return {at(columns.x, i), at(columns.y, i), at(columns.z, i)};
+}
+SLIPBENCH_INLINE void put(double* column, std::size_t i, const Lanes& values) { put_lanes(column + i, values); }
+SLIPBENCH_INLINE void put(const VectorColumns& columns, std::size_t i, const LaneVectors& values) {
+  put(columns.x, i, values.x);
+  put(columns.y, i, values.y);
+  put(columns.z, i, values.z);
+}
+
 // Stores vectors given by three components, one vector after the other.
 SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y, const Lanes& z) {
   const Lanes even = __builtin_shufflevector(x, y, 0, 4, 2, 6), odd = __builtin_shufflevector(y, z, 1, 5, 3, 7);
@@ -68,6 +95,11 @@ SLIPBENCH_INLINE Rotation entries_of(const Eigen::Matrix3d& r) {
 // The entries of its transpose.
 SLIPBENCH_INLINE Rotation entries_back(const Eigen::Matrix3d& r) {
   return {r(0, 0), r(1, 0), r(2, 0), r(0, 1), r(1, 1), r(2, 1), r(0, 2), r(1, 2), r(2, 2)};
+}
+
+SLIPBENCH_INLINE LaneVectors turned(const Rotation& r, const LaneVectors& v) {
+  return {r.r00 * v.x + r.r01 * v.y + r.r02 * v.z, r.r10 * v.x + r.r11 * v.y + r.r12 * v.z,
+          r.r20 * v.x + r.r21 * v.y + r.r22 * v.z};
 }
 
 }  // namespace slipbench::kernel

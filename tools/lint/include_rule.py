@@ -125,7 +125,6 @@ VARIANTS = {
     "detectors/hd/kernel/kernel_avx512.cc": "detectors/hd/kernel/kernel_body.h",
     "detectors/hd/kernel/kernel_portable.cc": "detectors/hd/kernel/kernel_body.h",
     "detectors/hd/reference.cc": "detectors/hd/engine.h",
-    "sim/contact/skin.cc": "sim/contact/field.h",
     "sim/mujoco/pads/no_implicit.cc": "sim/mujoco/pads/implicit.h",
     "tools/trial/mujoco/no_mujoco_simulation.cc": "tools/trial/mujoco/mujoco_simulation.h",
 }

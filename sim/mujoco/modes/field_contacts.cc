@@ -53,7 +53,7 @@ std::size_t FieldContacts::touching() const {
 double FieldContacts::normal_force(std::size_t pad) const {
   double force = 0.0;
   for (const Field& field : pads_[pad].instance->fields()) {
-    for (const double f_normal : std::span(field.column(kernel::f_normal), field.size())) force += std::max(0.0, f_normal);
+    for (const double f_normal : std::span(field.columns().f_normal, field.size())) force += std::max(0.0, f_normal);
   }
   return force;
 }

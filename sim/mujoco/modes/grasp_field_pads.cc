@@ -13,7 +13,7 @@ namespace {
 // True if other springs act than in the previous step, or if the springs rotate with a slip.
 bool springs_changed(const Field& field) {
   if (field.slipping() > 0) return true;
-  const std::span now(field.column(kernel::mode), field.size()), before(field.column(kernel::mode_before), field.size());
+  const std::span now(field.columns().mode, field.size()), before(field.columns().before.mode, field.size());
   return !std::ranges::equal(now, before);
 }
 
