@@ -12,17 +12,17 @@ FAULTS = (
     # sim/contact
     (
         "sim/contact/kernel.cc",
-        "v.y() + (@@w.z() * ax - w.x() * az@@w.z() * ax + w.x() * az@@)",
+        "linear.y() + (@@w.z() * ax - w.x() * az@@w.z() * ax + w.x() * az@@)",
         "sign: velocity of a root in a turn",
     ),
     (
         "sim/contact/kernel.cc",
-        "if (any(@@pressed | ~apart | (at(c, mode, i) != 0.0)@@pressed | ~apart@@)) {",
+        "if (any(@@pressed | ~apart | (at(c.mode, i) != 0.0)@@pressed | ~apart@@)) {",
         "missing condition: a group sleeps one step early",
     ),
     (
         "sim/contact/kernel.cc",
-        "approach = @@-(nx * vx + ny * vy + nz * vz)@@nx * vx + ny * vy + nz * vz@@;",
+        "approach = @@-dot(normal, velocity)@@dot(normal, velocity)@@,",
         "sign: speed of approach in the damped wrench",
     ),
     (
@@ -57,7 +57,7 @@ FAULTS = (
     ),
     (
         "sim/contact/field.cc",
-        "@@put(to, contact_before_x, next.vector(contact_x, i) - way);@@;@@",
+        "@@to.before.contact.set(i, to.contact.at(i) - way);@@;@@",
         "missing step: an element handed over has no earlier contact point",
     ),
     (
@@ -474,7 +474,7 @@ FAULTS = (
     ),
     (
         "tools/eval/evaluate.cc",
-        "said.probability[row] >= @@threshold@@0.5@@)",
+        "replayed.probability[row] >= @@threshold@@0.5@@)",
         "constant instead of a parameter",
     ),
 )

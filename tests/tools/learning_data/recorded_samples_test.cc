@@ -28,6 +28,15 @@ TEST(RecordedSamples, ASlowerChannelKeepsItsLatestRow) {
   EXPECT_TRUE(samples.ended());
 }
 
+// Simulated magnetic skins have their field in uT (sensors/magnetic_skin); nobody knows such a unit of "fast".
+TEST(RecordedSamples, KnowsTheUnitOfSimulatedSensorsOfTheType) {
+  SensorRecord sensor = record();
+  sensor.type = "magnetic_skin";
+  sensor.channels[0].name = "field";
+  EXPECT_EQ(RecordedSamples(sensor).channels()[0].usual_unit, "uT");
+  EXPECT_EQ(RecordedSamples(record()).channels()[0].usual_unit, "");
+}
+
 TEST(RecordedSamples, RefusesAChannelThatIsNotWhole) {
   SensorRecord sensor = record();
   sensor.channels[1].values.pop_back();

@@ -10,9 +10,10 @@ namespace slipbench {
 
 Commands command_table() {
   return make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
-                       VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, TrainHdCommand, EvalCommand, DetectCommand,
-                       BenchmarkCommand, CalibrateCommand, ReproduceCommand, CostCommand, ListCommand, DescribeCommand,
-                       SchemaCommand, DoctorCommand, PluginPathCommand, HelpCommand, CompletionCommand, ManCommand>();
+                       VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, TrainHdCommand, EvalCommand,
+                       DetectCommand, BenchmarkCommand, CalibrateCommand, ReproduceCommand, CostCommand, ListCommand,
+                       DescribeCommand, SchemaCommand, DoctorCommand, PluginPathCommand, HelpCommand, CompletionCommand,
+                       ManCommand>();
 }
 
 }  // namespace slipbench

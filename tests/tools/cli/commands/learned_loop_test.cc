@@ -87,7 +87,8 @@ TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
   said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", "10", "--jobs", "2", "-o", grasps_, "--set",
         "sensors={pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, follows: pad}}", "--set",
         "detector={type: truth, sensor: pad}"});
-  const std::vector<std::string> words = next_command(said({"train-hd", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
+  const std::vector<std::string> words =
+      next_command(said({"train-hd", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
   EXPECT_THAT(words,
               ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro", "--split", "test"));
   said(words);
