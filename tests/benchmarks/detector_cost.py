@@ -15,8 +15,11 @@ from effect_cost import count, defined_in
 
 def main():
     valgrind, program, scene, *archives = sys.argv[1:]
+
     # A compiler may put copies of standard library functions into any archive.
-    own = lambda name: "slipbench::" in name
+    def own(name):
+        return "slipbench::" in name
+
     detectors = set(filter(own, set().union(*(defined_in(archive) for archive in archives))))
 
     def spent(*settings):

@@ -428,9 +428,9 @@ class Tables(ImportTest):
             path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells]))
             return self.refused((MAP % "").replace("{column: t}", time), path).split("a.csv", 1)[1]
 
-        for time in ("{column: t}", "{column: t, unit: us}"):
+        for clock in ("{column: t}", "{column: t, unit: us}"):
             self.assertEqual(
-                message("0", "0", "0", time=time),
+                message("0", "0", "0", time=clock),
                 ":1: column 1, time: t is 0 s in all 3 samples; use time: {rate: 100 Hz}, with your rate",
             )
         self.assertEqual(
@@ -481,7 +481,7 @@ class Tables(ImportTest):
             stamps("{column: t, wrap: 12 h}", "11:59:59", "00:00:00").tolist(), [43199, 43200]
         )
         path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in ("0", "5", "11")]))
-        for time, message in (
+        for clock, message in (
             (
                 "{column: t, wrap: 10 s}",
                 "map.yaml:1: time.wrap: .*a.csv:1: the times span 11 s; expected times within 10 s",
@@ -496,7 +496,7 @@ class Tables(ImportTest):
                 "map.yaml:1: time: wrap is for a column of times, not for a rate",
             ),
         ):
-            self.assertRegex(self.refused((MAP % "").replace("{column: t}", time), path), message)
+            self.assertRegex(self.refused((MAP % "").replace("{column: t}", clock), path), message)
 
     def test_a_step_forward_by_more_than_half_of_the_period_is_refused(self):
         """Swapped samples at midnight would begin two days: 86399.9, 86400, 172799.95, 172800.1."""
@@ -542,13 +542,13 @@ class Tables(ImportTest):
             self.assertEqual(
                 self.refused(MAP % f", {keys}", path), f"{self.folder}/map.yaml:1: {message}"
             )
-        for time, message in (
+        for clock, message in (
             ("wrap: [1]", "time.wrap: expected a time such as '1 day', found a list"),
             ("rate: {a: b}", "time.rate: expected a rate such as '100 Hz', found a map"),
         ):
             self.assertIn(
                 message,
-                self.refused((MAP % "").replace("{column: t}", f"{{column: t, {time}}}"), path),
+                self.refused((MAP % "").replace("{column: t}", f"{{column: t, {clock}}}"), path),
             )
 
     def test_formats_of_times_are_checked_with_the_map(self):
@@ -694,7 +694,7 @@ class Tables(ImportTest):
         """Steps of 1/77 s in ms, written in two ways: the rate is 77 Hz, not one with fewer
         digits."""
         milliseconds = [round(1000 * k / 77) for k in range(201)]
-        for time, keys, cells in (
+        for clock, keys, cells in (
             (
                 "{column: t, format: '%d.%m.%Y %H.%M.%S.%f'}",
                 "",
@@ -703,7 +703,7 @@ class Tables(ImportTest):
             ("{column: t, unit: ms}", ", thousands: ','", [f'"{k:,}"' for k in milliseconds]),
         ):
             path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells]))
-            pad = self.read((MAP % keys).replace("{column: t}", time), path)[0][0].sensors["pad"]
+            pad = self.read((MAP % keys).replace("{column: t}", clock), path)[0][0].sensors["pad"]
             self.assertEqual(pad.rate, 77.0)
         self.assertIn(
             "found '10:75:00'",
@@ -1146,11 +1146,14 @@ class Layouts(ImportTest):
 
     def test_labels_may_be_booleans(self):
         map = MAP % ", state: {column: slip, values: {%s}, rule: by hand}"
-        states = lambda text, values: (
-            self.read(map % values, self.write("a.csv", text))[0][0]
-            .labels["pad"]["state_paper"][:]
-            .tolist()
-        )
+
+        def states(text, values):
+            return (
+                self.read(map % values, self.write("a.csv", text))[0][0]
+                .labels["pad"]["state_paper"][:]
+                .tolist()
+            )
+
         for off, on in (("False", "True"), ("false", "true"), ("FALSE", "TRUE")):
             text = f"t,f1,f2,slip\n0,1,2,{off}\n1,1,2,{on}\n"
             self.assertEqual(states(text, "false: non_slip, true: gross"), [1, 3])

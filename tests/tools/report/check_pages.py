@@ -110,7 +110,10 @@ class Pages:
         scene = self.folder / f"{sensor}.yaml"
         scene.write_text(STAGE.format(sensor=sensor, compression=compression), encoding="utf-8")
         found, picture = self.probe(self.report(scene, sensor))
-        colour = lambda at: picture.getpixel((round(at[0]), round(at[1])))
+
+        def colour(at):
+            return picture.getpixel((round(at[0]), round(at[1])))
+
         ground = colour(found["ground"])
         assert len(found["parts"]) == parts, f"{sensor}: {len(found['parts'])} parts"
         strong = [part for part in found["parts"] if part["strength"] > 0.3]

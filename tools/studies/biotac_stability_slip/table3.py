@@ -11,7 +11,7 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from slipbench.learning.biotac import ELECTRODES, IMAGES
+from slipbench.learning.biotac import IMAGES
 from slipbench.learning.networks import BiotacConvLstm, BiotacLstm
 from slipbench_studies.biotac_stability_slip.touches import (
     CLASSES,

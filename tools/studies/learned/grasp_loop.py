@@ -8,6 +8,7 @@ import math
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -195,9 +196,9 @@ def train_all(names: Sequence[str], folder: str, options: Options) -> dict[str, 
     """
     recipes = [recipe for recipe in NETWORKS if any(name.startswith(recipe) for name in names)]
     if recipes:
-        from slipbench import (
-            learning as _,
-        )  # a missing PyTorch is reported before anything is simulated
+        import_module(
+            "slipbench.learning"
+        )  # reports a missing PyTorch before anything is simulated
     dataset = options.data
     if not dataset and (recipes or MEMORIES in names):
         dataset = str(Path(folder) / "grasps.h5")

@@ -10,7 +10,6 @@ old, --resume simulates no trial of a batch again, and the digest is right.
 """
 
 import json
-import os
 import random
 import resource
 import signal
