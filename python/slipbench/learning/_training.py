@@ -192,6 +192,129 @@ def train(
             frame, a network whose answers a loop cannot reproduce frame by frame, a loss that is
             not finite, or an output that exists and is not a detector
     """
+    request = _Request(
+        paths=_paths_of(dataset),
+        seed=_whole_number(seed, "seed", 0, 2**64 - 1),
+        steps=None if steps is None else _whole_number(steps, "steps", 1),
+        turned=None if turned is None else _whole_number(turned, "turned", 0),
+        held_out=_share_of(held_out),
+        path=_output_of(output),
+        sensor=sensor,
+        every_trial=every_trial,
+        split=split,
+    )
+    chosen = _recipe(recipe, network, labels, split, request.steps, request.turned)
+    rule = _point_rule(chosen, alarms, by_score, specificity)
+    if resume and not os.path.exists(f"{request.path}.checkpoint-0"):
+        raise _core.InputError(
+            f"{request.path}.checkpoint-0: does not exist: the training has finished, or was stopped before its first validation; train without "
+            f"{named('resume', True)}"
+        )
+    writer = _log_writer(log)
+    if chosen.input.transform == "units":
+        chosen = replace(chosen, input=fit_units(chosen.input, request.paths[0], sensor))
+    if rates is not None:
+        chosen = replace(chosen, input=replace(chosen.input, rates=_range_of(rates)))
+    data = _read(request, chosen, rule, reading)
+    members, steps_taken = _fit_members(
+        request,
+        chosen,
+        data,
+        resume=resume,
+        writer=writer,
+        progress=progress,
+        before_step=before_step,
+    )
+    judgement = _choose_point(chosen, rule, data, members)
+    record = _record_of(request, chosen, rule, data, members, steps_taken, judgement)
+    description = _write(request, chosen, data, members, judgement, record)
+    return _trained(request, data, members, judgement, description)
+
+
+@dataclass(frozen=True)
+class _Request:
+    """Checked arguments of `train`, but for the recipe and the operating point.
+
+    Attributes:
+        held_out: share of the groups for the test; None: not given
+        split: property that separates them; None: not given
+    """
+
+    paths: list[str]
+    seed: int
+    steps: int | None
+    turned: int | None
+    held_out: float | None
+    path: str
+    sensor: str
+    every_trial: bool
+    split: str | None
+
+    @property
+    def share(self) -> float:
+        """Share of the groups for the test."""
+        return 0.2 if self.held_out is None else self.held_out
+
+
+@dataclass(frozen=True)
+class _PointRule:
+    """How the operating point is chosen.
+
+    Attributes:
+        by_score: by the score of open recordings
+        alarms: tolerated false alarms per minute; None: by the score, or frame by frame
+        specificity: least share of trials without slip and without an alarm, with `by_score`
+    """
+
+    by_score: bool
+    alarms: float | None
+    specificity: float
+
+    @property
+    def measure(self) -> str:
+        """What the point is best by, as in `_core.best_point`."""
+        if self.by_score:
+            return "score"
+        return "accuracy" if self.alarms is None else "alarms"
+
+
+@dataclass(frozen=True)
+class _Data:
+    """The trials in their parts, and the scaled frames [T, inputs] with labels [T] of each."""
+
+    examples: Examples
+    learns: list[Example]
+    validates: list[Example]
+    judges: list[Example]
+    offset: Floats
+    scale: Floats
+    scaled: list[list[tuple[Floats, Labels]]]
+    own_split: bool
+
+
+@dataclass(frozen=True)
+class _Judgement:
+    """The operating point, and what it does on the validation and the test trials.
+
+    Attributes:
+        accuracy: balanced accuracy over all classes, of validation and test
+        at_point: counts of the validation trials, if the point was chosen by score
+        counts: counts of the test trials; None: no test trials
+    """
+
+    point: dict[str, Any]
+    accuracy: list[float]
+    at_point: dict[str, Any] | None
+    counts: dict[str, Any] | None
+
+    @property
+    def alarm(self) -> dict[str, int]:
+        """Frames that begin and end an alarm, and its least length."""
+        return {key: self.point[key] for key in ("on", "off", "least")}
+
+
+def _paths_of(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
+    """The paths of one dataset or of several. Raises InputError for none."""
     paths = [
         os.fspath(one)
         for one in ([dataset] if isinstance(dataset, (str, os.PathLike)) else dataset)
@@ -200,18 +323,34 @@ def train(
         raise _core.InputError(
             "dataset: expected the path of a dataset, or a list of paths, found an empty list"
         )
-    seed = _whole_number(seed, "seed", 0, 2**64 - 1)
-    steps = None if steps is None else _whole_number(steps, "steps", 1)
-    turned = None if turned is None else _whole_number(turned, "turned", 0)
-    if held_out is not None and not (isinstance(held_out, numbers.Real) and 0 <= held_out <= 0.5):
+    return paths
+
+
+def _share_of(held_out: Any) -> float | None:
+    """A share for the test, or None. Raises InputError outside of 0 to 0.5."""
+    if held_out is None:
+        return None
+    if not (isinstance(held_out, numbers.Real) and 0 <= held_out <= 0.5):
         raise _core.InputError(f"held_out: expected a number from 0 to 0.5, found {held_out!r}")
+    return float(held_out)
+
+
+def _output_of(output: str | os.PathLike[str]) -> str:
+    """The path of the file. Raises InputError for another ending and for files of others."""
     path = os.fspath(output)
     if not path.endswith(".onnx"):
         raise _core.InputError(
             f"output: {path}: a network is an ONNX file, whose name must end with .onnx"
         )
     check_output(path)
-    chosen = _recipe(recipe, network, labels, split, steps, turned)
+    return path
+
+
+def _point_rule(
+    chosen: Recipe, alarms: str | float | None, by_score: bool, specificity: Any
+) -> _PointRule:
+    """The rule that the arguments ask for. Raises InputError for arguments that exclude or need
+    one another, and for those that the recipe does not allow."""
     if by_score and alarms is not None:
         raise _core.InputError(
             f"{named('by_score', True)} and {named('alarms', alarms)} cannot be combined"
@@ -224,55 +363,60 @@ def train(
         isinstance(specificity, numbers.Real) and 0 <= specificity <= 1
     ):
         raise _core.InputError(f"specificity: expected a number from 0 to 1, found {specificity!r}")
-    if by_score and chosen.labels == "recorded":
-        raise _core.InputError(
-            f"{named('by_score', True)} needs simulated trials, which record the slipped distance; with {named('labels', 'recorded')} use "
-            f"{named('alarms')}"
-        )
-    if (by_score or alarms not in (None, math.inf)) and chosen.at_most > 0:
-        argument, given = ("by_score", True) if by_score else ("alarms", alarms)
+    wanted = 0.95 if specificity is None else float(specificity)
+    if by_score:
+        if chosen.labels == "recorded":
+            raise _core.InputError(
+                f"{named('by_score', True)} needs simulated trials, which record the slipped distance; with {named('labels', 'recorded')} use "
+                f"{named('alarms')}"
+            )
+        _check_whole_recordings(chosen, "by_score", True)
+        return _PointRule(True, None, wanted)
+    if alarms == math.inf or (alarms is None and chosen.at_most > 0):
+        return _PointRule(False, None, wanted)
+    if alarms is not None:
+        _check_whole_recordings(chosen, "alarms", alarms)
+    return _PointRule(False, alarms_per_minute("1/min" if alarms is None else alarms), wanted)
+
+
+def _check_whole_recordings(chosen: Recipe, argument: str, given: Any) -> None:
+    """Raises InputError if the recipe trains on single frames, which have no alarms."""
+    if chosen.at_most > 0:
         raise _core.InputError(
             f"{named(argument, given)}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
             f"leave {named(argument)} out"
         )
-    frame_by_frame = chosen.at_most > 0 or alarms == math.inf
-    tolerated = (
-        None
-        if by_score or frame_by_frame
-        else alarms_per_minute("1/min" if alarms is None else alarms)
-    )
-    if resume and not os.path.exists(f"{path}.checkpoint-0"):
-        raise _core.InputError(
-            f"{path}.checkpoint-0: does not exist: the training has finished, or was stopped before its first validation; train without "
-            f"{named('resume', True)}"
-        )
-    writer = _log_writer(log)
-    if chosen.input.transform == "units":
-        chosen = replace(chosen, input=fit_units(chosen.input, paths[0], sensor))
-    if rates is not None:
-        chosen = replace(chosen, input=replace(chosen.input, rates=_range_of(rates)))
-    share = 0.2 if held_out is None else float(held_out)
+
+
+def _read(
+    request: _Request,
+    chosen: Recipe,
+    rule: _PointRule,
+    reading: Callable[[int, int], object] | None,
+) -> _Data:
+    """Reads the trials of the datasets, divides them and scales their frames."""
     examples = read_examples(
-        paths,
+        request.paths,
         chosen.input,
         labels=chosen.labels,
         classes=chosen.classes,
-        sensor=sensor,
+        sensor=request.sensor,
         turned=chosen.turned,
         at_most=chosen.at_most,
-        seed=seed,
+        seed=request.seed,
         split=chosen.split,
-        held_out=share,
-        divide_anew=every_trial,
+        held_out=request.share,
+        divide_anew=request.every_trial,
         progress=reading,
     )
-    if (
-        not every_trial
-        and (split is not None or held_out is not None)
-        and any(one.own_part for one in examples.all)
-    ):
-        divided = paths[next(one.dataset for one in examples.all if one.own_part)]
-        asked = named("split", split) if split is not None else named("held_out", held_out)
+    own_split = any(one.own_part for one in examples.all) and not request.every_trial
+    if own_split and (request.split, request.held_out) != (None, None):
+        divided = request.paths[next(one.dataset for one in examples.all if one.own_part)]
+        asked = (
+            named("split", request.split)
+            if request.split is not None
+            else named("held_out", request.held_out)
+        )
         raise _core.InputError(
             f"{divided}: the split of the dataset determines the trials for training and test; with {asked} also give "
             f"{named('every_trial', True)}, "
@@ -281,12 +425,11 @@ def train(
     learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
     if not learns:
         raise _core.InputError(
-            f"{', '.join(paths)}: the part train of the dataset's own split has no trial; {named('every_trial', True)} divides all trials anew"
+            f"{', '.join(request.paths)}: the part train of the dataset's own split has no trial; {named('every_trial', True)} divides all trials anew"
         )
-    wanted_specificity = 0.95 if specificity is None else float(specificity)
-    if by_score:
-        silent = [_scored_series(np.zeros(len(one.labels)), one, 0) for one in validates]
-        if _core.counts_at(silent, chosen.input.period, 1.0, 1, 1, 1)["slips"] == 0:
+    if rule.by_score:
+        no_alarm = [_scored_series(np.zeros(len(one.labels)), one, 0) for one in validates]
+        if _core.counts_at(no_alarm, chosen.input.period, 1.0, 1, 1, 1)["slips"] == 0:
             raise _core.InputError(
                 f"{named('by_score', True)}: no validation trial of the first dataset slips by 0.05 mm or more with a known slipped distance; use "
                 f"{named('alarms')}"
@@ -296,10 +439,24 @@ def train(
         [((one.features - offset) * scale, one.labels) for one in part]
         for part in (learns, validates, judges)
     ]
+    return _Data(examples, learns, validates, judges, offset, scale, scaled, own_split)
 
+
+def _fit_members(
+    request: _Request,
+    chosen: Recipe,
+    data: _Data,
+    *,
+    resume: bool,
+    writer: Any,
+    progress: Callable[[int, Report], object] | None,
+    before_step: Callable[[], None] | None,
+) -> tuple[list[nn.Module], list[int]]:
+    """Fits the recipe's networks, and returns them with the steps of their best states."""
+    examples = data.examples
     members, fitted_steps = [], []
     for member in range(chosen.members):
-        own_seed = (seed + member) % 2**64
+        own_seed = (request.seed + member) % 2**64
         with reproducible(own_seed):
             module = chosen.network(examples.inputs, len(examples.classes))
         if not isinstance(module, nn.Module):
@@ -307,12 +464,24 @@ def train(
                 f"network: expected a function that returns a torch.nn.Module, but it returned {type(module).__name__}"
             )
         if member == 0:
-            for part, name in ((learns, "to learn from"), (validates, "that choose the state")):
-                _check_classes(paths, name, part, examples.classes, history_of(module))
+            for part, name in (
+                (data.learns, "to learn from"),
+                (data.validates, "that choose the state"),
+            ):
+                _check_classes(request.paths, name, part, examples.classes, history_of(module))
             _check_module(module, examples.inputs, len(examples.classes))
         checkpoint = Checkpoint(
-            f"{path}.checkpoint-{member}",
-            _identity(chosen, module, examples, sensor, every_trial, share, seed, member),
+            f"{request.path}.checkpoint-{member}",
+            _identity(
+                chosen,
+                module,
+                examples,
+                request.sensor,
+                request.every_trial,
+                request.share,
+                request.seed,
+                member,
+            ),
             resume,
         )
 
@@ -325,8 +494,8 @@ def train(
 
         done = fit(
             module,
-            scaled[0],
-            scaled[1],
+            data.scaled[0],
+            data.scaled[1],
             chosen.training,
             classes=len(examples.classes),
             seed=own_seed,
@@ -338,118 +507,154 @@ def train(
         fitted_steps.append(done.best_step)
     if writer is not None:
         writer.close()
+    return members, fitted_steps
 
+
+def _choose_point(
+    chosen: Recipe, rule: _PointRule, data: _Data, members: list[nn.Module]
+) -> _Judgement:
+    """Chooses the operating point on the validation trials, and counts on the test trials."""
     before = history_of(members[0]) - 1
+    period = chosen.input.period
     probabilities = [
-        [_probabilities(members, features) for features, _ in part] for part in scaled[1:]
+        [_probabilities(members, features) for features, _ in part] for part in data.scaled[1:]
     ]
-    truth = [[labels[before:] for _, labels in part] for part in scaled[1:]]
+    truth = [[labels[before:] for _, labels in part] for part in data.scaled[1:]]
     accuracy = [
         balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of)
         for part, of in zip(probabilities, truth)
     ]
-    slip = np.array([state in SLIPPING for _, state in examples.classes])
+    slip = np.array([state in SLIPPING for _, state in data.examples.classes])
     series = [
         [_series(one, labels, slip) for one, labels in zip(part, of)]
         for part, of in zip(probabilities, truth)
     ]
-    if by_score:
-        scored = [
+    validation = series[0]
+    if rule.by_score:
+        validation = [
             _scored_series(probability, one, before)
-            for (probability, *_), one in zip(series[0], validates)
+            for (probability, *_), one in zip(series[0], data.validates)
         ]
-        point = _core.best_point(scored, chosen.input.period, "score", wanted_specificity)
-    else:
-        point = _core.best_point(
-            series[0],
-            chosen.input.period,
-            "accuracy" if frame_by_frame else "alarms",
-            tolerated or 0.0,
-        )
-    alarm = {key: point[key] for key in ("on", "off", "least")}
-    counts = (
-        _core.counts_at(series[1], chosen.input.period, point["threshold"], **alarm)
-        if judges
-        else None
+    limit = rule.specificity if rule.by_score else rule.alarms or 0.0
+    judgement = _Judgement(
+        _core.best_point(validation, period, rule.measure, limit), accuracy, None, None
+    )
+    threshold = judgement.point["threshold"]
+    return replace(
+        judgement,
+        at_point=_core.counts_at(validation, period, threshold, **judgement.alarm)
+        if rule.by_score
+        else None,
+        counts=_core.counts_at(series[1], period, threshold, **judgement.alarm)
+        if data.judges
+        else None,
     )
 
-    trained: dict[str, Any] = {
+
+def _record_of(
+    request: _Request,
+    chosen: Recipe,
+    rule: _PointRule,
+    data: _Data,
+    members: list[nn.Module],
+    steps_taken: list[int],
+    judgement: _Judgement,
+) -> dict[str, Any]:
+    """What the file says about its training and its figures."""
+    validation = {
+        "balanced_accuracy": judgement.accuracy[0],
+        "alarms_per_minute": _or_none(judgement.point["alarms_per_minute"]),
+    }
+    if judgement.at_point is not None:
+        validation |= {
+            "score": _or_none(judgement.at_point["score"]),
+            "specificity": _or_none(judgement.at_point["specificity"]),
+            "specificity_asked": rule.specificity,
+        }
+    record: dict[str, Any] = {
         "recipe": chosen.name,
         "labels": chosen.labels,
-        "command": examples.command,
-        "data_sha256": examples.sha256,
-        "sensor": sensor,
+        "command": data.examples.command,
+        "data_sha256": data.examples.sha256,
+        "sensor": request.sensor,
         "split": chosen.split,
-        "held_out": share,
-        "seed": seed,
-        "alarms_asked_per_minute": tolerated,
-        "by_score": by_score,
-        "trials_learnt": _trials(learns),
-        "trials_validated": _trials(validates),
-        "trials_judged": _trials(judges),
-        "sha256_seen": sorted({one.sha256 for one in learns + validates} - {""}),
-        "frames": sum(len(one.labels) for one in learns),
+        "held_out": request.share,
+        "seed": request.seed,
+        "alarms_asked_per_minute": rule.alarms,
+        "by_score": rule.by_score,
+        "trials_learnt": _trials(data.learns),
+        "trials_validated": _trials(data.validates),
+        "trials_judged": _trials(data.judges),
+        "sha256_seen": sorted({one.sha256 for one in data.learns + data.validates} - {""}),
+        "frames": sum(len(one.labels) for one in data.learns),
         "parameters": sum(one.numel() for one in members[0].parameters()),
-        "steps": fitted_steps,
-        "validation": {
-            "balanced_accuracy": accuracy[0],
-            "alarms_per_minute": _or_none(point["alarms_per_minute"]),
-        },
+        "steps": steps_taken,
+        "validation": validation,
         "libraries": f"torch {torch.__version__}",
     }
-    if by_score:
-        at_point = _core.counts_at(scored, chosen.input.period, point["threshold"], **alarm)
-        trained["validation"] |= {
-            "score": _or_none(at_point["score"]),
-            "specificity": _or_none(at_point["specificity"]),
-            "specificity_asked": wanted_specificity,
-        }
-    own_split = any(one.own_part for one in examples.all) and not every_trial
-    if own_split:
-        trained["dataset_split"] = True
+    if data.own_split:
+        record["dataset_split"] = True
+    counts = judgement.counts
     if counts is not None:
-        trained["judged"] = {
+        cells = ("slip_called_slip", "slip_called_hold", "hold_called_slip", "hold_called_hold")
+        record["judged"] = {
             "balanced_accuracy": _or_none(counts["balanced_accuracy"]),
             "f1": _or_none(counts["f1"]),
-            **{
-                key: counts[key]
-                for key in (
-                    "slip_called_slip",
-                    "slip_called_hold",
-                    "hold_called_slip",
-                    "hold_called_hold",
-                )
-            },
+            **{key: counts[key] for key in cells},
             "alarms_per_minute": _or_none(counts["alarms_per_minute"]),
-            "all_classes_balanced_accuracy": _or_none(accuracy[1]),
+            "all_classes_balanced_accuracy": _or_none(judgement.accuracy[1]),
         }
+    return record
+
+
+def _write(
+    request: _Request,
+    chosen: Recipe,
+    data: _Data,
+    members: list[nn.Module],
+    judgement: _Judgement,
+    record: dict[str, Any],
+) -> dict[str, Any]:
+    """Writes the detector's file, removes the checkpoints, and returns the file's description."""
     description = describe_file(
-        replace(chosen.input, units=examples.units),
-        examples.classes,
-        threshold=point["threshold"],
-        alarm=alarm,
-        trained=trained,
+        replace(chosen.input, units=data.examples.units),
+        data.examples.classes,
+        threshold=judgement.point["threshold"],
+        alarm=judgement.alarm,
+        trained=record,
     )
-    description["input"] |= {"offset": offset.tolist(), "scale": scale.tolist()}
-    write_detector(path, members, examples.inputs, description, scaled[1][0][0])
+    description["input"] |= {"offset": data.offset.tolist(), "scale": data.scale.tolist()}
+    write_detector(request.path, members, data.examples.inputs, description, data.scaled[1][0][0])
     for member in range(chosen.members):
-        Path(f"{path}.checkpoint-{member}").unlink(missing_ok=True)
-    judged_from = (
-        (paths[judges[0].dataset], judges[0].own_part if own_split else "") if judges else ("", "")
-    )
+        Path(f"{request.path}.checkpoint-{member}").unlink(missing_ok=True)
+    return description
+
+
+def _trained(
+    request: _Request,
+    data: _Data,
+    members: list[nn.Module],
+    judgement: _Judgement,
+    description: dict[str, Any],
+) -> Trained:
+    """The result of `train`."""
+    judged_from = ("", "")
+    if data.judges:
+        first = data.judges[0]
+        judged_from = (request.paths[first.dataset], first.own_part if data.own_split else "")
     return Trained(
-        path,
+        request.path,
         members,
         description,
-        accuracy[0],
-        trained.get("judged"),
+        judgement.accuracy[0],
+        description["trained"].get("judged"),
         {
-            "learns": len(_trials(learns)),
-            "validates": len(_trials(validates)),
-            "judges": len(_trials(judges)),
+            "learns": len(_trials(data.learns)),
+            "validates": len(_trials(data.validates)),
+            "judges": len(_trials(data.judges)),
         },
-        list(dict.fromkeys(one.sensor for one in examples.all)),
-        own_split,
+        list(dict.fromkeys(one.sensor for one in data.examples.all)),
+        data.own_split,
         judged_from,
     )
 
