@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +56,7 @@ bool is_contact
 """
 DRIVER = "papillarray_interfaces/msg/"
 HEADER, TIME = "std_msgs/msg/Header", "builtin_interfaces/msg/Time"
-FORMAT = 8  # version of the bag, the oldest that rosbags writes
+FORMAT: Final = 8  # version of the bag, the oldest that rosbags writes
 MAGIC = b"\x89MCAP0\r\n"
 PILLARS, CENTRE = 9, 4
 CONTACT_FORCE = 0.5  # N, reported normal force from which the vendor's software reports contact
@@ -295,7 +295,7 @@ def _sensor_state(
     force, displacement = (values[name].values for name in ("force", "displacement"))
     topic, count = f"/hub_0/sensor_{number}", len(force)
     times = _times(values["force"].t, topic)
-    newtons = force.reshape(count, PILLARS, 3)
+    newtons: Any = force.reshape(count, PILLARS, 3)
     metres = displacement.reshape(count, PILLARS, 3).astype(float)
     states, reference = _slip_states({one.name: one for one in labels}, rule, count)
     contact = newtons[..., 2] >= CONTACT_FORCE

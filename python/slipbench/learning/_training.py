@@ -326,7 +326,7 @@ def _paths_of(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
     return paths
 
 
-def _share_of(held_out: Any) -> float | None:
+def _share_of(held_out: float | None) -> float | None:
     """A share for the test, or None. Raises InputError outside of 0 to 0.5."""
     if held_out is None:
         return None
@@ -347,7 +347,7 @@ def _output_of(output: str | os.PathLike[str]) -> str:
 
 
 def _point_rule(
-    chosen: Recipe, alarms: str | float | None, by_score: bool, specificity: Any
+    chosen: Recipe, alarms: str | float | None, by_score: bool, specificity: float | None
 ) -> _PointRule:
     """The rule that the arguments ask for. Raises InputError for arguments that exclude or need
     one another, and for those that the recipe does not allow."""
