@@ -275,7 +275,7 @@ class Training(TrainingTest):
                 "^by_score=True needs simulated trials.*labels='recorded' use alarms$",
             ),
             ({"output": "m"}, ".onnx"),
-            ({"labels": "felt"}, "labels.*felt"),
+            ({"labels": "felt"}, "label rule 'felt'"),
             ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]"),
         ):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
