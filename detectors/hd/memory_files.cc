@@ -305,7 +305,7 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
     if (!unnamed) {
       throw UnnamedModelError(
           (path / description_file).string() +
-          ": no such file, and the memories do not say which model they belong to; expected a folder that `slipbench train` wrote");
+          ": no such file, and the memories do not say which model they belong to; expected a folder that `slipbench train-hd` wrote");
     }
     saved.model = *unnamed;
     saved.model.dimension = 4 * digits;

@@ -41,7 +41,7 @@ void RungeKuttaFieldPads::find_force(Eigen::VectorXd& force) const { contacts_.f
 
 PadEnergy RungeKuttaFieldPads::read_energy() {
   // RK4 has been through other stages since the tick.
-  return contacts_.read([this](const PadInstance& pad, std::size_t field) {
+  return contacts_.read([](const PadInstance& pad, std::size_t field) {
     return pad.fields()[field].damped_wrench_on_pad(pad.motion(field), pad.config().damping);
   });
 }

@@ -191,7 +191,7 @@ TEST_F(MemoryFiles, WithoutADescriptionTheLineThatDiffersIsBlamed) {
 TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
   EXPECT_THROW(load(published_folder), UnnamedModelError);
   EXPECT_THAT(refusal_of([] { load(published_folder); }),
-              AllOf(HasSubstr("model.txt: no such file"), HasSubstr("expected a folder that `slipbench train` wrote")));
+              AllOf(HasSubstr("model.txt: no such file"), HasSubstr("expected a folder that `slipbench train-hd` wrote")));
   const SavedModel published = load(published_folder, published_model("A"));
   EXPECT_EQ(published.model, published_model("A"));
   EXPECT_EQ(published.memories.item.size(), 12U);

@@ -11,7 +11,7 @@ trap 'rm -rf "$folder"' EXIT
 case $name in
   cl_gst_hd)
     "$program" sweep scenes/benchmark/slip-1/learn_papillarray.yaml -o "$folder/learn.h5" --quiet
-    "$program" train "$folder/learn.h5" --all -o "$folder/$name" --json > "$folder/figures.json"
+    "$program" train-hd "$folder/learn.h5" --all -o "$folder/$name" --json > "$folder/figures.json"
     ;;
   learn_gst_hd)
     # The electronics of version 0.2, with which the memories were trained.
@@ -21,7 +21,7 @@ case $name in
       "sweep.sensors.pad.electronics={draw: choice, values: [ideal, $electronics, $electronics]}" -o "$folder/slides.h5" --quiet
     "$program" sweep scenes/learn/undisturbed_grasp.yaml --trials 150 -o "$folder/grasps.h5" --quiet \
       --set "sensors={pad: {type: papillarray, rate: 1 kHz, electronics: $electronics, device: redrawn}}"
-    "$program" train "$folder/slides.h5" --with "$folder/grasps.h5" --all --labels micro --epochs 3 --score -o "$folder/$name" --json > "$folder/figures.json"
+    "$program" train-hd "$folder/slides.h5" --with "$folder/grasps.h5" --all --labels micro --epochs 3 --score -o "$folder/$name" --json > "$folder/figures.json"
     ;;
 esac
 diff -r -x seen.txt -I '^on: ' -I '^off: ' "$folder/$name" "detectors/hd/memories/$name"

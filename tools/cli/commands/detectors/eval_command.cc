@@ -111,7 +111,7 @@ figures follow by material or object, by speed and by the dataset's masks. A fra
 the pad: non-slip, incipient slip or gross slip.
 
 DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that
-`slipbench train` wrote (gst_hd); cl_gst_hd and learn_gst_hd are included. Trials on which a network
+`slipbench train-hd` wrote (gst_hd); cl_gst_hd and learn_gst_hd are included. Trials on which a network
 or memories were trained are left out, in whichever file they are stored; the output warns if the
 detector does not record these trials.
 
@@ -174,7 +174,7 @@ reports slip; and transfer (--real), where detectors trained on simulations are 
 recordings of real sensors.
 
 DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that
-`slipbench train` wrote.
+`slipbench train-hd` wrote.
 
 --verify recomputes a submission. It prints the first difference and exits with status 1 if a number
 differs by more than 1e-9 (the rounding of MuJoCo, FFTW and networks on other processors), or if
