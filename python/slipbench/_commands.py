@@ -1,7 +1,8 @@
 """The program's commands on dataset files, as functions that run in this process.
 
-What a command prints as a note or warning is a Python warning (UserWarning) here. Ctrl-C, SIGTERM
-or SIGHUP ends the work with KeyboardInterrupt, and no file is left half-written.
+What a command prints as a note or warning is a Python warning (UserWarning) here, but for
+import_recordings, which returns them under "warnings". Ctrl-C, SIGTERM or SIGHUP ends the work with
+KeyboardInterrupt, and no file is left half-written.
 """
 
 from __future__ import annotations
@@ -72,6 +73,8 @@ def _paths(files: Any, key: str) -> list[PathLike]:
     """One path or several as a list. Raises InputError, naming `key`, for anything else."""
     several = isinstance(files, Iterable) and not isinstance(files, (str, bytes, os.PathLike))
     found = list(files) if several else [files]
+    if not found:
+        raise _core.InputError(f"{key}: expected a path or a list of paths, found an empty list")
     for one in found:
         if not isinstance(one, (str, os.PathLike)):
             raise _core.InputError(f"{key}: expected a path or a list of paths, found {shown(one)}")

@@ -283,6 +283,17 @@ class InProcess(unittest.TestCase):
         self.path = self.folder / "a.h5"
         slipbench.Scene.load("papillarray/stage.yaml").set(sweep={"trials": 2}).write(self.path)
 
+    def test_an_empty_list_of_files_is_refused(self):
+        out = self.folder / "out.h5"
+        for call, key in (
+            (lambda: slipbench.verify([]), "datasets"),
+            (lambda: slipbench.merge([], out), "shards"),
+            (lambda: slipbench.import_recordings([], out, format="training-csv"), "sources"),
+        ):
+            with self.assertRaisesRegex(slipbench.InputError, f"{key}: .* an empty list"):
+                call()
+        self.assertFalse(out.exists())
+
     def test_no_process_is_started(self):
         """Neither Python nor the program: the check of a file's structure has slipbench-reader."""
         started = []

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/process/check_readable.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/dataset/hdf5/hdf5_place.h"
 #include "tools/dataset/record/codes.h"
@@ -213,7 +214,7 @@ void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>
   } catch (const std::runtime_error& error) {
     file.abandon();
     ::unlink(temporary.c_str());
-    if (dynamic_cast<const InputError*>(&error) != nullptr) throw;
+    if (dynamic_cast<const InputError*>(&error) != nullptr || dynamic_cast<const Interrupted*>(&error) != nullptr) throw;
     reject("cannot write {}: {}", path, error.what());
   }
 }
