@@ -30,7 +30,7 @@ MotionKind wander_motion();
 const std::vector<MotionKind>& motion_catalogue();
 // The default of a scene: of a grasp's arm if `of_arm`, otherwise of a stage.
 const MotionKind& default_motion(bool of_arm);
-// Returns the kind `name`; null if there is none.
+// Returns the kind with this name, or null for an unknown name.
 const MotionKind* find_motion(std::string_view name);
 
 // The arm starts at the origin, aligned with the world. See describe().

@@ -409,7 +409,7 @@ Json summary_json(const Summary& summary) {
 std::string labels_title(LabelRule rule) { return rule == LabelRule::recorded ? "labels" : "truth"; }
 
 std::vector<PadState> label_states(const SensorRecord& sensor, LabelRule rule, bool turning) {
-  std::vector<PadState> states = states_by(sensor, rule, turning);
+  std::vector<PadState> states = states_by(sensor, rule, turning, LabelUse::evaluation);
   return about_rule(rule).after_slip == AfterSlip::slip ? latched(std::move(states)) : states;
 }
 

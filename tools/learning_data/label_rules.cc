@@ -138,9 +138,9 @@ LabelRule parse_label_rule(const std::string& name, std::optional<LabelUse> use)
   reject("unknown label rule {}{}", quote(name), allowed_names(name, label_rule_names(use)));
 }
 
-std::string rules_of_truth() {
+std::string rules_of_truth(LabelUse use) {
   std::vector<std::string> names;
-  for (const LabelRuleInfo& rule : rules) {
+  for (const LabelRuleInfo& rule : rules_for(use)) {
     if (rule.value != LabelRule::recorded && !rule.papillarray_only) names.emplace_back(rule.name);
   }
   return fmt::format("{}", fmt::join(names, ", "));
@@ -152,13 +152,13 @@ std::string label_rules_text(LabelUse use) {
   return text;
 }
 
-std::vector<PadState> states_by(const SensorRecord& sensor, LabelRule rule, bool turning) {
+std::vector<PadState> states_by(const SensorRecord& sensor, LabelRule rule, bool turning, LabelUse use) {
   const LabelRuleInfo& about = about_rule(rule);
   const LabelRecord& labels = sensor.labels;
   const bool recorded = rule == LabelRule::recorded;
   if (recorded == labels.truth) {
     reject("sensor {}: is {} and has no labels {}; allowed: --labels {}", sensor.name, labels.truth ? "simulated" : "recorded",
-           about.name, labels.truth ? rules_of_truth() : "recorded");
+           about.name, labels.truth ? rules_of_truth(use) : "recorded");
   }
   if (recorded && labels.state_paper.empty()) {
     reject(
@@ -167,7 +167,7 @@ std::vector<PadState> states_by(const SensorRecord& sensor, LabelRule rule, bool
   }
   if (about.papillarray_only && sensor.type != "papillarray") {
     reject("sensor {}: is a {}, but the rule {} needs a PapillArray; allowed: --labels {}", sensor.name, sensor.type, about.name,
-           rules_of_truth());
+           rules_of_truth(use));
   }
   return about.stored != nullptr ? checked_states(sensor, labels.*about.stored, rule) : about.computed(sensor, turning);
 }

@@ -65,14 +65,15 @@ std::string label_rule_name(LabelRule rule);
 std::vector<std::string> label_rule_names(std::optional<LabelUse> use = {});
 // Throws InputError with the nearest name.
 LabelRule parse_label_rule(const std::string& name, std::optional<LabelUse> use = {});
-// "strict, micro, ...": the rules of simulated trials of any sensor, for errors.
-std::string rules_of_truth();
+// "strict, micro, ...": the rules of simulated trials of any sensor that a use takes, for errors.
+std::string rules_of_truth(LabelUse use);
 // Lines "  strict       a unit slips if all of it slips" of the rules for a use, for help texts.
 std::string label_rules_text(LabelUse use);
 
 // The pad's state in each sample of a sensor, [T], from which the rule derives its labels, before
 // AfterSlip and least_distance; unknown_state where the labels of a recording say so. Throws InputError
-// for labels that the sensor does not have, that are invalid or that are not one per sample.
-std::vector<PadState> states_by(const SensorRecord& sensor, LabelRule rule, bool turning);
+// for labels that the sensor does not have, with those that `use` takes, and for labels that are invalid
+// or not one per sample.
+std::vector<PadState> states_by(const SensorRecord& sensor, LabelRule rule, bool turning, LabelUse use);
 
 }  // namespace slipbench

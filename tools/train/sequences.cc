@@ -64,7 +64,7 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   if (pad == record.bodies.end()) throw InputError(subject + ": has no truth/pad, which contains the motion of the pad");
   const PapillarraySamples samples(sensor, options.labels, default_label_speed);
   const std::size_t stride = stride_of(sensor, subject);
-  const std::vector<PadState> states = states_by(sensor, options.labels, motion.rotation != 0.0);
+  const std::vector<PadState> states = states_by(sensor, options.labels, motion.rotation != 0.0, LabelUse::pillars);
 
   Sequence sequence;
   sequence.trial = record.trial;

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <optional>
 
-#include <Eigen/Core>
-
 #include "sim/mujoco/modes/field_pads.h"
 #include "sim/mujoco/modes/spring_limit.h"
 
@@ -17,12 +15,8 @@ class ExplicitFieldPads final : public FieldPads {
   // `world` must have the step's data and outlive the object.
   ExplicitFieldPads(DynamicWorld& world, const DynamicSetup& setup, bool stored_energy_known);
 
-  void begin() override;
   void take_tick(std::size_t tick, RunWatch& watch) override;
   [[nodiscard]] WatchSettings watch_settings(const WatchLimits& limits) const override;
-  void find_force(Eigen::VectorXd& force) const override;
-  PadEnergy read_energy() override;
-  [[nodiscard]] Eigen::Vector3d force_on(int body, int dof, const Eigen::VectorXd& force) const override;
 
  private:
   std::optional<SpringLimit> limit_;  // unless the caller allows long steps

@@ -32,10 +32,6 @@ GraspFieldPads::GraspFieldPads(DynamicWorld& world, const DynamicSetup& setup, c
   if (setup.options.refuse_long_steps) limit_.emplace(plan.averages ? longest_averaged_step : longest_explicit_step);
 }
 
-void GraspFieldPads::begin() {
-  call_mujoco([this] { mj_forward(world_.m(), world_.d()); });
-}
-
 void GraspFieldPads::take_tick(std::size_t tick, RunWatch& watch) {
   const double time = world_.time_of(tick);
   world_.d()->time = time;
@@ -44,9 +40,7 @@ void GraspFieldPads::take_tick(std::size_t tick, RunWatch& watch) {
   watch.end_step();
   world_.prescribe(world_.time_of(tick + 1));
   // Before the first step, the owner of the data may still move bodies.
-  if (tick == 0) {
-    for (std::size_t pad = 0; pad < contacts_.pads(); ++pad) contacts_.pad(pad).keep_state();
-  }
+  if (tick == 0) keep_states();
   if (limit_ && limit_->due(contacts_)) {
     static_cast<void>(world_.bodies());  // otherwise the code below would round centres of mass
     call_mujoco([this] { FreeBodies::factor(world_.m(), world_.d()); });
@@ -114,16 +108,6 @@ WatchSettings GraspFieldPads::watch_settings(const WatchLimits& limits) const {
   return {.limits = held_bodies_ ? averaged(limits) : limits,
           .judge_fields = stored_energy_known_,
           .pads_predicted = held_bodies_.has_value()};
-}
-
-void GraspFieldPads::find_force(Eigen::VectorXd& force) const { contacts_.find_passive_force(force); }
-
-PadEnergy GraspFieldPads::read_energy() {
-  return contacts_.read([](const PadInstance& pad, std::size_t field) -> const Wrench& { return pad.applied(field); });
-}
-
-Eigen::Vector3d GraspFieldPads::force_on(int body, int /*dof*/, const Eigen::VectorXd& /*force*/) const {
-  return contacts_.force_on(body);
 }
 
 double GraspFieldPads::kinetic_energy(const DynamicWorld& world, const Eigen::VectorXd& v, Eigen::VectorXd& /*space*/) const {

@@ -25,12 +25,8 @@ class GraspFieldPads final : public FieldPads {
   // the object.
   GraspFieldPads(DynamicWorld& world, const DynamicSetup& setup, const FieldPlan& plan, const std::array<Vector6d, 2>& carriages);
 
-  void begin() override;
   void take_tick(std::size_t tick, RunWatch& watch) override;
   [[nodiscard]] WatchSettings watch_settings(const WatchLimits& limits) const override;
-  void find_force(Eigen::VectorXd& force) const override;
-  PadEnergy read_energy() override;
-  [[nodiscard]] Eigen::Vector3d force_on(int body, int dof, const Eigen::VectorXd& force) const override;
   [[nodiscard]] double kinetic_energy(const DynamicWorld& world, const Eigen::VectorXd& v, Eigen::VectorXd& space) const override;
 
  private:

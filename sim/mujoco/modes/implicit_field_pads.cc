@@ -14,10 +14,6 @@ namespace slipbench {
 ImplicitFieldPads::ImplicitFieldPads(DynamicWorld& world, const DynamicSetup& setup, bool stored_energy_known)
     : FieldPads(world, setup, stored_energy_known) {}
 
-void ImplicitFieldPads::begin() {
-  call_mujoco([this] { mj_forward(world_.m(), world_.d()); });
-}
-
 void ImplicitFieldPads::take_tick(std::size_t tick, RunWatch& watch) {
   const double time = world_.time_of(tick);
   world_.apply_controls(time);

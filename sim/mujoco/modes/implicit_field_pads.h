@@ -15,7 +15,6 @@ class ImplicitFieldPads final : public FieldPads {
   // `world` must have the step's data and outlive the object.
   ImplicitFieldPads(DynamicWorld& world, const DynamicSetup& setup, bool stored_energy_known);
 
-  void begin() override;
   void take_tick(std::size_t tick, RunWatch& watch) override;
   [[nodiscard]] WatchSettings watch_settings(const WatchLimits& limits) const override;
   void find_force(Eigen::VectorXd& force) const override;

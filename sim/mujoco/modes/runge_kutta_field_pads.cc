@@ -10,7 +10,7 @@ RungeKuttaFieldPads::RungeKuttaFieldPads(DynamicWorld& world, const DynamicSetup
 }
 
 void RungeKuttaFieldPads::begin() {
-  call_mujoco([this] { mj_forward(world_.m(), world_.d()); });
+  FieldPads::begin();
   // RK4 commits only at the end of a step. Pads that touch at t = 0 must stick there, unstrained,
   // as with any other integrator. Otherwise no tip would hold in the first step, and tick 0 would
   // have no truth.
@@ -37,17 +37,11 @@ WatchSettings RungeKuttaFieldPads::watch_settings(const WatchLimits& limits) con
   return {.limits = limits, .judge_fields = stored_energy_known_, .pads_predicted = true, .constraints_predicted = true};
 }
 
-void RungeKuttaFieldPads::find_force(Eigen::VectorXd& force) const { contacts_.find_passive_force(force); }
-
 PadEnergy RungeKuttaFieldPads::read_energy() {
   // RK4 has been through other stages since the tick.
   return contacts_.read([](const PadInstance& pad, std::size_t field) {
     return pad.fields()[field].damped_wrench_on_pad(pad.motion(field), pad.config().damping);
   });
-}
-
-Eigen::Vector3d RungeKuttaFieldPads::force_on(int body, int /*dof*/, const Eigen::VectorXd& /*force*/) const {
-  return contacts_.force_on(body);
 }
 
 }  // namespace slipbench

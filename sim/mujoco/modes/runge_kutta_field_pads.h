@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <optional>
 
-#include <Eigen/Core>
-
 #include "sim/mujoco/modes/field_pads.h"
 #include "sim/mujoco/modes/spring_limit.h"
 
@@ -20,9 +18,7 @@ class RungeKuttaFieldPads final : public FieldPads {
   void begin() override;
   void take_tick(std::size_t tick, RunWatch& watch) override;
   [[nodiscard]] WatchSettings watch_settings(const WatchLimits& limits) const override;
-  void find_force(Eigen::VectorXd& force) const override;
   PadEnergy read_energy() override;
-  [[nodiscard]] Eigen::Vector3d force_on(int body, int dof, const Eigen::VectorXd& force) const override;
 
  private:
   std::optional<SpringLimit> limit_;  // unless the caller allows long steps

@@ -54,26 +54,29 @@ TEST(LabelRules, HelpHasALineForEachRule) {
 
 TEST(StatesBy, AreThoseOfTheArrayOfTheRule) {
   using enum PadState;
-  EXPECT_THAT(states_by(skin(), LabelRule::strict, false), ElementsAre(no_contact, non_slip, gross));
-  EXPECT_THAT(states_by(skin(), LabelRule::latched, false), ElementsAre(no_contact, incipient, gross));
-  EXPECT_THAT(states_by(skin(), LabelRule::paper, false), ElementsAre(no_contact, non_slip, non_slip));
+  EXPECT_THAT(states_by(skin(), LabelRule::strict, false, LabelUse::evaluation), ElementsAre(no_contact, non_slip, gross));
+  EXPECT_THAT(states_by(skin(), LabelRule::latched, false, LabelUse::evaluation), ElementsAre(no_contact, incipient, gross));
+  EXPECT_THAT(states_by(skin(), LabelRule::paper, false, LabelUse::evaluation), ElementsAre(no_contact, non_slip, non_slip));
 }
 
 // Labels of a recording may be unknown, those of a simulation may not.
 TEST(StatesBy, OfARecordingMayBeUnknown) {
   SensorRecord sensor = skin();
   sensor.labels.state_paper[1] = 4;
-  EXPECT_THAT(refusal_of([&] { states_by(sensor, LabelRule::paper, false); }), mentions({"state 4", "0 to 3"}));
+  EXPECT_THAT(refusal_of([&] { states_by(sensor, LabelRule::paper, false, LabelUse::evaluation); }),
+              mentions({"state 4", "0 to 3"}));
   sensor.labels.truth = false;
-  EXPECT_EQ(states_by(sensor, LabelRule::recorded, false)[1], unknown_state);
+  EXPECT_EQ(states_by(sensor, LabelRule::recorded, false, LabelUse::evaluation)[1], unknown_state);
 }
 
 TEST(StatesBy, RefuseWhatDoesNotFit) {
   const auto refusal = [](const SensorRecord& sensor, LabelRule rule) {
-    return refusal_of([&] { states_by(sensor, rule, false); });
+    return refusal_of([&] { states_by(sensor, rule, false, LabelUse::evaluation); });
   };
   EXPECT_THAT(refusal(skin(), LabelRule::has_slipped), mentions({"myrmex", "has_slipped", "PapillArray", "masked"}));
   EXPECT_THAT(refusal(skin(), LabelRule::recorded), mentions({"simulated", "recorded", "strict, micro, paper"}));
+  // `eval` does not take the rules that are for training only.
+  EXPECT_THAT(refusal(skin(), LabelRule::recorded), Not(HasSubstr("moved")));
   SensorRecord damaged = skin();
   damaged.labels.state[2] = 7;
   EXPECT_THAT(refusal(damaged, LabelRule::strict), mentions({"labels/pad", "state 7", "0", "3"}));

@@ -332,7 +332,7 @@ void check_export_options(const ExportOptions& options) {
   const bool pillars_only = is_pillar_log(options.format);
   if (options.label_speed && !(pillars_only && is_of_the_tip(options))) {
     reject(
-        "the slip rule '{}' of {} has no label speed; --label-speed needs --slip paper or --slip has_slipped "
+        "the label rule '{}' of {} has no label speed; --label-speed needs --labels paper or --labels has_slipped "
         "with vendor-csv or training-csv",
         label_rule_name(slip_rule(options)), kind.name);
   }

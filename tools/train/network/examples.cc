@@ -183,7 +183,7 @@ std::vector<std::uint8_t> labels_by(const std::vector<PadState>& states, AfterSl
 
 // Example::scored of every sample.
 std::vector<std::uint8_t> scored_labels(const TrialRecord& record, const SensorRecord& sensor, const std::vector<double>& path) {
-  std::vector<PadState> states = states_by(sensor, LabelRule::micro, false);
+  std::vector<PadState> states = states_by(sensor, LabelRule::micro, false, LabelUse::training);
   add_slips_between(states, path);
   drop_small_slips(states, path, !record.outcome.grasp);
   return labels_by(states, AfterSlip::masked_on_stage, record.outcome.grasp.has_value(),
@@ -201,7 +201,7 @@ void mask_unknown(std::vector<std::uint8_t>& labels, const std::vector<PadState>
 std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecord& sensor, LabelRule rule, ClassRule classes) {
   const LabelRuleInfo& about = about_rule(rule);
   // `turning` matters only to rules that networks do not take.
-  std::vector<PadState> states = states_by(sensor, rule, false);
+  std::vector<PadState> states = states_by(sensor, rule, false, LabelUse::training);
   std::vector<std::uint8_t> labels;
   if (classes == ClassRule::direction) {
     const std::uint8_t direction = direction_of(record.params);
@@ -322,7 +322,8 @@ void check_labels(const std::string& dataset_path, LabelRule rule) {
   if (rule != LabelRule::recorded) {
     reader.check_truth(fmt::format("--labels {}", label_rule_name(rule)), "--labels recorded, the labels of the recordings");
   } else if (reader.header().truth.empty()) {
-    reject("{}: is simulated, so it has no recorded labels; allowed: --labels {}", dataset_path, rules_of_truth());
+    reject("{}: is simulated, so it has no recorded labels; allowed: --labels {}", dataset_path,
+           rules_of_truth(LabelUse::training));
   }
 }
 

@@ -347,7 +347,7 @@ TEST_F(ExportTest, SpeedComesFromTheSceneWhereItIsNotSwept) {
 TEST_F(ExportTest, LabelSpeedNeedsTheRuleThatHasIt) {
   ExportOptions options = vendor;
   options.label_speed = 2e-4;
-  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0)}), options); }), mentions({"--slip", "paper", "has_slipped"}));
+  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0)}), options); }), mentions({"--labels", "paper", "has_slipped"}));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
   options.slip_rule = LabelRule::paper;
   EXPECT_THAT(run(path("a.h5"), options), SizeIs(1));

@@ -91,7 +91,7 @@ void TrainCommand::read() {
         "train: needs --recipe, a name of `slipbench list recipes`; `slipbench train-hd` trains the hyperdimensional detector");
   }
   train::check_recipe(recipe_);
-  point_.check("train");
+  point_.read("train");
   std::vector<std::string> datasets{dataset_};
   datasets.insert(datasets.end(), with_.begin(), with_.end());
   request = Json{{"datasets", datasets},

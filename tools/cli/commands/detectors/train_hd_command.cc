@@ -81,7 +81,7 @@ Examples:
 }
 
 void TrainHdCommand::read() {
-  point_.check("train-hd");
+  point_.read("train-hd");
   if (context_ && no_context_) throw InputError("train-hd: give either --context or --no-context");
   if (!labels_.empty()) options.sequences.labels = labels_of("train-hd", labels_, LabelUse::pillars);
   options.point = point_.score || point_.alarms;

@@ -31,7 +31,7 @@ void PointOptions::declare(Arguments& arguments, const std::string& without) {
                    "With --score: least percentage of trials without slip that raise no alarm, 0 to 100 (default: 95)", 0, 100);
 }
 
-void PointOptions::check(const std::string& command) {
+void PointOptions::read(const std::string& command) {
   if (score && !rate_.empty()) reject("{}: give either --score or --alarms", command);
   if (percent_ && !score) reject("{}: --specificity needs --score", command);
   if (!rate_.empty()) alarms = alarms_a_minute(command, rate_);

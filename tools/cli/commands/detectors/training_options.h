@@ -19,7 +19,7 @@ struct PointOptions {
   void declare(Arguments& arguments, const std::string& without);
   // Reads what was given. Throws InputError that begins with `command` for a text that is no rate, and
   // for options that exclude or need one another.
-  void check(const std::string& command);
+  void read(const std::string& command);
 
  private:
   std::string rate_;
