@@ -65,6 +65,12 @@ def _input_errors(needs: str, extra: str, target: str) -> Iterator[None]:
         raise _core.InputError(text) from error
 
 
+def _result(text: str) -> dict[str, Any]:
+    """The result of a command, which `--json` prints as `text`."""
+    result: dict[str, Any] = json.loads(text)
+    return result
+
+
 def _several(files: PathLike | Sequence[PathLike]) -> list[PathLike]:
     return [files] if isinstance(files, (str, os.PathLike)) else list(files)
 
@@ -206,16 +212,14 @@ def import_recordings(
         _frequency(rate, "rate"),
     )
     if not options.map:
-        result: dict[str, Any] = json.loads(_core.import_recordings(options))
-        return result
+        return _result(_core.import_recordings(options))
     from slipbench._import import read_mapped
 
     with (
         _input_errors("import --map", "import", os.fspath(output)),
         _core.Interrupt("stopping; nothing is kept") as interrupt,
     ):
-        result = json.loads(read_mapped(options, interrupt).summary())
-    return result
+        return _result(read_mapped(options, interrupt).summary())
 
 
 def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
@@ -232,8 +236,7 @@ def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
         InputError: a file cannot be read.
     """
     paths = [os.fspath(path) for path in _paths(datasets, "datasets")]
-    result: dict[str, Any] = json.loads(_core.verify(paths))
-    return result
+    return _result(_core.verify(paths))
 
 
 def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, Any]:
@@ -250,8 +253,7 @@ def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, 
         InputError: the program's own message.
     """
     paths = [os.fspath(path) for path in _paths(shards, "shards")]
-    result: dict[str, Any] = json.loads(_core.merge(paths, os.fspath(output)))
-    return result
+    return _result(_core.merge(paths, os.fspath(output)))
 
 
 def _warn_of_failures(dataset: PathLike) -> None:

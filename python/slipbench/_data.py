@@ -35,27 +35,28 @@ if TYPE_CHECKING:
     import pandas
 
 _MOST_BYTES = 8e9  # of Windows.arrays()
+# What h5py and json raise on damaged data.
+_OF_DAMAGED_DATA = (OSError, RuntimeError, LookupError, TypeError, ValueError, MemoryError)
 # Array of the states by each rule that a dataset contains, and that of an imported recording.
 RULES = {rule.name: rule.array for rule in _core.label_rules() if rule.array}
 RECORDED = {"recorded": RULES.pop("recorded")}
 
 
 @contextmanager
-def reading(what: h5py.Group | h5py.Dataset, *errors: type[Exception]) -> Iterator[None]:
-    """Converts exceptions of h5py and json on damaged data to an InputError that names file and
-    object. `errors`: exception types; default: all of them."""
+def reading(
+    what: h5py.Group | h5py.Dataset, errors: tuple[type[Exception], ...] = _OF_DAMAGED_DATA
+) -> Iterator[None]:
+    """Converts exceptions on damaged data to an InputError that names file and object.
+
+    Args:
+        what: the object that is read
+        errors: the exceptions to convert
+    """
     try:
         yield
     except _core.InputError:
         raise
-    except errors or (
-        OSError,
-        RuntimeError,
-        LookupError,
-        TypeError,
-        ValueError,
-        MemoryError,
-    ) as error:
+    except errors as error:
         raise _core.InputError(f"{what.file.filename}: {what.name}: is damaged: {error}") from error
 
 

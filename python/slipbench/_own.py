@@ -239,7 +239,7 @@ def readings_of(returned: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArr
             f"measure() returned {', '.join(map(str, channels))}; allowed: {', '.join(shapes)}"
         )
     arrays = [np.ascontiguousarray(channels[name], np.float32) for name in shapes]
-    for (name, shape), array in zip(shapes.items(), arrays):
+    for (name, shape), array in zip(shapes.items(), arrays, strict=True):
         if array.shape != shape:
             raise ValueError(f"measure() returned {name} of shape {array.shape}; allowed: {shape}")
     return arrays

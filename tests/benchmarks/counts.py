@@ -24,6 +24,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import typing
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENES = (
@@ -38,7 +39,7 @@ LIMIT = 0.02
 STORED, SHOWN = 40, 6  # functions with the most instructions of their own
 
 
-def refuse(message):
+def refuse(message) -> typing.NoReturn:
     print(f"counts.py: {message}", file=sys.stderr)
     sys.exit(2)
 
@@ -237,7 +238,11 @@ def main():
     before = of_this_build(options.compare, build) if options.compare else None
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as threads:
         scenes = dict(
-            zip(SCENES, threads.map(lambda scene: count(folder, valgrind, scene), SCENES))
+            zip(
+                SCENES,
+                threads.map(lambda scene: count(folder, valgrind, scene), SCENES),
+                strict=True,
+            )
         )
     if options.output:
         partial = options.output.with_name(options.output.name + ".partial")

@@ -1063,8 +1063,9 @@ class Layouts(ImportTest):
         for channel, detector in (("force", "force_ratio"), ("force", "shear_rate")):
             self.write(
                 "map.yaml",
-                "{sensor: pad, type: own, time: {column: t}, channels: {%s: {unit: count, components: 3, columns: [x, y, z]}}}"
-                % channel,
+                "{sensor: pad, type: own, time: {column: t}, channels: {"
+                + channel
+                + ": {unit: count, components: 3, columns: [x, y, z]}}}",
             )
             slipbench.import_recordings(
                 self.write("a.csv", table(rows=rows, titles=("t", "x", "y", "z"))),

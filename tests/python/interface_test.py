@@ -82,9 +82,9 @@ class OneInterface(unittest.TestCase):
                 AttributeError,
                 "sensor 'pad' has no channel or attribute 'forces'; channels: .*force",
             ):
-                trial.sensors["pad"].forces
+                _ = trial.sensors["pad"].forces
             with self.assertRaises(AttributeError):
-                trial.labels["pad"].stat
+                _ = trial.labels["pad"].stat
             with self.assertRaises(KeyError):
                 trial.labels["pad"]["stat"]
             self.assertFalse(hasattr(trial.bodies["pad"], "time"))

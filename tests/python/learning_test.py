@@ -771,7 +771,7 @@ class Pieces(unittest.TestCase):
             sequences = [random.normal(size=(length, 1)).astype(np.float32) for _ in range(3)]
             together = answers_to_all(network, sequences)
             self.assertEqual(sizes, expected)
-            for one, logits in zip(sequences, together):
+            for one, logits in zip(sequences, together, strict=True):
                 np.testing.assert_allclose(logits, learning.answers(network, one), atol=1e-6)
 
     # Each seed of CUDA's generator would be stored in a list, with a stack trace, until CUDA is

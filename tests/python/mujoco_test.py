@@ -316,7 +316,7 @@ class Read(unittest.TestCase):
         mujoco.mj_step(data.model, data)
         self.assertTrue(np.shares_memory(reading.force, data.sensordata))
         with self.assertRaisesRegex(AttributeError, "'forces'.*force, displacement"):
-            reading.forces
+            _ = reading.forces
         with self.assertRaisesRegex(InputError, "'lefd'.*left_pad.*right_pad"):
             slipbench.mujoco.Pad("lefd").read(data)
 
@@ -333,7 +333,7 @@ class Read(unittest.TestCase):
             mujoco.mj_forward(data.model, data)
             self.assertEqual(getattr(attached.read(data), channel).shape, shape)
             with self.assertRaises(AttributeError):
-                attached.read(data).margin
+                _ = attached.read(data).margin
 
 
 class Step(unittest.TestCase):
@@ -436,8 +436,8 @@ class Versions(unittest.TestCase):
             "import slipbench; print(slipbench.Scene.load('bodies/held_box.yaml').run().sha256)"
         )
         hold = (
-            "import slipbench.mujoco, mujoco; m = mujoco.MjModel.from_xml_path(%r); d = mujoco.MjData(m); mujoco.mj_step(m, d, 100); "
-            "print(d.sensordata.tobytes().hex())" % str(HOLD)
+            f"import slipbench.mujoco, mujoco; m = mujoco.MjModel.from_xml_path({str(HOLD)!r}); "
+            "d = mujoco.MjData(m); mujoco.mj_step(m, d, 100); print(d.sensordata.tobytes().hex())"
         )
         said = [
             subprocess.run(

@@ -316,8 +316,8 @@ class OwnDetectors(unittest.TestCase):
 
             @slipbench.detector("wrong")
             class Wrong:
-                def __init__(self, source):
-                    self.update = wrong
+                def __init__(self, source, update=wrong):
+                    self.update = update
 
             with (
                 self.subTest(told=told),

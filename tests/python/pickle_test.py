@@ -111,7 +111,7 @@ class Copies(unittest.TestCase):
             with self.assertRaisesRegex(
                 slipbench.InputError, "a copy by pickle or deepcopy, which has no record"
             ):
-                other._simulated
+                _ = other._simulated
             np.testing.assert_array_equal(other.sensors["pad"].force, trial.sensors["pad"].force)
             np.testing.assert_array_equal(other.labels["pad"].state, trial.labels["pad"].state)
             np.testing.assert_array_equal(other.contacts["pad"].force, trial.contacts["pad"].force)

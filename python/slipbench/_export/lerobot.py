@@ -9,6 +9,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from dataclasses import field as dataclass_field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -611,7 +612,7 @@ def _pieces(frames: int, fps: int) -> list[slice]:
     """Divides a trial into episodes, as few as possible and nearly equal in length."""
     count = -(-frames // _longest_episode(frames, fps))
     ends = [round(k * frames / count) for k in range(count + 1)]
-    return [slice(first, last) for first, last in zip(ends, ends[1:])]
+    return [slice(first, last) for first, last in pairwise(ends)]
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:

@@ -54,7 +54,7 @@ class _Step(nn.Module):
         """[1, history x inputs] and all states to [1, classes] and all next states."""
         clip = frames.reshape(1, self.history, self.inputs)
         outputs, after, place = [], [], 0
-        for member, zeros, single in zip(self.members, self.zeros, self.single):
+        for member, zeros, single in zip(self.members, self.zeros, self.single, strict=True):
             if not zeros:
                 logits = member(clip)
             else:

@@ -522,18 +522,18 @@ def _choose_point(
     truth = [[labels[before:] for _, labels in part] for part in data.scaled[1:]]
     accuracy = [
         balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of)
-        for part, of in zip(probabilities, truth)
+        for part, of in zip(probabilities, truth, strict=True)
     ]
     slip = np.array([state in SLIPPING for _, state in data.examples.classes])
     series = [
-        [_series(one, labels, slip) for one, labels in zip(part, of)]
-        for part, of in zip(probabilities, truth)
+        [_series(one, labels, slip) for one, labels in zip(part, of, strict=True)]
+        for part, of in zip(probabilities, truth, strict=True)
     ]
     validation = series[0]
     if rule.by_score:
         validation = [
             _scored_series(probability, one, before)
-            for (probability, *_), one in zip(series[0], data.validates)
+            for (probability, *_), one in zip(series[0], data.validates, strict=True)
         ]
     limit = rule.specificity if rule.by_score else rule.alarms or 0.0
     judgement = _Judgement(
@@ -750,7 +750,9 @@ def _check_classes(
     labels = np.concatenate([one.labels[history - 1 :] for one in examples])
     counts = [int(np.sum(labels == one)) for one in range(len(classes))]
     if 0 in counts:
-        text = ", ".join(f"{count} {name}" for count, (name, _) in zip(counts, classes))
+        text = ", ".join(
+            f"{count} {name}" for count, (name, _) in zip(counts, classes, strict=True)
+        )
         raise _core.InputError(
             f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; use more trials, or another {named('seed')} or {named('split')}"
         )

@@ -11,6 +11,8 @@ network with a state takes it as a second argument, None at the start of a seque
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import torch
 from torch import Tensor, nn
 
@@ -54,7 +56,7 @@ def signed_log(values: Tensor) -> Tensor:
 def dense(*widths: int) -> nn.Sequential:
     """Linear layers from width to width, each but the first input followed by ReLU."""
     layers: list[nn.Module] = []
-    for inputs, outputs in zip(widths, widths[1:]):
+    for inputs, outputs in pairwise(widths):
         layers += [nn.Linear(inputs, outputs), nn.ReLU()]
     return nn.Sequential(*layers)
 
@@ -767,9 +769,7 @@ class BiotacGcn(nn.Module):
         nodes = len(adjacency)
         widths = [inputs // nodes, 8, 8, 16, 16, 32]
         self.register_buffer("adjacency", adjacency)
-        self.weights = nn.ModuleList(
-            nn.Linear(before, after) for before, after in zip(widths, widths[1:])
-        )
+        self.weights = nn.ModuleList(nn.Linear(before, after) for before, after in pairwise(widths))
         self.norms = nn.ModuleList(nn.BatchNorm1d(after) for after in widths[1:])
         self.head = nn.Sequential(nn.Linear(32 * nodes, 128), nn.ReLU(), nn.Linear(128, classes))
 
@@ -777,7 +777,7 @@ class BiotacGcn(nn.Module):
         """Returns logits, and the state if the network has one (see the module)."""
         adjacency = self.get_buffer("adjacency")
         nodes = frames.reshape(*frames.shape[:2], len(adjacency), -1)
-        for weight, norm in zip(self.weights, self.norms):
+        for weight, norm in zip(self.weights, self.norms, strict=True):
             nodes = torch.matmul(adjacency, torch.matmul(nodes, weight.weight.t())) + weight.bias
             nodes = torch.relu(norm(nodes.reshape(-1, nodes.shape[3])).reshape(nodes.shape))
         logits: Tensor = self.head(nodes.flatten(2))

@@ -76,8 +76,7 @@ class FlipsTest(unittest.TestCase):
     def verify(self, *paths):
         result = subprocess.run(
             [PROGRAM, "verify", *paths, "--json"],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            capture_output=True,
             timeout=10 * len(paths),
         )
         self.assertIn(result.returncode, (0, 1, 2))
@@ -107,8 +106,7 @@ class FlipsTest(unittest.TestCase):
         ):
             result = subprocess.run(
                 [PROGRAM, *command],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
+                capture_output=True,
                 text=True,
                 check=False,
             )

@@ -49,7 +49,7 @@ class OldFiles(unittest.TestCase):
             )
 
     def test_commands_read_them(self):
-        for name, expected in self.each():
+        for name, _ in self.each():
             stem = Path(name).stem
             self.run_program("report", name, "-o", f"{stem}.html")
             self.assertIn(

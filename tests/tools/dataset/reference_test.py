@@ -44,7 +44,7 @@ def rows_of(text):
         elif path and columns is None:
             columns = line.strip("| ").split(" | ")
         elif path and "---" not in line:
-            cells = dict(zip(columns, line.strip("| ").split(" | ")))
+            cells = dict(zip(columns, line.strip("| ").split(" | "), strict=True))
             kind = next(kind for kind in ("array", "attribute", "key") if kind in cells)
             for name in re.findall(r"`([^`]+)`", cells[kind]):
                 rows[path, kind, name, cells.get("sensor", "all")] = cells
@@ -54,7 +54,9 @@ def rows_of(text):
 def shape_fits(wanted, shape):
     extents = [extent for extent in wanted.strip("[]").split(",") if extent]
     return len(extents) == len(shape) and all(
-        extent == str(found) for extent, found in zip(extents, shape) if extent.isdigit()
+        extent == str(found)
+        for extent, found in zip(extents, shape, strict=True)
+        if extent.isdigit()
     )
 
 

@@ -77,7 +77,7 @@ PROBE = """(async () => {
 
 
 def far(a, b):
-    return max(abs(x - y) for x, y in zip(a, b))
+    return max(abs(x - y) for x, y in zip(a, b, strict=True))
 
 
 class Pages:

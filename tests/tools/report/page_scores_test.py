@@ -40,7 +40,7 @@ class Page:
         head, *rows = next(
             rows for rows in self.tables if rows and rows[0][: len(first)] == list(first)
         )
-        return [dict(zip(head, row)) for row in rows]
+        return [dict(zip(head, row, strict=True)) for row in rows]
 
 
 def percent(share):

@@ -154,7 +154,7 @@ def cases(schema):
         "type": "object",
         "properties": {key: schema["properties"][key] for key in ("duration", "time_step")},
     }
-    for key, size, kind in numbers(whole):
+    for key, _, kind in numbers(whole):
         for value in values(kind):
             yield f"{key} {value!r}", scene(**{key: value})
     for name, section, make in sections(schema["$defs"]):

@@ -17,6 +17,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -146,7 +147,7 @@ def run(program, scene, output):
     """Returns the exit status (None: ended by a signal after SECONDS) and what is wrong with it;
     empty: nothing.
     """
-    text = open(scene, encoding="utf-8").read()
+    text = Path(scene).read_text(encoding="utf-8")
     grasp = re.search(r"^(box|grip|controller):", text, re.M)
     lift = ["motion.distance=1 mm"] if grasp and "guided" not in text else []  # ends at 1.6 s
     command = [

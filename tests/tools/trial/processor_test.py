@@ -108,7 +108,8 @@ class ProcessorTest(unittest.TestCase):
         for scene in scenes:
             with self.subTest(scene=scene), tempfile.TemporaryDirectory() as folder:
                 paths = [Path(folder) / name for name in ("new.h5", "old.h5")]
-                for path, environment in zip(paths, (None, OLD) if rounds else (None,)):
+                environments = (None, OLD) if rounds else (None,)
+                for path, environment in zip(paths, environments, strict=False):
                     subprocess.run(
                         [PROGRAM, "run", scene, "--quiet", "-o", path],
                         env=environment,

@@ -649,7 +649,7 @@ def setup_of(options: Options, size: Size, trials: Sequence[Windows]) -> list[st
         else "; images as recorded"
     )
     return [
-        f"{SCENE}, seed {seed}: {len(trials)} trials (paper: 64), {sum((not trial.slips for trial in trials))} of them held to the end; both arrays.",
+        f"{SCENE}, seed {seed}: {len(trials)} trials (paper: 64), {sum(not trial.slips for trial in trials)} of them held to the end; both arrays.",
         f"Windows of 64 ms at 1 kHz every 8 ms, amplitudes of 12 x 12 x 32, at most 60 per class, trial and array, then equal numbers of each class: {true} by "
         f"the true label, {bench} by the label of the bench, {motion} by the motion{turned}.",
         f"{size.steps} steps of 64 windows by Adam (paper: about {PUBLISHED_STEPS}); the last state is evaluated.",

@@ -1,6 +1,7 @@
 """Completion scripts in the shells that they are for, and the manual page under its checkers. A shell or checker that is not installed is left out.
 Argument: the program."""
 
+import contextlib
 import os
 import pty
 import shutil
@@ -77,10 +78,8 @@ class Terminal:
         seen = b""
         for _ in range(6000):
             there = file.exists()
-            try:
+            with contextlib.suppress(BlockingIOError):
                 seen += os.read(self.descriptor, 65536)
-            except BlockingIOError:
-                pass
             if there and shown.encode() in seen:
                 return
             time.sleep(0.01)

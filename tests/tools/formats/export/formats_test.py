@@ -17,6 +17,18 @@ from mcap_protobuf.decoder import DecoderFactory
 from slipbench._output import create_locked
 
 
+def arrays_of(group):
+    """Every array of a group of HDF5, by its path in the group."""
+    arrays = {}
+
+    def add(path, item):
+        if isinstance(item, h5py.Dataset):
+            arrays[path] = item[()]
+
+    group.visititems(add)
+    return arrays
+
+
 class Formats(ExportTest):
     def same(self, found, expected, what):
         self.assertEqual((found.dtype, found.shape), (expected.dtype, expected.shape), what)
@@ -28,14 +40,7 @@ class Formats(ExportTest):
     def test_npz_brings_every_array_back(self, dataset, out):
         with h5py.File(dataset) as file:
             for name, demo in file["data"].items():
-                expected = {}
-                demo.visititems(
-                    lambda path, item: (
-                        expected.update({path: item[()]})
-                        if isinstance(item, h5py.Dataset)
-                        else None
-                    )
-                )
+                expected = arrays_of(demo)
                 for sensor in demo["labels"]:
                     expected |= {
                         f"labels/{sensor}/{key}": value

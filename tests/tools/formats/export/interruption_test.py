@@ -4,6 +4,7 @@ Arguments: the project's root, the program.
 """
 
 import fcntl
+import functools
 import json
 import os
 import re
@@ -187,7 +188,9 @@ class Interruption(ExportTest):
                     capture_output=True,
                     text=True,
                     check=False,
-                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
+                    preexec_fn=functools.partial(
+                        resource.setrlimit, resource.RLIMIT_FSIZE, (limit, limit)
+                    ),
                 )
                 self.assertEqual((done.returncode, out.exists()), (2, False))
                 self.assertRegex(done.stderr, r"^slipbench: cannot write .*: File too large\n$")

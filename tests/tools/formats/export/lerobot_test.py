@@ -31,7 +31,9 @@ def read(folder):
     """
     info = json.loads((folder / "meta/info.json").read_text())
     episodes = pandas.read_parquet(folder / "meta/episodes/chunk-000/file-000.parquet")
-    places = dict.fromkeys(zip(episodes["data/chunk_index"], episodes["data/file_index"]))
+    places = dict.fromkeys(
+        zip(episodes["data/chunk_index"], episodes["data/file_index"], strict=True)
+    )
     paths = [
         folder / info["data_path"].format(chunk_index=chunk, file_index=file)
         for chunk, file in places
@@ -177,7 +179,7 @@ class LeRobot(ExportTest):
         for feature in info["features"]:
             values = values_of(table, info, feature).astype(np.float64)
             of_episodes = []
-            for episode, row in episodes.iterrows():
+            for _, row in episodes.iterrows():
                 part = values[row["dataset_from_index"] : row["dataset_to_index"]]
                 numbers = np.sum(~np.isnan(part), axis=0)
                 part = np.where(numbers > 0, part, 0)  # a value that is never a number has zeros
@@ -306,7 +308,7 @@ class LeRobot(ExportTest):
         ]
         points = np.array(stored.to_pylist(), np.float32)
         with h5py.File(dataset) as file:
-            for episode, row in episodes.iterrows():
+            for _, row in episodes.iterrows():
                 demo = file[f"data/demo_{row['trial']}"]
                 part = points[row["dataset_from_index"] : row["dataset_to_index"]]
                 attrs, pad = demo["labels/pad"].attrs, demo["sensors/pad"]

@@ -4,6 +4,7 @@ The first is the package mcap, whose records the writer uses, with Google's prot
 pybag, which shares no code with it. Arguments: the project's root, the program.
 """
 
+import itertools
 import json
 import unittest
 
@@ -244,7 +245,7 @@ class Mcap(ExportTest):
                     self.assertEqual(sorted(found), sorted(expected))
                     chunks = reader.get_chunk_indexes()
                     self.assertGreater(len(chunks), 1)
-                    for one, following in zip(chunks, chunks[1:]):
+                    for one, following in itertools.pairwise(chunks):
                         self.assertLessEqual(one.message_end_time, following.message_start_time)
                     # Using only the index: the last message of a topic.
                     index = chunks[-1]

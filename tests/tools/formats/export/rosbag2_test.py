@@ -3,6 +3,7 @@
 Arguments: the project's root, the program.
 """
 
+import itertools
 import json
 import unittest
 
@@ -262,7 +263,7 @@ class Rosbag2(ExportTest):
             self.assertEqual(summary.statistics.channel_message_counts, counts)
             self.assertEqual(reader.get_header().profile, "ros2")
             self.assertEqual({(one.encoding) for one in summary.schemas.values()}, {"ros2msg"})
-            for one, following in zip(summary.chunk_indexes, summary.chunk_indexes[1:]):
+            for one, following in itertools.pairwise(summary.chunk_indexes):
                 self.assertLessEqual(one.message_end_time, following.message_start_time)
             metadata = yaml.safe_load((out / "demo_1/metadata.yaml").read_text())
             about = metadata["rosbag2_bagfile_information"]["custom_data"]

@@ -55,17 +55,19 @@ def kinds(root, plugin, trials):
     }
 
 
+def read(name, item):
+    """Reads the attributes and the array of an object, for `visititems`."""
+    dict(item.attrs)
+    if isinstance(item, h5py.Dataset):
+        _ = item[()]
+
+
 def read_all(path):
     """Reads every array and attribute of a file; returns its trials."""
     with h5py.File(path, locking=False) as file:
         for demo in file["data"].values():
             dict(demo.attrs)
-            demo.visititems(
-                lambda name, item: (
-                    (dict(item.attrs), item[()] if isinstance(item, h5py.Dataset) else None)
-                    and None
-                )
-            )
+            demo.visititems(read)
         return len(file["data"])
 
 

@@ -148,7 +148,7 @@ def compared(real, synthetic):
     random = np.random.default_rng(1)
     rows = []
     for name, kind, how, figure, dry_run in FIGURES:
-        for group, dry in zip(GROUPS, dry_run or [None] * len(GROUPS)):
+        for group, dry in zip(GROUPS, dry_run or [None] * len(GROUPS), strict=True):
             a, b = (
                 np.array([figure(r) for r in of_group(kin, group)], dtype=float)
                 for kin in (real, synthetic)

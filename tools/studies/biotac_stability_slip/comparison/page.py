@@ -77,7 +77,7 @@ def time_series(real, synthetic):
         pair = [middle_one(recordings, kind) for recordings in (real, synthetic)]
         moves = [r.counts - r.counts.mean(0) for r in pair]
         top = max(np.abs(m).max() for m in moves)
-        for whose, recording, move in zip(COLOURS, pair, moves):
+        for whose, recording, move in zip(COLOURS, pair, moves, strict=True):
             plot = axes(
                 (540, 170),
                 xlim=(0, len(move) / rec.RATE),

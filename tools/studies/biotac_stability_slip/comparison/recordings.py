@@ -133,11 +133,8 @@ _PAIR_DISTANCE = np.linalg.norm(ELECTRODES[_PAIRS[0]] - ELECTRODES[_PAIRS[1]], a
 
 def distance_correlation(recording):
     """Mean correlation of the smoothed signals of two electrodes, by their distance."""
-    found = np.corrcoef(smoothed(recording.counts).T)[_PAIRS]
-    return [
-        found[(_PAIR_DISTANCE >= low) & (_PAIR_DISTANCE < high)].mean()
-        for low, high in DISTANCE_BINS
-    ]
+    found, distance = np.corrcoef(smoothed(recording.counts).T)[_PAIRS], _PAIR_DISTANCE
+    return [found[(distance >= low) & (distance < high)].mean() for low, high in DISTANCE_BINS]
 
 
 def components(recording):
