@@ -76,7 +76,7 @@ std::string export_files(const std::string& dataset, const std::string& folder, 
     std::vector<std::string> files;
     if (!is_python_format(options.format)) {
       check_card_target(folder);
-      files = export_dataset(dataset, folder, options, [](std::size_t, std::size_t, std::uintmax_t) { end_if_interrupted(); });
+      files = export_dataset(dataset, folder, options);
     }
     return export_request(dataset, folder, options, files).dump();
   });

@@ -1,7 +1,7 @@
 """The program's commands on dataset files, as functions that run in this process.
 
-What a command prints as a note or warning is a Python warning (UserWarning) here, but for
-import_recordings, which returns them under "warnings". Ctrl-C, SIGTERM or SIGHUP ends the work with
+What a command prints as a note or warning is a Python warning (UserWarning) here;
+import_recordings() also returns them under "warnings". Ctrl-C, SIGTERM or SIGHUP ends the work with
 KeyboardInterrupt, and no file is left half-written.
 """
 
@@ -13,12 +13,13 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from slipbench._program import input_error_text
+from slipbench._program import counted, input_error_text
 from slipbench._scene import check_counts, warn
 from slipbench._values import index, plain, shown, yaml
 from slipbench.bin import _core
 
 PathLike = str | os.PathLike[str]
+_MOST_WARNINGS = 10  # of an import, as the program prints
 
 
 def _given(value: Any, key: str) -> Any:
@@ -71,20 +72,35 @@ def _result(text: str) -> dict[str, Any]:
     return result
 
 
-def _several(files: PathLike | Sequence[PathLike]) -> list[PathLike]:
-    return [files] if isinstance(files, (str, os.PathLike)) else list(files)
+def _text(value: Any, key: str, expected: str = "a text") -> str:
+    """A text. Raises InputError, naming `key` and what is `expected`, for anything else."""
+    if not isinstance(value, str):
+        raise _core.InputError(f"{key}: expected {expected}, found {shown(value)}")
+    return value
 
 
-def _paths(files: Any, key: str) -> list[PathLike]:
+def _path(value: Any, key: str) -> str:
+    """A path as text. Raises InputError, naming `key`, for anything else."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise _core.InputError(f"{key}: expected a path, found {shown(value)}")
+    return os.fsdecode(value)
+
+
+def _items(values: Any) -> list[Any]:
+    """One value or several as a list."""
+    several = isinstance(values, Iterable) and not isinstance(values, (str, bytes, os.PathLike))
+    return list(values) if several else [values]
+
+
+def _paths(files: Any, key: str) -> list[str]:
     """One path or several as a list. Raises InputError, naming `key`, for anything else."""
-    several = isinstance(files, Iterable) and not isinstance(files, (str, bytes, os.PathLike))
-    found = list(files) if several else [files]
+    found = _items(files)
     if not found:
         raise _core.InputError(f"{key}: expected a path or a list of paths, found an empty list")
     for one in found:
-        if not isinstance(one, (str, os.PathLike)):
+        if not isinstance(one, (str, os.PathLike)) or not os.fspath(one):
             raise _core.InputError(f"{key}: expected a path or a list of paths, found {shown(one)}")
-    return found
+    return [os.fsdecode(one) for one in found]
 
 
 def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None) -> dict[str, Any]:
@@ -101,8 +117,9 @@ def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None
     Raises:
         InputError: the program's own message.
     """
-    page = _core.report(os.fspath(dataset), os.fspath(output), _whole(trial, "trial"))
-    _warn_of_failures(dataset)
+    path = _path(dataset, "dataset")
+    page = _core.report(path, _path(output, "output"), _whole(trial, "trial"))
+    _warn_of_failures(path)
     return {"report": page}
 
 
@@ -151,26 +168,26 @@ def export(
     from slipbench._export import write
     from slipbench._export.request import Progress, Request
 
-    folder = os.fspath(output)
+    path, folder = _path(dataset, "dataset"), _path(output, "output")
     options = _core.export_options(
-        format,
-        labels,
+        _text(format, "format", "the name of a format, such as 'npz'"),
+        _text(labels, "labels", "the name of a rule, such as 'strict', or an empty text"),
         _speed(label_speed, "label_speed"),
-        [os.fspath(sensor) for sensor in _several(sensors)],
+        [_text(name, "sensors", "a name or a list of names") for name in _items(sensors)],
         _whole(trial, "trial"),
         _frequency(rate, "rate"),
-        split,
+        _text(split, "split", "'train', 'valid', 'test' or an empty text"),
         bool(points),
-        licence,
+        _text(licence, "licence", "a text, such as 'cc-by-4.0'"),
         bool(compress),
     )
     with (
         _input_errors(f"export: --format {format}", "export", folder),
         _core.Interrupt("stopping after this trial") as interrupt,
     ):
-        request = Request(**json.loads(_core.export_files(os.fspath(dataset), folder, options)))
+        request = Request(**json.loads(_core.export_files(path, folder, options)))
         files = write(request, Progress(request, interrupt, lambda note: warn([note])))
-    _warn_of_failures(dataset)
+    _warn_of_failures(path)
     return {"files": files}
 
 
@@ -198,25 +215,39 @@ def import_recordings(
         seed: seed of the split into training, validation and test; None: 1
 
     Returns:
-        The object that `--json` prints.
+        The object that `--json` prints. The first ten of its "warnings" are also Python
+        warnings.
 
     Raises:
         InputError: the program's own message.
     """
     options = _core.import_options(
-        [os.fspath(source) for source in _paths(sources, "sources")],
-        format,
-        os.fspath(map),
-        os.fspath(output),
+        _paths(sources, "sources"),
+        _text(
+            format, "format", "the name of a format, such as 'papillarray-csv', or an empty text"
+        ),
+        _path(map, "map"),
+        _path(output, "output"),
         1 if (chosen := _whole(seed, "seed")) is None else chosen,
         _frequency(rate, "rate"),
     )
-    if not options.map:
-        return _result(_core.import_recordings(options))
+    if options.map:
+        result = _import_mapped(options, _path(output, "output"))
+    else:
+        result = _result(_core.import_recordings(options))
+    warnings = [one["text"] for one in result["warnings"]]
+    if len(warnings) > _MOST_WARNINGS:
+        rest = counted(len(warnings) - _MOST_WARNINGS, "more warning")
+        warnings[_MOST_WARNINGS:] = [f'{rest} of this kind; the result has all under "warnings"']
+    warn(warnings)
+    return result
+
+
+def _import_mapped(options: _core.ImportOptions, output: str) -> dict[str, Any]:
     from slipbench._import import read_mapped
 
     with (
-        _input_errors("import --map", "import", os.fspath(output)),
+        _input_errors("import --map", "import", output),
         _core.Interrupt("stopping; nothing is kept") as interrupt,
     ):
         return _result(read_mapped(options, interrupt).summary())
@@ -235,8 +266,7 @@ def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
     Raises:
         InputError: a file cannot be read.
     """
-    paths = [os.fspath(path) for path in _paths(datasets, "datasets")]
-    return _result(_core.verify(paths))
+    return _result(_core.verify(_paths(datasets, "datasets")))
 
 
 def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, Any]:
@@ -252,11 +282,10 @@ def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, 
     Raises:
         InputError: the program's own message.
     """
-    paths = [os.fspath(path) for path in _paths(shards, "shards")]
-    return _result(_core.merge(paths, os.fspath(output)))
+    return _result(_core.merge(_paths(shards, "shards"), _path(output, "output")))
 
 
-def _warn_of_failures(dataset: PathLike) -> None:
+def _warn_of_failures(dataset: str) -> None:
     """Warns of trials that the dataset lacks, because they failed."""
-    if text := _core.failed_trials(os.fspath(dataset)):
+    if text := _core.failed_trials(dataset):
         warn([text])

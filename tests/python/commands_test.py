@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 from unittest import mock
 
@@ -273,6 +274,62 @@ class Commands(unittest.TestCase):
         ):
             with self.assertRaisesRegex(slipbench.InputError, words):
                 call()
+
+    def test_a_value_of_a_wrong_type_is_refused_by_the_name_of_its_argument(self):
+        def export(**values):
+            return slipbench.export(
+                **{"dataset": self.path, "output": "x", "format": "npz"} | values
+            )
+
+        for call, words in (
+            (lambda: export(format=3), "format: expected the name of a format, .*, found int 3"),
+            (lambda: export(split=3), "split: expected 'train', 'valid', 'test' .*, found int 3"),
+            (lambda: export(sensors=3), "sensors: expected a name or a list of names, found int 3"),
+            (lambda: export(sensors=["pad", None]), "sensors: .*, found NoneType None"),
+            (lambda: export(labels=["strict"]), "labels: .*, found list "),
+            (lambda: export(licence=None), "licence: .*, found NoneType None"),
+            (lambda: export(dataset=3), "dataset: expected a path, found int 3"),
+            (lambda: export(output=None), "output: expected a path, found NoneType None"),
+            (lambda: slipbench.report(3), "dataset: expected a path, found int 3"),
+            (lambda: slipbench.import_recordings("a", format=3), "format: .*, found int 3"),
+            (lambda: slipbench.import_recordings("a", map=3), "map: expected a path, found int 3"),
+            (
+                lambda: slipbench.import_recordings("", map="xela_ros"),
+                "sources: expected a path or a list of paths, found str ''",
+            ),
+            (lambda: slipbench.verify([self.path, ""]), "datasets: .*, found str ''"),
+        ):
+            with self.assertRaisesRegex(slipbench.InputError, f"^{words}"):
+                call()
+
+    def test_the_program_names_an_empty_source(self):
+        for words in (["--map", "xela_ros"], ["--format", "training-csv"]):
+            done = subprocess.run(
+                [PROGRAM, "import", "", *words], check=False, capture_output=True, text=True
+            )
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("import: the name of a source is empty", done.stderr)
+
+    def test_warnings_of_an_import_are_warned_of_and_returned(self):
+        """As many as the program prints are Python warnings, then one with the number of the rest."""
+        logs = self.place / "uneven"
+        logs.mkdir()
+        for name in range(12):
+            rows = "".join(f"{time},{k}\n" for k, time in enumerate((0.0, 0.01, 0.02, 0.5, 0.51)))
+            (logs / f"{name}.csv").write_text("t,f\n" + rows)
+        (self.place / "uneven.yaml").write_text(
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}}\n"
+        )
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            result = slipbench.import_recordings(logs, map=self.place / "uneven.yaml")
+        texts = [str(one.message) for one in caught]
+        self.assertEqual(len(result["warnings"]), 12)
+        self.assertIn("not evenly spaced", texts[0])
+        self.assertEqual(texts[:10], [one["text"] for one in result["warnings"]][:10])
+        self.assertIn("2 more warnings", texts[10])
+        self.assertEqual(len(texts), 11)
+        self.assertEqual({one.filename for one in caught}, {__file__})
 
 
 class InProcess(unittest.TestCase):

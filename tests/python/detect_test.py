@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -60,9 +61,10 @@ class DetectTest(unittest.TestCase):
         log[(log.index < 100) | (log.index >= 140)].to_csv(
             self.place / "gap.csv", index=False
         )  # a step of 0.41 s
-        slipbench.import_recordings(
-            self.place / "gap.csv", self.place / "gap.h5", map=self.place / "labelled.yaml"
-        )
+        with self.assertWarnsRegex(UserWarning, "not evenly spaced"):
+            slipbench.import_recordings(
+                self.place / "gap.csv", self.place / "gap.h5", map=self.place / "labelled.yaml"
+            )
         for judge in (slipbench.detect, slipbench.evaluate):
             with self.assertRaisesRegex(
                 slipbench.InputError,
@@ -81,12 +83,13 @@ class DetectTest(unittest.TestCase):
         # Every third sample, 33.3 Hz. At 100 Hz from 0 to 2.97 s: 298 samples, of which 100 are recorded.
         log = pd.read_csv(self.place / "log.csv")
         log.iloc[:298:3].to_csv(self.place / "slow.csv", index=False)
-        slipbench.import_recordings(
-            self.place / "slow.csv",
-            self.place / "faster.h5",
-            map=self.place / "labelled.yaml",
-            rate="100 Hz",
-        )
+        with self.assertWarnsRegex(UserWarning, "above the 33.3333 Hz"):
+            slipbench.import_recordings(
+                self.place / "slow.csv",
+                self.place / "faster.h5",
+                map=self.place / "labelled.yaml",
+                rate="100 Hz",
+            )
         for judge in (slipbench.detect, slipbench.evaluate):
             notice = judge("force_ratio", self.place / "faster.h5")["notice"]
             self.assertEqual(
@@ -95,12 +98,13 @@ class DetectTest(unittest.TestCase):
             )
         # At its own rate, 30 of 300 samples lie in a gap, of which one in ten may.
         log[(log.index < 100) | (log.index >= 130)].to_csv(self.place / "hole.csv", index=False)
-        slipbench.import_recordings(
-            self.place / "hole.csv",
-            self.place / "filled.h5",
-            map=self.place / "labelled.yaml",
-            rate="100 Hz",
-        )
+        with self.assertWarnsRegex(UserWarning, "in gaps of the recording"):
+            slipbench.import_recordings(
+                self.place / "hole.csv",
+                self.place / "filled.h5",
+                map=self.place / "labelled.yaml",
+                rate="100 Hz",
+            )
         self.assertEqual(
             slipbench.detect("force_ratio", self.place / "filled.h5")["notice"],
             "`import --rate` interpolated 30 of 300 samples, in gaps",
@@ -112,9 +116,12 @@ class DetectTest(unittest.TestCase):
         log.loc[150:159, "f3"] = np.nan  # 1.5 s to 1.59 s
         log.to_csv(self.place / "missing.csv", index=False)
         (self.place / "missing.yaml").write_text(MAP.format(labels=LABELS + ", missing: nan"))
-        slipbench.import_recordings(
-            self.place / "missing.csv", self.place / "missing.h5", map=self.place / "missing.yaml"
-        )
+        with self.assertWarnsRegex(UserWarning, "10 of 300 samples have missing values"):
+            slipbench.import_recordings(
+                self.place / "missing.csv",
+                self.place / "missing.h5",
+                map=self.place / "missing.yaml",
+            )
         for judge in (slipbench.detect, slipbench.evaluate):
             with self.assertRaisesRegex(
                 slipbench.InputError,
@@ -134,9 +141,13 @@ class DetectTest(unittest.TestCase):
         }
         for name, text in ways.items():
             (self.place / f"{name}.yaml").write_text(text)
-            slipbench.import_recordings(
-                self.place / "dead.csv", self.place / f"{name}.h5", map=self.place / f"{name}.yaml"
-            )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of the missing values
+                slipbench.import_recordings(
+                    self.place / "dead.csv",
+                    self.place / f"{name}.h5",
+                    map=self.place / f"{name}.yaml",
+                )
         message = r"value 4 of channel force \(f3\) is missing in all samples; in the map, leave out the column of a defective element, or name the column of a neighbour"
         for judge in (slipbench.detect, slipbench.evaluate):
             with self.assertRaisesRegex(slipbench.InputError, message):

@@ -19,6 +19,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
 #include "tools/doctor/doctor.h"
+#include "tools/files/delayed_end.h"
 #include "tools/files/reject.h"
 
 namespace slipbench {
@@ -101,9 +102,9 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
 }  // namespace
 
 int run_program(const Commands& commands, const std::vector<std::string>& words) {
-  // Commands without an InterruptGuard exit at once, with the same status.
+  // Commands without an InterruptGuard exit at once, or when a file is complete, with the same status.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    if (std::signal(signal, [](int) { _exit(exit_interrupted); }) == SIG_IGN) std::signal(signal, SIG_IGN);
+    if (std::signal(signal, [](int) { end_by_signal(exit_interrupted); }) == SIG_IGN) std::signal(signal, SIG_IGN);
   }
   std::signal(SIGCHLD, SIG_DFL);  // if inherited as ignored, children would have no status
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit of a file's size then fails as on a full disk

@@ -18,6 +18,7 @@
 #include <openssl/evp.h>
 
 #include "sim/core/process/regular_file.h"
+#include "tools/files/delayed_end.h"
 #include "tools/files/reject.h"
 
 namespace slipbench {
@@ -91,6 +92,7 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
 void write_text_file(const std::string& path, const std::string& text) { write_text_files({{path, text}}); }
 
 void write_text_files(const std::vector<std::pair<std::string, std::string>>& files) {
+  const DelayedEnd until_renamed;
   std::vector<std::string> written;  // temporary files without their final name
   const auto give_up = [&written](const std::string& path) {
     const int reason = errno;

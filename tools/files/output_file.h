@@ -40,7 +40,7 @@ void rename_file(const std::string& from, const std::string& to);
 void sync_folder_of(const std::string& path);
 
 // Writes `text` to PATH.partial, syncs it and renames it. Throws InputError on failure; then no
-// file remains. Call check_text_target() first.
+// file remains. A signal that ends the program waits until then (DelayedEnd). Call check_text_target() first.
 void write_text_file(const std::string& path, const std::string& text);
 
 // The same for several files, paths and their texts: they get their names together once all are

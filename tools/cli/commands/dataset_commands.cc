@@ -126,7 +126,11 @@ Examples:
 
 int ReportCommand::run() {
   const std::string page = output.empty() ? report_path(dataset) : output;
-  write_report(dataset, page, options);
+  {
+    const InterruptGuard guard("stopping; nothing is kept");
+    const InterruptScope scope(&InterruptGuard::flag());
+    write_report(dataset, page, options);
+  }
   say_failed(dataset);
   if (json) return print_json({{"report", page}});
   if (streams()) return exit_good;
@@ -203,6 +207,8 @@ int ExportCommand::run() {
   std::vector<std::string> files;
   if (!is_python_format(options.format)) {
     check_card_target(output);
+    const InterruptGuard guard("stopping after this trial");
+    const InterruptScope scope(&InterruptGuard::flag());
     // The progress is destroyed before an error is reported.
     const auto bar = std::make_shared<ExportBar>(silent());
     files = export_dataset(dataset, output, options,

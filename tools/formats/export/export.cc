@@ -18,6 +18,8 @@
 #include <zlib.h>
 
 #include "sim/core/choice.h"
+#include "sim/core/counted.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/json.h"
@@ -149,6 +151,15 @@ Files export_archive(const DatasetReader& reader, std::size_t trial, OutputFolde
                     npz(record, about_trial(reader, record)))};
 }
 
+// Throws Interrupted if the innermost InterruptScope is interrupted.
+void end_if_interrupted_after(const Files& files) {
+  try {
+    end_if_interrupted();
+  } catch (const Interrupted&) {
+    throw Interrupted(fmt::format("{} {} kept", counted(files.size(), "file"), files.size() == 1 ? "is" : "are"));
+  }
+}
+
 std::string export_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, OutputFolder& out,
                              const ExportOptions& options, const ExportProgress& progress) {
   static_cast<void>(chosen_sensors(reader, trials.front(), options.sensors));
@@ -156,6 +167,7 @@ std::string export_robomimic(const DatasetReader& reader, const std::vector<std:
   check_robomimic_target(path, reader.files());
   out.remove_card();
   const auto report_progress = [&](std::size_t done, std::uintmax_t bytes) {
+    end_if_interrupted();
     if (progress) progress(done, trials.size(), bytes);
   };
   write_robomimic(reader, trials, path, {options.sensors, options.rate, options.slip_rule, options.compress, report_progress});
@@ -243,7 +255,9 @@ Files export_trials(const std::string& dataset_path, const std::string& out_dir,
   if (options.format == ExportFormat::robomimic) return {export_robomimic(reader, trials, out, options, progress)};
   if (options.format == ExportFormat::grasp_csv) {
     if (progress) progress(1, trials.size(), grasp_csv(reader, {trials.front()}).size());
-    return {out.write("grasps.csv", {"table of grasps", &begins_as_grasp_csv}, grasp_csv(reader, trials))};
+    const std::string table = grasp_csv(reader, trials);
+    end_if_interrupted();
+    return {out.write("grasps.csv", {"table of grasps", &begins_as_grasp_csv}, table)};
   }
   Files files;
   std::uintmax_t bytes = 0;
@@ -252,6 +266,7 @@ Files export_trials(const std::string& dataset_path, const std::string& out_dir,
       bytes += std::filesystem::file_size(file);
       files.push_back(std::move(file));
     }
+    end_if_interrupted_after(files);
     if (progress) progress(k + 1, trials.size(), bytes);
   }
   return files;

@@ -66,9 +66,10 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 // Writes the trials of a dataset to `out_dir`, which is created if missing (its parent is not), and
 // returns the written files. Each file appears under its name only when it is complete. Throws
 // InputError if the options contradict each other, the dataset is damaged or does not fit the
-// format, a trial has no recording, or a file cannot be written; files finished before are kept,
-// and a folder without any is removed. `progress` is destroyed before an error is thrown. lerobot,
-// parquet, mcap and rosbag2 are written by Python instead (export_request()).
+// format, a trial has no recording, or a file cannot be written; Interrupted on an interrupt
+// (InterruptScope), after a trial. Files finished before are kept, and a folder without any is
+// removed. `progress` is destroyed before an error is thrown. lerobot, parquet, mcap and rosbag2 are
+// written by Python instead (export_request()).
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 

@@ -256,10 +256,14 @@ std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, co
   namespace fs = std::filesystem;
   std::vector<std::string> paths;
   std::vector<fs::path> folders;
+  for (const std::string& source : sources) {
+    std::error_code error;
+    if (source.empty()) reject("import: the name of a source is empty; expected a file or a folder");
+    if (!fs::exists(source, error)) reject("{}: no such file or folder", source);
+  }
   const LinkCheck links(sources);
   for (const std::string& source : sources) {
     std::error_code error;
-    if (!fs::exists(source, error)) reject("{}: no such file or folder", source);
     const fs::path full = fs::absolute(source).lexically_normal();
     if (fs::is_directory(source, error) && !(bags && is_bag(source))) {
       folders.push_back(full.has_filename() ? full : full.parent_path());

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import tempfile
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -112,7 +113,9 @@ def imported(about: RealSet, folders: list[Path], target: Path) -> Recordings:
         InputError: the program's own message
     """
     dataset = str(target / f"{about.name}.h5")
-    slipbench.import_recordings(list(folders), dataset, format=about.format, map=about.map)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the recordings, which `slipbench import` shows
+        slipbench.import_recordings(list(folders), dataset, format=about.format, map=about.map)
     found = Recordings(about, folders, dataset)
     with slipbench.open(dataset, check=False) as data:
         found.sensors = list(data[data.trials[0]].sensors)

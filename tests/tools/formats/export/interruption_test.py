@@ -21,6 +21,8 @@ from pathlib import Path
 from _made import PROGRAM, ROOT, ExportTest, contents, export
 
 FORMATS = ("lerobot", "mcap", "parquet", "rosbag2")
+# Formats written by C++ that have a file for each trial, and the names of the files.
+FILES_OF_TRIALS = {"csv": "demo_{}-pad.csv", "npz": "demo_{}.npz", "vendor-csv": "LOG_demo_{}.csv"}
 TRIALS = 3  # after the first trial the export reports the expected total
 NOTICE = "slipbench: stopping after this trial; interrupt again to stop at once\n"
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -100,6 +102,25 @@ class Interruption(ExportTest):
                 self.assertEqual(
                     (status, (self.folder / format).exists(), told), (130, False, NOTICE)
                 )
+
+    def test_a_signal_keeps_the_files_of_finished_trials_alone(self):
+        """The signal comes while the first trial is written, or while the program waits after it;
+        then the next check follows the second trial.
+        """
+        for (format, name), number in zip(FILES_OF_TRIALS.items(), SIGNALS, strict=True):
+            with self.subTest(format=format, signal=number.name):
+                out = self.folder / format
+                status, told = self.interrupt(format, out, has_written, number)
+                files = sorted(contents(out))
+                kept = ["1 file is kept", "2 files are kept"][len(files) - 1]
+                self.assertEqual((status, told), (130, f"{NOTICE}slipbench: interrupted; {kept}\n"))
+                self.assertEqual(files, [name.format(trial) for trial in range(len(files))])
+
+    def test_a_signal_leaves_nothing_of_a_robomimic_file(self):
+        out = self.folder / "out"
+        status, told = self.interrupt("robomimic", out, has_written, signal.SIGINT)
+        self.assertEqual((status, out.exists()), (130, False))
+        self.assertEqual(told, NOTICE + "slipbench: interrupted; nothing is kept\n")
 
     def test_a_signal_while_python_starts_leaves_nothing(self):
         status, told = self.interrupt("parquet", self.folder / "out", is_python, signal.SIGINT)
