@@ -297,28 +297,38 @@ def attach_pad(
     """Puts a pad on a site of an MjSpec, with a sensor that reads it and everything that the model
     needs for it (`complete()`).
 
-    spec: before or after it is attached to another; in the latter case call `complete()` on the
-        other one too.
-    site: its name, or the MjsSite. +Z points from the touched object into the pad; the origin is at
-        the undeformed tips.
-    touch: touched objects, one or a list: names of geoms, "body:NAME", "subtree:NAME", "group:N",
-        MjsGeom or MjsBody objects. For a body, its geoms that can collide, or all if none can.
-    pad: the name of a sensor (`slipbench.list_names("sensors")`), a mapping with its parameters
-        ({"type": "papillarray", "bristles": 6}), or elements [N,5] x, y, z [m], k_n, k_t [N/m],
-        with three more columns for axes other than -Z. Or a class as for `slipbench.sensor()`: each
-        `read()` of the returned pad is then a sample, which the class computes from the true
-        contact; pads found by name return the contact.
-    name: name of the pad; default: that of the site.
-    friction: coefficient, or {"static": ..., "kinetic": ...}; material: a named one. Not both.
-    solver: "explicit", or "implicit", which sets integrator, iterations and cone and adds tendons.
-    effects: as in a scene's list of a sensor's effects.
-    damping: time constant of a dashpot parallel to each spring [s], default 1 ms.
-    truth: True if the sensor also reads the truth. seed, trial: keys of the effects' draws.
-    check: "error", or "warn" to turn mistakes into warnings. unloaded: "1" or "nan", margin without
-        contact.
+    Args:
+        spec: before or after it is attached to another; in the latter case call `complete()` on the
+            other one too
+        site: its name, or the MjsSite. +Z points from the touched object into the pad; the origin
+            is at the undeformed tips
+        touch: touched objects, one or a list: names of geoms, "body:NAME", "subtree:NAME",
+            "group:N", MjsGeom or MjsBody objects. For a body, its geoms that can collide, or all if
+            none can
+        pad: the name of a sensor (`slipbench.list_names("sensors")`), a mapping with its parameters
+            ({"type": "papillarray", "bristles": 6}), or elements [N,5] x, y, z [m], k_n, k_t [N/m],
+            with three more columns for axes other than -Z. Or a class as for `slipbench.sensor()`:
+            each `read()` of the returned pad is then a sample, which the class computes from the
+            true contact; pads found by name return the contact
+        name: name of the pad; None: that of the site
+        friction: coefficient, or {"static": ..., "kinetic": ...}. Not with `material`
+        material: name of a material. Not with `friction`
+        effects: as in a scene's list of a sensor's effects
+        solver: "explicit", or "implicit", which sets integrator, iterations and cone and adds
+            tendons
+        damping: time constant of a dashpot parallel to each spring [s]; None: 1 ms
+        truth: True if the sensor also reads the truth
+        seed: key of the effects' draws
+        trial: key of the effects' draws
+        check: "error", or "warn" to turn mistakes into warnings
+        unloaded: margin without contact, "1" or "nan"
 
-    Raises InputError for objects that the spec lacks and for features that this MuJoCo lacks; other
-    mistakes are errors of `spec.compile()`.
+    Returns:
+        The pad, which reads the data of every model compiled from the spec.
+
+    Raises:
+        InputError: objects that the spec lacks, or features that this MuJoCo lacks. Other mistakes
+            are errors of `spec.compile()`.
     """
     site_name = site if isinstance(site, str) else _name(site, "site")
     if isinstance(site, str) and spec.site(site) is None:
@@ -328,12 +338,10 @@ def attach_pad(
     if solver == "implicit":
         _need_discrete()
     own = name or site_name
-    if any(plugin.name == own for plugin in spec.plugins):
-        raise InputError(f"the spec already has a plugin {own!r}; choose another name=")
-    if any(sensor.name == own for sensor in spec.sensors):
-        raise InputError(f"the spec already has a sensor {own!r}; choose another name=")
+    _check_free(spec, own)
     if check not in ("error", "warn"):
         raise InputError(f"check={check!r}; allowed: 'error', 'warn'")
+    measured = _Measured(pad(_own.SensorSource(own, seed, trial))) if callable(pad) else None
     config = {
         "pad": site_name,
         "touch": " ".join(
@@ -346,34 +354,58 @@ def attach_pad(
         "trial": str(trial),
         "check": check,
         "unloaded": unloaded,
+        **(_pad_config(pad) if measured is None else measured.config),
+        **_contact_config(friction, material, effects, damping),
     }
-    measured = _Measured(pad(_own.SensorSource(own, seed, trial))) if callable(pad) else None
-    if measured is not None:
-        config |= measured.config
-    elif isinstance(pad, str):
-        config["sensor"] = json.dumps({"type": pad})
-    elif isinstance(pad, Mapping):
-        config["sensor"] = json.dumps(plain(pad, "pad"))
-    else:
-        config["elements"] = json.dumps(np.asarray(pad, float).tolist())
+    _add_instance(spec, own, config)
+    complete(spec)
+    return Pad(own, measured)
+
+
+def _check_free(spec: Any, name: str) -> None:
+    """Raises InputError if the spec has a plugin or a sensor of this name."""
+    for kind, objects in (("plugin", spec.plugins), ("sensor", spec.sensors)):
+        if any(one.name == name for one in objects):
+            raise InputError(f"the spec already has a {kind} {name!r}; choose another name=")
+
+
+def _pad_config(pad: Any) -> dict[str, str]:
+    """The plugin's attribute for the name of a sensor, its parameters, or an array of elements."""
+    if isinstance(pad, str):
+        return {"sensor": json.dumps({"type": pad})}
+    if isinstance(pad, Mapping):
+        return {"sensor": json.dumps(plain(pad, "pad"))}
+    return {"elements": json.dumps(np.asarray(pad, float).tolist())}
+
+
+def _contact_config(
+    friction: float | Mapping[str, float] | None,
+    material: str | None,
+    effects: Sequence[Any],
+    damping: float | None,
+) -> dict[str, str]:
+    """The plugin's attributes of the contact; those not given are left out."""
+    config = {}
     if friction is not None:
-        config["friction"] = json.dumps(
-            plain(friction if isinstance(friction, Mapping) else {"static": friction}, "friction")
-        )
+        coefficients = friction if isinstance(friction, Mapping) else {"static": friction}
+        config["friction"] = json.dumps(plain(coefficients, "friction"))
     if material is not None:
         config["material"] = material
     if damping is not None:
         config["damping"] = repr(float(damping))
     if effects:
         config["effects"] = json.dumps(plain(list(effects), "effects"))
+    return config
+
+
+def _add_instance(spec: Any, name: str, config: dict[str, str]) -> None:
+    """Adds an instance of the plugin and a sensor that reads it."""
     if not any(plugin.plugin_name == _PLUGIN for plugin in spec.plugins):
         spec.activate_plugin(_PLUGIN)
-    instance = spec.add_plugin(name=own, plugin_name=_PLUGIN, active=True)
+    instance = spec.add_plugin(name=name, plugin_name=_PLUGIN, active=True)
     instance.config = config
-    sensor = spec.add_sensor(name=own, type=_mujoco.mjtSensor.mjSENS_PLUGIN)
-    sensor.plugin.plugin_name, sensor.plugin.name, sensor.plugin.active = _PLUGIN, own, True
-    complete(spec)
-    return Pad(own, measured)
+    sensor = spec.add_sensor(name=name, type=_mujoco.mjtSensor.mjSENS_PLUGIN)
+    sensor.plugin.plugin_name, sensor.plugin.name, sensor.plugin.active = _PLUGIN, name, True
 
 
 def complete(spec: Any) -> None:

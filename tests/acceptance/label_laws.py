@@ -233,41 +233,52 @@ def cone(pad):
         yield f"force without contact: {pad.where(lifted)}"
     if not pad.exact:
         return
-    mu_s, mu_k = pad.attributes["mu_static"], pad.attributes["mu_kinetic"]
-    one_plane = pad.single or pad.flat
     with np.errstate(invalid="ignore", over="ignore"):
-        if one_plane:
+        if pad.single or pad.flat:
             pad.count("cone: pulled", ~off)
             pulled = pad.f_n < -rotated
             if pulled.any():
                 yield f"pulled: {pad.where(pulled)}"
-        stick, partial, slip = (pad.state == state for state in (STICK, PARTIAL, SLIP))
-        bounded = (stick & (not pad.rings)) | (partial & pad.massless & (not pad.strengthens))
-        if one_plane and pad.static:
-            pad.count("cone: stick", bounded)
-            beyond = bounded & (pad.f_t > mu_s * pad.f_n + pad.slack(mu_s))
-            if beyond.any():
-                yield f"sticks beyond mu_s f_n: {pad.where(beyond)}"
-        if one_plane and pad.kinetic and pad.massless:
-            pad.count("cone: slip", slip)
-            off_cone = slip & (pad.f_t > mu_k * pad.f_n + pad.slack(mu_k))
-            if pad.single:
-                off_cone |= slip & (pad.f_t < mu_k * pad.f_n - pad.slack(mu_k))
-            if off_cone.any():
-                yield f"slips off mu_k f_n: {pad.where(off_cone)}"
-        # Friction beyond its limit is -margin times the limit, which is f_t/(1 - margin).
-        limited = stick | ((slip | partial) & (not pad.strengthens))
-        limit = np.where(pad.static & one_plane, mu_s * pad.f_n, pad.f_t / (1.0 - pad.margin))
-        pad.count("cone: margin", limited)
-        over = (
-            limited
-            & (pad.margin < 0.0)
-            & (-pad.margin * limit > pad.slack(mu_s if pad.static else 0.0 * mu_s))
-        )
-        if not one_plane or not (pad.static or pad.massless):
-            over &= pad.margin < -1e-3
-        if over.any():
-            yield f"margin below 0: {pad.where(over)}"
+            yield from cone_in_one_plane(pad)
+        yield from margin(pad)
+
+
+def cone_in_one_plane(pad):
+    """Stick within mu_s f_n and slip at mu_k f_n, of units with one contact plane."""
+    mu_s, mu_k = pad.attributes["mu_static"], pad.attributes["mu_kinetic"]
+    stick, partial, slip = (pad.state == state for state in (STICK, PARTIAL, SLIP))
+    bounded = (stick & (not pad.rings)) | (partial & pad.massless & (not pad.strengthens))
+    if pad.static:
+        pad.count("cone: stick", bounded)
+        beyond = bounded & (pad.f_t > mu_s * pad.f_n + pad.slack(mu_s))
+        if beyond.any():
+            yield f"sticks beyond mu_s f_n: {pad.where(beyond)}"
+    if pad.kinetic and pad.massless:
+        pad.count("cone: slip", slip)
+        off_cone = slip & (pad.f_t > mu_k * pad.f_n + pad.slack(mu_k))
+        if pad.single:
+            off_cone |= slip & (pad.f_t < mu_k * pad.f_n - pad.slack(mu_k))
+        if off_cone.any():
+            yield f"slips off mu_k f_n: {pad.where(off_cone)}"
+
+
+def margin(pad):
+    """Margin >= 0, but for rounding."""
+    mu_s, one_plane = pad.attributes["mu_static"], pad.single or pad.flat
+    stick, partial, slip = (pad.state == state for state in (STICK, PARTIAL, SLIP))
+    # Friction beyond its limit is -margin times the limit, which is f_t/(1 - margin).
+    limited = stick | ((slip | partial) & (not pad.strengthens))
+    limit = np.where(pad.static & one_plane, mu_s * pad.f_n, pad.f_t / (1.0 - pad.margin))
+    pad.count("cone: margin", limited)
+    over = (
+        limited
+        & (pad.margin < 0.0)
+        & (-pad.margin * limit > pad.slack(mu_s if pad.static else 0.0 * mu_s))
+    )
+    if not one_plane or not (pad.static or pad.massless):
+        over &= pad.margin < -1e-3
+    if over.any():
+        yield f"margin below 0: {pad.where(over)}"
 
 
 def dissipation(pad):

@@ -126,32 +126,39 @@ def main():
         return
     if given.seed is not None:
         print(text_of(drawn(given.program, given.seed)))
+    how, bad, applied = run_all(given.program, first, end)
+    sys.exit(0 if report(given, how, bad, applied) else 1)
+
+
+def run_all(program, first, end):
+    """Runs scenes in workers, each of which continues after a scene that ended the one before.
+
+    Returns the number of scenes by how they ended, the faults by seed, and the samples by law.
+    """
     how, bad, applied = Counter(), {}, Counter()
     while first < end:
-        words = [
-            sys.executable,
-            __file__,
-            given.program,
-            str(end - first),
-            "--first",
-            str(first),
-            "--worker",
-        ]
+        words = [sys.executable, __file__, program, str(end - first)]
+        words += ["--first", str(first), "--worker"]
         begun = first
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as worker:
             for line in worker.stdout:
-                said = json.loads(line)
-                begun = said.get("begin", begun)
-                how.update([said["how"]] if said.get("how") else [])
-                applied.update(said.get("applied", {}))
-                if said.get("faults"):
-                    bad.setdefault(said["seed"], []).extend(said["faults"])
+                event = json.loads(line)
+                begun = event.get("begin", begun)
+                how.update([event["how"]] if event.get("how") else [])
+                applied.update(event.get("applied", {}))
+                if event.get("faults"):
+                    bad.setdefault(event["seed"], []).extend(event["faults"])
         if worker.returncode == 0:
             break
         bad.setdefault(begun, []).append(
             f"the process that ran it ended with status {worker.returncode}"
         )
         first = begun + 1
+    return how, bad, applied
+
+
+def report(given, how, bad, applied):
+    """Prints the results of run_all(); returns True if they are as they should be."""
     for seed, wrong in sorted(bad.items()):
         print(f"scene {seed}: {text_of(drawn(given.program, seed))}")
         for fault in wrong:
@@ -165,7 +172,7 @@ def main():
     enough = given.seed is not None or how["ran"] >= LEAST_RUN * how.total()
     if not enough:
         print(f"{how['ran']} scenes ran; expected at least {LEAST_RUN:.0%}")
-    sys.exit(0 if enough and not bad and not unused else 1)
+    return enough and not bad and not unused
 
 
 if __name__ == "__main__":

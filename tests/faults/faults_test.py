@@ -278,18 +278,31 @@ class Case:
             return None
         if status < 0:
             return f"signal {-status}"
-        before = contents(self.begin)
-        left = {
-            name: bytes
-            for name, bytes in contents(self.where).items()
+        if found := self.wrong_files():
+            return found
+        if status == 0:
+            return "" if self.left() == self.right else "status 0, and files are missing"
+        return self.wrong_message(status, told, error) or self.wrong_next_run(told)
+
+    def left(self):
+        """Contents of the files under a final name."""
+        return {
+            name: content
+            for name, content in contents(self.where).items()
             if ".partial" not in name and "checkpoint" not in name
         }
-        if any(
-            bytes not in (self.right.get(name), before.get(name)) for name, bytes in left.items()
-        ):
-            return "other bytes under a final name"
-        if status == 0:
-            return "" if left == self.right else "status 0, and files are missing"
+
+    def wrong_files(self):
+        """Returns what is wrong with the files, empty if nothing is."""
+        before = contents(self.begin)
+        complete = all(
+            content in (self.right.get(name), before.get(name))
+            for name, content in self.left().items()
+        )
+        return "" if complete else "other bytes under a final name"
+
+    def wrong_message(self, status, told, error):
+        """Returns what is wrong with the end of a command that failed, empty if nothing is."""
         if error in SURVIVED:
             return f"not survived: {told.strip()}"
         message = told[told.rfind("slipbench: ") :].strip()
@@ -297,6 +310,10 @@ class Case:
             return f"status {status}: {told.strip()}"
         if os.strerror(error) not in message or str(self.where) not in message:
             return f"file or reason not named: {message}"
+        return ""
+
+    def wrong_next_run(self, told):
+        """Returns what is wrong with the next run after one that failed, empty if nothing is."""
         held = re.search(r"holds? (\d+) of", told)
         checkpoint = (
             ["--resume"]

@@ -13,28 +13,40 @@ CITATION = re.compile(r"\[([a-z]+[12]\d{3}[a-z]?)\]")
 OUTSIDE = re.compile(r"(?<![\w/.])(?:papers|\.\./shared)/")
 
 
-def check(root):
-    entries = {}
+def read_entries(root):
+    """Lines of the bibliography's entries by key, and a fault for each repeated key."""
+    entries, faults = {}, []
     if (Path(root) / BIBLIOGRAPHY).is_file():
         for number, line in lines_of(root, BIBLIOGRAPHY):
             entry = ENTRY.match(line)
             if entry and entry[1] in entries:
-                yield f"{BIBLIOGRAPHY}:{number}: {entry[1]} is already on line {entries[entry[1]]}"
+                first = entries[entry[1]]
+                faults.append(f"{BIBLIOGRAPHY}:{number}: {entry[1]} is already on line {first}")
             elif entry:
                 entries[entry[1]] = number
-    cited = set()
+    return entries, faults
+
+
+def cited_lines(root):
+    """Yields path, number and text of each line that may cite."""
     for path in project_files(root):
-        if path.suffix not in TEXTS or "corpus" in path.parts:
-            continue
-        for number, line in lines_of(root, path):
-            keys = CITATION.findall(line)
-            cited.update(keys)
-            for key in keys:
-                if key not in entries:
-                    yield f"{path}:{number}: [{key}] is not an entry of {BIBLIOGRAPHY}"
-            outside = OUTSIDE.search(line)
-            if outside:
-                yield f"{path}:{number}: {outside[0]} is not in the tree; cite an entry of {BIBLIOGRAPHY}"
+        if path.suffix in TEXTS and "corpus" not in path.parts:
+            for number, line in lines_of(root, path):
+                yield path, number, line
+
+
+def check(root):
+    entries, repeated = read_entries(root)
+    yield from repeated
+    cited = set()
+    for path, number, line in cited_lines(root):
+        keys = CITATION.findall(line)
+        cited.update(keys)
+        for key in keys:
+            if key not in entries:
+                yield f"{path}:{number}: [{key}] is not an entry of {BIBLIOGRAPHY}"
+        if outside := OUTSIDE.search(line):
+            yield f"{path}:{number}: {outside[0]} is not in the tree; cite an entry of {BIBLIOGRAPHY}"
     for key, number in entries.items():
         if key not in cited:
             yield f"{BIBLIOGRAPHY}:{number}: {key} is not cited"

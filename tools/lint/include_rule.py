@@ -128,6 +128,17 @@ VARIANTS = {
     "sim/mujoco/pads/no_implicit.cc": "sim/mujoco/pads/implicit.h",
     "tools/trial/mujoco/no_mujoco_simulation.cc": "tools/trial/mujoco/mujoco_simulation.h",
 }
+# Headers that sources of sim/core and sim/api may include, but not their headers.
+IN_SOURCES = (
+    "sleef.h",
+    "emmintrin.h",
+    "dlfcn.h",
+    "fcntl.h",
+    "poll.h",
+    "spawn.h",
+    "sys/wait.h",
+    "unistd.h",
+)
 
 
 def without_header(path, included):
@@ -189,36 +200,33 @@ def fault_of(path, quoted, header):
     if allowed is None:
         return f"{folder} is no layer of sim ({', '.join(SIM_LAYERS)}) and no folder of tools ({', '.join((*BASE, *TASKS))})"
     if quoted:
-        if not header.endswith(".h"):
-            return f'"{header}" is no header'
-        if ".." in header.split("/") or not header.startswith(
-            tuple(f"{top}/" for top in TOP_FOLDERS)
-        ):
-            return f'"{header}" is not given from the project root'
-        if not header.startswith(allowed):
-            return f'{folder} may include {", ".join(allowed)} only, not "{header}"'
-        if path.parts[0] in ("detectors", "controllers", "rtl") and header in TRUTH:
-            return f'{folder} must not see the truth, found "{header}"'
-        return None
+        return fault_of_own(path, header, allowed)
+    return fault_of_foreign(path, header)
+
+
+def fault_of_own(path, header, allowed):
+    """Error of an include in quotes; `allowed`: beginnings of allowed headers."""
+    folder = path.parent.as_posix()
+    if not header.endswith(".h"):
+        return f'"{header}" is no header'
+    if ".." in header.split("/") or not header.startswith(tuple(f"{top}/" for top in TOP_FOLDERS)):
+        return f'"{header}" is not given from the project root'
+    if not header.startswith(allowed):
+        return f'{folder} may include {", ".join(allowed)} only, not "{header}"'
+    if path.parts[0] in ("detectors", "controllers", "rtl") and header in TRUTH:
+        return f'{folder} must not see the truth, found "{header}"'
+    return None
+
+
+def fault_of_foreign(path, header):
+    """Error of an include in angle brackets."""
+    folder = path.parent.as_posix()
     if header.split("/")[0] in TOP_FOLDERS:
         return f"<{header}> is of the project; allowed: in quotes"
     if header.startswith("mujoco/") and not f"{folder}/".startswith(MUJOCO):
         return f"only sim/mujoco may include <{header}>"
     if path.parts[:2] in (("sim", "core"), ("sim", "api")):
-        hidden = path.suffix == ".cc" and (
-            header.startswith("Random123/")
-            or header
-            in (
-                "sleef.h",
-                "emmintrin.h",
-                "dlfcn.h",
-                "fcntl.h",
-                "poll.h",
-                "spawn.h",
-                "sys/wait.h",
-                "unistd.h",
-            )
-        )
+        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in IN_SOURCES)
         in_c = path.name == "plugin_abi.h" and header == "stddef.h"
         if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or hidden or in_c):
             return f"{folder} may include the standard library and Eigen only, not <{header}>"

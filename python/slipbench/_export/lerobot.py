@@ -286,10 +286,17 @@ def _features(trial: StoredTrial, series: list[Series]) -> Iterator[Feature]:
 
 
 class _Writer:
-    """Writes one dataset to a folder that gets its final name at the end."""
+    """Writes one dataset to a folder that gets its final name at the end.
 
-    def __init__(self, folder: Path, fps: int, task: str) -> None:
-        self.folder, self._fps, self._task = folder, fps, task
+    Args:
+        folder: existing folder
+        fps: frames per second
+        task: text of the only task
+        pointed: names of the sensors with a feature of points
+    """
+
+    def __init__(self, folder: Path, fps: int, task: str, pointed: list[str]) -> None:
+        self.folder, self._fps, self._task, self._pointed = folder, fps, task, pointed
         self._features: list[dict[str, Any]] = []
         self._names: list[str] = []
         self._episodes: list[dict[str, Any]] = []
@@ -309,12 +316,33 @@ class _Writer:
         with self._create(name) as file:
             file.write(text.encode())
 
-    def append(
-        self, number: int, part: str | None, t: NDArray[np.float64], features: list[Feature]
-    ) -> None:
-        """Writes an episode: frames of trial `number`, which is in `part` of the split. Trials are
-        grouped by part."""
-        self._parts.append(part)
+    def append_trial(
+        self,
+        number: int,
+        trial: StoredTrial,
+        part: str | None,
+        t: NDArray[np.float64],
+        series: list[Series],
+    ) -> int:
+        """Writes a trial as episodes, as few as possible; returns their number.
+
+        Args:
+            number: number of the trial
+            trial: the trial
+            part: its part of the split; trials come grouped by part
+            t: instants of the frames [s]
+            series: values of the trial
+        """
+        pieces = _pieces(len(t), self._fps)
+        for piece in pieces:
+            at = [one.at(t[piece]) for one in series]
+            points = [_points(trial, sensor, at) for sensor in self._pointed]
+            self._parts.append(part)
+            self._append(number, t[piece], [*_features(trial, at), *points])
+        return len(pieces)
+
+    def _append(self, number: int, t: NDArray[np.float64], features: list[Feature]) -> None:
+        """Writes an episode, frames of trial `number`."""
         frames, episode = np.arange(len(t), dtype=np.int64), len(self._episodes)
         counts: dict[str, NDArray[Any]] = {
             "timestamp": (frames / self._fps).astype(np.float32),
@@ -336,6 +364,15 @@ class _Writer:
                 f"trial {number}: has other features than the previous trials; choose common sensors with --sensors, or one trial with --trial"
             )
         self._names, self._features = names, described
+        self._data_of(schema).write_table(
+            pa.Table.from_arrays([one.array for one in features], schema=schema)
+        )
+        self._stats.append([Stats.measured(one.values) for one in features])
+        self._episodes.append(self._episode(number, len(t)))
+        self._frames += len(t)
+
+    def _data_of(self, schema: pa.Schema) -> pq.ParquetWriter:
+        """The data file for the next episode: the open one, or another if that is large."""
         if self._data is not None and self.bytes_of_file() >= FILE_BYTES:
             self.close()
             self._file += 1
@@ -345,29 +382,29 @@ class _Writer:
             self._data = pq.ParquetWriter(
                 self._data_file, schema, write_statistics=False, **encodings(schema)
             )
-        self._data.write_table(pa.Table.from_arrays([one.array for one in features], schema=schema))
-        stats = [Stats.measured(one.values) for one in features]
-        self._stats.append(stats)
-        self._episodes.append(
-            {
-                "episode_index": episode,
-                "trial": number,
-                "tasks": [self._task],
-                "length": len(t),
-                "data/chunk_index": self._file // FILES_A_CHUNK,
-                "data/file_index": self._file % FILES_A_CHUNK,
-                "dataset_from_index": self._frames,
-                "dataset_to_index": self._frames + len(t),
-                **{
-                    f"stats/{name}/{key}": values
-                    for name, one, feature in zip(names, stats, described, strict=True)
-                    for key, values in one.lists(feature["shape"]).items()
-                },
-                "meta/episodes/chunk_index": 0,
-                "meta/episodes/file_index": 0,
-            }
-        )
-        self._frames += len(t)
+        return self._data
+
+    def _episode(self, number: int, frames: int) -> dict[str, Any]:
+        """The row of the table of episodes for the last statistics."""
+        return {
+            "episode_index": len(self._episodes),
+            "trial": number,
+            "tasks": [self._task],
+            "length": frames,
+            "data/chunk_index": self._file // FILES_A_CHUNK,
+            "data/file_index": self._file % FILES_A_CHUNK,
+            "dataset_from_index": self._frames,
+            "dataset_to_index": self._frames + frames,
+            **{
+                f"stats/{name}/{key}": values
+                for name, one, feature in zip(
+                    self._names, self._stats[-1], self._features, strict=True
+                )
+                for key, values in one.lists(feature["shape"]).items()
+            },
+            "meta/episodes/chunk_index": 0,
+            "meta/episodes/file_index": 0,
+        }
 
     def _data_name(self) -> str:
         return DATA.format(
@@ -405,39 +442,27 @@ class _Writer:
         self.close()
         with self._create(EPISODES) as file:
             pq.write_table(pa.Table.from_pylist(self._episodes), file, compression="zstd")
-        columns = [
-            {
-                "name": name,
-                "field_name": name,
-                "pandas_type": kind,
-                "numpy_type": numpy,
-                "metadata": None,
-            }
-            for name, kind, numpy in (
-                ("task_index", "int64", "int64"),
-                ("task", "unicode", "object"),
-            )
-        ]
-        index = json.dumps(
-            {
-                "index_columns": ["task"],
-                "column_indexes": [],
-                "columns": columns,
-                "pandas_version": "2.0.0",
-            }
-        )
-        tasks = pa.table(
-            {"task_index": pa.array([0], pa.int64()), "task": [self._task]}
-        ).replace_schema_metadata({"pandas": index})
         with self._create("meta/tasks.parquet") as file:
-            pq.write_table(tasks, file)
+            pq.write_table(_table_of_task(self._task), file)
         stats = {
             name: Stats.together([episode[i] for episode in self._stats]).lists(
                 self._features[i]["shape"]
             )
             for i, name in enumerate(self._names)
         }
-        info = {
+        for name, content in (("stats", stats), ("info", self._info())):
+            self._write(f"meta/{name}.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
+        self._write(CARDS[0], card_text(data, request))
+        files = [
+            (path.relative_to(self.folder).as_posix(), str(path))
+            for path in self.folder.rglob("*")
+            if path.is_file()
+        ]
+        self._write(CARDS[1], croissant_text(data, request, files))
+
+    def _info(self) -> dict[str, Any]:
+        """The content of meta/info.json."""
+        return {
             "codebase_version": VERSION,
             "robot_type": ROBOT,
             "total_episodes": len(self._episodes),
@@ -452,15 +477,29 @@ class _Writer:
             "video_path": None,
             "features": dict(zip(self._names, self._features, strict=True)),
         }
-        for name, content in (("stats", stats), ("info", info)):
-            self._write(f"meta/{name}.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
-        self._write(CARDS[0], card_text(data, request))
-        files = [
-            (path.relative_to(self.folder).as_posix(), str(path))
-            for path in self.folder.rglob("*")
-            if path.is_file()
-        ]
-        self._write(CARDS[1], croissant_text(data, request, files))
+
+
+def _table_of_task(task: str) -> pa.Table:
+    """The table of the only task, with the metadata that pandas writes."""
+    columns = [
+        {
+            "name": name,
+            "field_name": name,
+            "pandas_type": kind,
+            "numpy_type": numpy,
+            "metadata": None,
+        }
+        for name, kind, numpy in (("task_index", "int64", "int64"), ("task", "unicode", "object"))
+    ]
+    about = {
+        "index_columns": ["task"],
+        "column_indexes": [],
+        "columns": columns,
+        "pandas_version": "2.0.0",
+    }
+    return pa.table(
+        {"task_index": pa.array([0], pa.int64()), "task": [task]}
+    ).replace_schema_metadata({"pandas": json.dumps(about)})
 
 
 def _is_own(folder: Path) -> bool:
@@ -630,12 +669,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
 def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress) -> list[str]:
     """As write(), in the folder `out`, which no other export writes into."""
     parts = split_of(data)
-    order = [
-        number
-        for part in ("train", "valid", "test", None)
-        for number in request.trials
-        if parts.get(number) == part
-    ]
+    order = _ordered(request.trials, parts)
     rates = _rates(data[order[0]], request)
     targets = {rate: out / f"{round(rate)}hz" for rate in rates}
     partials = {rate: _beside(target)[0] for rate, target in targets.items()}
@@ -647,35 +681,11 @@ def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress
         for rate, partial in partials.items():
             shutil.rmtree(partial, ignore_errors=True)  # left by a killed run
             partial.mkdir()  # not through a link that has appeared since the check
-            writers[rate] = _Writer(partial, round(rate), _task(data.scene))
+            own = [sensor for sensor in rates[rate] if sensor in pointed]
+            writers[rate] = _Writer(partial, round(rate), _task(data.scene), own)
         for done, number in enumerate(order, 1):
-            trial = data[number]
-            _check_rates(number, trial, rates, request)
-            shared = [*body_series(trial), *control_series(trial)]
-            for rate, sensors in rates.items():
-                series = [
-                    one
-                    for sensor in sensors
-                    for one in (
-                        *sensor_series(trial, sensor),
-                        *label_series(trial, sensor, request.labels),
-                    )
-                ] + shared
-                t = _instants(number, trial, sensors, series, rate, request)
-                pieces = _pieces(len(t), round(rate))
-                for piece in pieces:
-                    at = [one.at(t[piece]) for one in series]
-                    points = [_points(trial, sensor, at) for sensor in sensors if sensor in pointed]
-                    writers[rate].append(
-                        number, parts.get(number), t[piece], [*_features(trial, at), *points]
-                    )
-                for note in _other_rate(trial, sensors, rate):
-                    progress.note(f"trial {number}: {note}")
-                if len(pieces) > 1:
-                    progress.note(
-                        f"trial {number}: its {counted(len(t), 'frame')} at {rate:g} fps become {len(pieces)} episodes, since float32 timestamps of one "
-                        f"would miss LeRobot's tolerance of {STEP_TOLERANCE:g} s"
-                    )
+            _check_rates(number, data[number], rates, request)
+            _append(number, data[number], parts.get(number), writers, rates, request, progress)
             progress.update(
                 done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values())
             )
@@ -689,9 +699,49 @@ def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress
             writer.abandon()
         for partial in partials.values():
             shutil.rmtree(partial, ignore_errors=True)
+    return [str(path) for target in targets.values() for path in _files_below(target)]
+
+
+def _ordered(trials: list[int], parts: dict[int, str]) -> list[int]:
+    """The trials grouped by their part of the split."""
     return [
-        str(path)
-        for target in targets.values()
-        for path in sorted(target.rglob("*"))
-        if path.is_file()
+        number
+        for part in ("train", "valid", "test", None)
+        for number in trials
+        if parts.get(number) == part
     ]
+
+
+def _files_below(folder: Path) -> list[Path]:
+    return [path for path in sorted(folder.rglob("*")) if path.is_file()]
+
+
+def _append(
+    number: int,
+    trial: StoredTrial,
+    part: str | None,
+    writers: dict[float, _Writer],
+    rates: dict[float, list[str]],
+    request: Request,
+    progress: Progress,
+) -> None:
+    """Writes a trial, which is in `part` of the split, to the dataset of each rate."""
+    shared = [*body_series(trial), *control_series(trial)]
+    for rate, sensors in rates.items():
+        own = [
+            one
+            for sensor in sensors
+            for one in (
+                *sensor_series(trial, sensor),
+                *label_series(trial, sensor, request.labels),
+            )
+        ]
+        t = _instants(number, trial, sensors, own + shared, rate, request)
+        episodes = writers[rate].append_trial(number, trial, part, t, own + shared)
+        for note in _other_rate(trial, sensors, rate):
+            progress.note(f"trial {number}: {note}")
+        if episodes > 1:
+            progress.note(
+                f"trial {number}: its {counted(len(t), 'frame')} at {rate:g} fps become {episodes} episodes, since float32 timestamps of one "
+                f"would miss LeRobot's tolerance of {STEP_TOLERANCE:g} s"
+            )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import unicodedata
+from collections.abc import Callable
 from typing import Any, NoReturn
 
 from slipbench import InputError, parse_quantity
@@ -153,62 +154,57 @@ def _duration(node: Node, where: str) -> float:
     return seconds
 
 
-_EXPECTED = {
-    "boolean": "true or false",
-    "duration": "a time such as '1 day'",
-    "rate": "a rate such as '100 Hz'",
-}  # kinds that are not any text
+def _blocks(node: Node, key: Key, where: str) -> dict[str, Block]:
+    if node.kind != "map" or not node.children:
+        node.fail(f"{where}: expected blocks by their names, found {node.described}")
+    return {child.key: Block(child, key.block, f"{where}.{child.key}") for child in node.children}
 
 
-def _value(node: Node, key: Key, where: str) -> Any:
-    """The value of a key, by its kind."""
-    if key.kind == "blocks":
-        if node.kind != "map" or not node.children:
-            node.fail(f"{where}: expected blocks by their names, found {node.described}")
-        return {
-            child.key: Block(child, key.block, f"{where}.{child.key}") for child in node.children
-        }
-    if key.kind == "block":
-        return Block(node, key.block, where)
-    if key.kind == "texts":
-        if node.kind != "sequence" or not node.children:
-            node.fail(f"{where}: expected a list of texts, found {node.described}")
-        return [_scalar(child, where, "a text") for child in node.children]
-    if key.kind == "words":
-        if node.kind != "map" or not node.children:
-            node.fail(f"{where}: expected pairs TEXT: TEXT, found {node.described}")
-        return {
-            child.key: _scalar(child, f"{where}.{child.key}", "a text") for child in node.children
-        }
-    if key.kind == "lines":
-        if node.kind == "sequence":
-            return [_integer(child, where) for child in node.children]
-        return _integer(node, where)
-    if key.kind == "number":
-        return _number(node, where)
-    if key.kind == "factors":
-        return (
-            [_factor(child, where) for child in node.children]
-            if node.kind == "sequence" and node.children
-            else [_factor(node, where)]
-        )
-    if key.kind == "integer":
-        return _integer(node, where)
-    text = _scalar(node, where, _EXPECTED.get(key.kind, f"a text ({key.description})"))
-    if key.kind == "boolean":
-        if text not in ("true", "false"):
-            node.fail(f"{where}: expected true or false, found {text!r}")
-        return text == "true"
-    if key.kind == "duration":
-        return _duration(node, where)
-    if key.kind == "rate":
-        try:
-            rate = parse_quantity(text, "Hz")
-        except InputError as error:
-            node.fail(f"{where}: {error}")
-        if not 1e-6 <= rate <= 1e9:
-            node.fail(f"{where}: expected a rate such as '100 Hz', found {text!r}")
-        return rate
+def _texts(node: Node, where: str) -> list[str]:
+    if node.kind != "sequence" or not node.children:
+        node.fail(f"{where}: expected a list of texts, found {node.described}")
+    return [_scalar(child, where, "a text") for child in node.children]
+
+
+def _words(node: Node, where: str) -> dict[str, str]:
+    if node.kind != "map" or not node.children:
+        node.fail(f"{where}: expected pairs TEXT: TEXT, found {node.described}")
+    return {child.key: _scalar(child, f"{where}.{child.key}", "a text") for child in node.children}
+
+
+def _lines(node: Node, where: str) -> int | list[int]:
+    if node.kind == "sequence":
+        return [_integer(child, where) for child in node.children]
+    return _integer(node, where)
+
+
+def _factors(node: Node, where: str) -> list[tuple[float, str]]:
+    if node.kind == "sequence" and node.children:
+        return [_factor(child, where) for child in node.children]
+    return [_factor(node, where)]
+
+
+def _boolean(node: Node, where: str) -> bool:
+    text = _scalar(node, where, "true or false")
+    if text not in ("true", "false"):
+        node.fail(f"{where}: expected true or false, found {text!r}")
+    return text == "true"
+
+
+def _rate(node: Node, where: str) -> float:
+    text = _scalar(node, where, "a rate such as '100 Hz'")
+    try:
+        rate = parse_quantity(text, "Hz")
+    except InputError as error:
+        node.fail(f"{where}: {error}")
+    if not 1e-6 <= rate <= 1e9:
+        node.fail(f"{where}: expected a rate such as '100 Hz', found {text!r}")
+    return rate
+
+
+def _text(node: Node, key: Key, where: str) -> str:
+    """A text of one line: a name, one of the key's choices, or any."""
+    text = _scalar(node, where, f"a text ({key.description})")
     if key.kind == "name" and not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", text):
         node.fail(f"{where}: expected letters, digits and '_', no digit first, found {text!r}")
     if key.choices and text not in key.choices:
@@ -216,6 +212,31 @@ def _value(node: Node, key: Key, where: str) -> Any:
     if not text or not _core.is_plain_name(text):
         node.fail(f"{where}: expected a text of one line, found {text!r}")
     return text
+
+
+# Readers of the values of some kinds.
+_READERS: dict[str, Callable[[Node, str], Any]] = {
+    "boolean": _boolean,
+    "duration": _duration,
+    "factors": _factors,
+    "integer": _integer,
+    "lines": _lines,
+    "number": _number,
+    "rate": _rate,
+    "texts": _texts,
+    "words": _words,
+}
+
+
+def _value(node: Node, key: Key, where: str) -> Any:
+    """The value of a key, by its kind."""
+    if key.kind == "blocks":
+        return _blocks(node, key, where)
+    if key.kind == "block":
+        return Block(node, key.block, where)
+    if read := _READERS.get(key.kind):
+        return read(node, where)
+    return _text(node, key, where)
 
 
 class Block:

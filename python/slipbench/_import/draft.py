@@ -169,10 +169,10 @@ def time_key(table: TextTable) -> tuple[str, str, str]:
     steps = np.diff(table.values(title))
     step = float(np.median(steps)) if steps.size else 0.0
     rates = {unit: 1.0 / (step * seconds) for unit, seconds in TIME_UNITS.items() if step > 0.0}
-    said = re.search(r"(?:[_\s(\[]|^)(ns|us|ms|s)[)\]]?$", title)
+    unit_in_title = re.search(r"(?:[_\s(\[]|^)(ns|us|ms|s)[)\]]?$", title)
     unit = (
-        said[1]
-        if said
+        unit_in_title[1]
+        if unit_in_title
         else next(
             (
                 unit

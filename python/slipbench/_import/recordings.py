@@ -202,18 +202,9 @@ class Map:
         titles: list[str] = []
         texts: list[str] = []
         for sensor in self.sensors:
-            for key, channel in sensor.channels.items():
-                titles += source.find_all(channel.need("columns"), f"channels.{key}.columns")[0]
-            if sensor.time is None:
-                sensor.block.fail(
-                    "the map has no key 'time'; expected time: {column: TITLE}, or time: {rate: 100 Hz} for a table without times"
-                )
-            if "nanoseconds" in sensor.time:
-                titles += [source.find(sensor.time.need(key)) for key in ("column", "nanoseconds")]
-            elif "column" in sensor.time:
-                texts.append(source.find(sensor.time.need("column")))
-            if sensor.states is not None and sensor.states.column is not None:
-                texts.append(source.find(sensor.states.column))
+            numbers, words = _titles_of(sensor, source)
+            titles += numbers
+            texts += words
         if self.object is not None and self.object.column is not None:
             texts.append(source.find(self.object.column))
         source.load(titles + texts, texts)
@@ -264,6 +255,25 @@ class Map:
                     )
         finally:
             bag.close()
+
+
+def _titles_of(sensor: Sensor, source: Source) -> tuple[list[str], list[str]]:
+    """The columns of a sensor in a table: those of numbers, and those of texts."""
+    titles: list[str] = []
+    texts: list[str] = []
+    for key, channel in sensor.channels.items():
+        titles += source.find_all(channel.need("columns"), f"channels.{key}.columns")[0]
+    if sensor.time is None:
+        sensor.block.fail(
+            "the map has no key 'time'; expected time: {column: TITLE}, or time: {rate: 100 Hz} for a table without times"
+        )
+    if "nanoseconds" in sensor.time:
+        titles += [source.find(sensor.time.need(key)) for key in ("column", "nanoseconds")]
+    elif "column" in sensor.time:
+        texts.append(source.find(sensor.time.need("column")))
+    if sensor.states is not None and sensor.states.column is not None:
+        texts.append(source.find(sensor.states.column))
+    return titles, texts
 
 
 def _channel_values(

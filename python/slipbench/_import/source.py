@@ -126,36 +126,42 @@ class Source:
             The titles, and the number of components by *: 1 without.
         """
         starred = [title for title in columns if "*" in title and title not in self.titles]
-        if starred:
-            if len(starred) < len(columns):
-                raise InputError(f"{where}: titles with and without * cannot be in one list")
-            groups = [self._matches(title) for title in starred]
-            for title, group in zip(starred, groups, strict=True):
-                if len(group) != len(groups[0]):
+        if not starred:
+            return [one for title in columns for one in self._resolved(title)], 1
+        if len(starred) < len(columns):
+            raise InputError(f"{where}: titles with and without * cannot be in one list")
+        groups = [self._matches(title) for title in starred]
+        self._check_alike(starred, groups)
+        return [title for row in zip(*groups, strict=True) for _, title in row], len(starred)
+
+    def _resolved(self, title: str) -> list[str]:
+        """The titles meant by a title or by "A .. B"."""
+        if RANGE not in title or title in self.titles:
+            return [self.find(title)]
+        first, last = (self.titles.index(self.find(end)) for end in title.split(RANGE, 1))
+        if last < first:
+            raise InputError(
+                f"{self.title_place()}: {title!r} is reversed; name the first column first"
+            )
+        return [self.find(one) for one in self.titles[first : last + 1]]
+
+    def _check_alike(
+        self, starred: list[str], groups: list[list[tuple[tuple[int, ...], str]]]
+    ) -> None:
+        """Raises InputError unless each title with * means columns of the same numbers."""
+        for title, group in zip(starred, groups, strict=True):
+            if len(group) != len(groups[0]):
+                raise InputError(
+                    f"{self.title_place()}: {starred[0]!r} is {counted(len(groups[0]), 'column')} and {title!r} is {len(group)}; "
+                    "expected as many"
+                )
+        for row in zip(*groups, strict=True):
+            for numbers, title in row:
+                if numbers != row[0][0]:
                     raise InputError(
-                        f"{self.title_place()}: {starred[0]!r} is {counted(len(groups[0]), 'column')} and {title!r} is {len(group)}; "
-                        "expected as many"
+                        f"{self.title_place()}: the column {title!r} would be paired with {row[0][1]!r}; expected columns of the "
+                        "same numbers for each title with *"
                     )
-            for row in zip(*groups, strict=True):
-                for numbers, title in row:
-                    if numbers != row[0][0]:
-                        raise InputError(
-                            f"{self.title_place()}: the column {title!r} would be paired with {row[0][1]!r}; expected columns of the "
-                            "same numbers for each title with *"
-                        )
-            return [title for row in zip(*groups, strict=True) for _, title in row], len(starred)
-        found: list[str] = []
-        for title in columns:
-            if RANGE in title and title not in self.titles:
-                first, last = (self.titles.index(self.find(end)) for end in title.split(RANGE, 1))
-                if last < first:
-                    raise InputError(
-                        f"{self.title_place()}: {title!r} is reversed; name the first column first"
-                    )
-                found += [self.find(one) for one in self.titles[first : last + 1]]
-            else:
-                found.append(self.find(title))
-        return found, 1
 
     def _matches(self, title: str) -> list[tuple[tuple[int, ...], str]]:
         """The numbers matched by each *, and the title, in ascending order of numbers."""

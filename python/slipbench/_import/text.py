@@ -168,32 +168,50 @@ class TextTable(Source):
         comment: str = "#",
     ) -> None:
         super().__init__(path)
-        text = decoded(path)
         skipped = set(range(1, skip + 1)) if isinstance(skip, int) else set(skip)
-        numbered = [
-            (number, line)
-            for number, line in enumerate(text.split("\n"), 1)
-            if line.strip() and number not in skipped
+        all_lines = list(enumerate(decoded(path).split("\n"), 1))
+        every = [one for one in all_lines if one[1].strip() and one[0] not in skipped]
+        # Written by Excel.
+        if every and (named := re.fullmatch(r"sep=(.)", every[0][1].strip())):
+            separator, every = separator or named[1], every[1:]
+        rows = [
+            one for one in every if comment == "none" or not one[1].lstrip().startswith(comment)
         ]
-        if numbered and (
-            said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())
-        ):  # written by Excel
-            separator, numbered = separator or said[1], numbered[1:]
-        every = numbered
-        if comment != "none":
-            numbered = [
-                (number, line) for number, line in numbered if not line.lstrip().startswith(comment)
-            ]
-        if not numbered:
+        self._check_lines(rows, header)
+        self._find_marks(rows[:SAMPLE], separator, decimal, thousands, header)
+        self._find_titles(every[: every.index(rows[0])], rows[0], header, comment)
+        if header and self._header_line == rows[0][0]:
+            rows = rows[1:]
+        rows = self._with_empty_rows(rows, all_lines, skipped)
+        self._numbers = [number for number, _ in rows]
+        self._lines = [line for _, line in rows]
+        self._find_labview_header(all_lines)
+        self._frame = pd.DataFrame()
+
+    def _check_lines(self, rows: list[tuple[int, str]], header: bool) -> None:
+        """Raises InputError for a file without lines, or with a line that is too long."""
+        if not rows:
             raise InputError(
-                f"{path}:1: the file has no rows; expected {'titles and ' if header else ''}one row per sample"
+                f"{self.path}:1: the file has no rows; expected {'titles and ' if header else ''}one row per sample"
             )
-        longest = max(numbered, key=lambda one: len(one[1]))
-        if len(longest[1]) > LONGEST:
+        number, longest = max(rows, key=lambda one: len(one[1]))
+        if len(longest) > LONGEST:
             raise InputError(
-                f"{path}:{longest[0]}: the line has more than {LONGEST} characters; expected a table of text"
+                f"{self.path}:{number}: the line has more than {LONGEST} characters; expected a table of text"
             )
-        sample = [line for _, line in numbered[:SAMPLE]]
+
+    def _find_marks(
+        self,
+        rows: list[tuple[int, str]],
+        separator: str,
+        decimal: str,
+        thousands: str,
+        header: bool,
+    ) -> None:
+        """Sets the separator of cells, the decimal mark and the thousands separator. Raises
+        InputError if they contradict each other or cannot be distinguished in `rows`.
+        """
+        sample = [line for _, line in rows]
         self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(
             sample
         )
@@ -208,15 +226,19 @@ class TextTable(Source):
             or find_decimal(sample[1:] if header else sample, self._separator)
         )
         if self._decimal == "," and not decimal and not thousands and self._separator != ";":
-            self._refuse_doubtful(numbered[: len(sample)])
+            self._refuse_doubtful(rows)
         if self._decimal == thousands:
             raise InputError(
                 f"decimal and thousands: expected two marks, found {thousands!r} for both"
             )
-        first = cells_of(numbered[0][1], self._separator)
+
+    def _find_titles(
+        self, above: list[tuple[int, str]], first_row: tuple[int, str], header: bool, comment: str
+    ) -> None:
+        """Sets the titles and their line. `above`: the lines before the first row."""
+        self._header_line, line = first_row
+        first = cells_of(line, self._separator)
         count = filled(first)
-        self._header_line = numbered[0][0]
-        above = every[: every.index(numbered[0])]
         if header and above and all(self._is_number(cell) for cell in first[:count]):
             # numpy.savetxt writes the titles as a comment.
             titles = cells_of(above[-1][1].lstrip().removeprefix(comment).strip(), self._separator)
@@ -224,35 +246,33 @@ class TextTable(Source):
                 first, self._header_line = titles, above[-1][0]
         # A column without a title, such as the index of pandas, is named by its number.
         self.titles = [first[k] if header and first[k] else str(k + 1) for k in range(count)]
-        if header and self._header_line == numbered[0][0]:
-            numbered = numbered[1:]
-        if self._separator in ("\t", "") and numbered:
-            # A line of empty cells is a sample without values, which counts if times follow from a
-            # rate.
-            numbered += [
-                (number, line)
-                for number, line in enumerate(text.split("\n"), 1)
-                if numbered[0][0] < number < numbered[-1][0]
-                and number not in skipped
-                and not line.strip()
-                and self._separator in line
-            ]
-            numbered.sort()
-        self._numbers = [number for number, _ in numbered]
-        self._lines = [line for _, line in numbered]
         self._numeric_header = (
             header and bool(first) and all(self._is_number(cell) for cell in self.titles)
         )
-        # Last line of LabVIEW's header if it was read as a part of the table.
-        ends = [
-            number
-            for number, line in enumerate(text.split("\n"), 1)
-            if line.startswith("***End_of_Header***")
+
+    def _with_empty_rows(
+        self, rows: list[tuple[int, str]], all_lines: list[tuple[int, str]], skipped: set[int]
+    ) -> list[tuple[int, str]]:
+        """The rows, with the lines between them that have separators alone: a sample without
+        values, which counts if times follow from a rate.
+        """
+        if self._separator not in ("\t", "") or not rows:
+            return rows
+        empty = [
+            (number, line)
+            for number, line in all_lines
+            if rows[0][0] < number < rows[-1][0]
+            and number not in skipped
+            and not line.strip()
+            and self._separator in line
         ]
-        self._labview = (
-            ends[:2][-1] if ends and self._header_line < ends[0] else None
-        )  # a file has a header, then each segment
-        self._frame = pd.DataFrame()
+        return sorted(rows + empty)
+
+    def _find_labview_header(self, all_lines: list[tuple[int, str]]) -> None:
+        """Sets the last line of LabVIEW's header if it was read as a part of the table."""
+        ends = [number for number, line in all_lines if line.startswith("***End_of_Header***")]
+        # A file has a header, then each segment.
+        self._labview = ends[:2][-1] if ends and self._header_line < ends[0] else None
 
     def _refuse_doubtful(self, lines: list[tuple[int, str]]) -> None:
         """Raises InputError if all commas in cells could be decimal marks or thousands

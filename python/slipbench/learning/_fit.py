@@ -395,94 +395,149 @@ def fit(
             `resume` is False
     """
     with reproducible(seed):
-        return _fit(
-            network,
-            Clips(train, training, history_of(network), classes),
-            validate,
-            training,
-            seed,
-            checkpoint,
-            before_step,
-            report,
+        clips = Clips(train, training, history_of(network), classes)
+        work = _Work(network, clips, validate, training, seed, checkpoint)
+        _run(work, before_step, report)
+        return work.finish()
+
+
+class _Work:
+    """A training in progress.
+
+    Attributes:
+        done: losses and best step so far
+        worse: validations since the best one
+    """
+
+    def __init__(
+        self,
+        network: nn.Module,
+        clips: Clips,
+        validate: Sequences,
+        training: Training,
+        seed: int,
+        checkpoint: Checkpoint | None,
+    ) -> None:
+        self.done, self.worse = Fitted(), 0
+        self._network, self._clips, self._validate = network, clips, validate
+        self._training, self._seed, self._checkpoint = training, seed, checkpoint
+        self._loss_of = nn.CrossEntropyLoss(
+            weight=clips.weights(), ignore_index=_IGNORED, label_smoothing=training.label_smoothing
         )
+        self._optimiser = (
+            torch.optim.Adam if training.optimiser == "adam" else torch.optim.RMSprop
+        )(network.parameters(), lr=training.learning_rate)
+        self._best = copy.deepcopy(network.state_dict())
+        if checkpoint is not None and os.path.exists(checkpoint.path):
+            self._best, self.worse = _load(checkpoint, network, self._optimiser, self.done)
 
+    @property
+    def step(self) -> int:
+        """Number of steps so far."""
+        return len(self.done.losses)
 
-def _fit(
-    network: nn.Module,
-    clips: Clips,
-    validate: Sequences,
-    training: Training,
-    seed: int,
-    checkpoint: Checkpoint | None,
-    before_step: Callable[[], None] | None,
-    report: Callable[[Report], None] | None,
-) -> Fitted:
-    done = Fitted()
-    loss_of = nn.CrossEntropyLoss(
-        weight=clips.weights(), ignore_index=_IGNORED, label_smoothing=training.label_smoothing
-    )
-    optimiser = (torch.optim.Adam if training.optimiser == "adam" else torch.optim.RMSprop)(
-        network.parameters(), lr=training.learning_rate
-    )
-    best, worse = copy.deepcopy(network.state_dict()), 0
-    if checkpoint is not None and os.path.exists(checkpoint.path):
-        best, worse = _load(checkpoint, network, optimiser, done)
-    reported, since = len(done.losses), time.monotonic()
-    while len(done.losses) < training.steps and not (0 < training.patience <= worse):
-        if before_step is not None:
-            before_step()
-        step = len(done.losses)
-        for group in optimiser.param_groups:
+    @property
+    def out_of_patience(self) -> bool:
+        """True after `patience` validations without an improvement."""
+        return 0 < self._training.patience <= self.worse
+
+    @property
+    def ended(self) -> bool:
+        """True if no step follows."""
+        return self.step >= self._training.steps or self.out_of_patience
+
+    @property
+    def last_step(self) -> int:
+        """Number of steps after which the training ends, as far as it is known."""
+        return self.step if self.out_of_patience else self._training.steps
+
+    @property
+    def due(self) -> bool:
+        """True if a validation follows the last step."""
+        every = max(self._training.validate_every, 1)
+        return self.step % every == 0 or self.step == self._training.steps
+
+    def take_step(self) -> None:
+        """Draws clips and changes the weights. Raises InputError for a loss that is not finite."""
+        training, step = self._training, self.step
+        for group in self._optimiser.param_groups:
             group["lr"] = training.learning_rate * (
                 1 - (1 - training.final_rate) * step / training.steps
             )
-        features, labels = clips.draw(seed, step)
+        features, labels = self._clips.draw(self._seed, step)
         # For layers such as dropout, so that a resumed training repeats them. torch.manual_seed()
         # would also queue a call with a stack trace for CUDA.
-        torch.default_generator.manual_seed(_step_seed(seed, step))
+        torch.default_generator.manual_seed(_step_seed(self._seed, step))
         if training.augment is not None:
             features = training.augment(
-                features, torch.Generator().manual_seed(_step_seed(seed, step))
+                features, torch.Generator().manual_seed(_step_seed(self._seed, step))
             )
-        network.train()
-        loss = loss_of(logits_of(network(features)).flatten(0, 1), labels.flatten())
-        done.losses.append(loss.item())
-        step += 1
-        if not math.isfinite(done.losses[-1]):
-            raise _core.InputError(f"step {step}: the loss is not finite; {_DIVERGED}")
-        optimiser.zero_grad(set_to_none=True)
+        self._network.train()
+        loss = self._loss_of(logits_of(self._network(features)).flatten(0, 1), labels.flatten())
+        self.done.losses.append(loss.item())
+        if not math.isfinite(self.done.losses[-1]):
+            raise _core.InputError(f"step {self.step}: the loss is not finite; {_DIVERGED}")
+        self._optimiser.zero_grad(set_to_none=True)
         loss.backward()
-        optimiser.step()
-        if step % max(training.validate_every, 1) and step != training.steps:
-            continue
+        self._optimiser.step()
+
+    def validate(self) -> float:
+        """Validates the network, keeps it if it is the best one, and saves the checkpoint.
+
+        Returns:
+            Its balanced accuracy; NaN without data for validation.
+
+        Raises:
+            InputError: a weight is not finite
+        """
         # The last update may overflow although the loss before was finite.
-        if not all(bool(torch.isfinite(weights).all()) for weights in network.parameters()):
-            raise _core.InputError(f"step {step}: a weight is not finite; {_DIVERGED}")
-        validation = _validate(network, validate) if len(validate) else math.nan
-        if not len(validate) or math.isnan(done.validation) or validation > done.validation:
-            best, worse = copy.deepcopy(network.state_dict()), 0
-            done.best_step, done.validation = step, validation
+        if not all(bool(torch.isfinite(one).all()) for one in self._network.parameters()):
+            raise _core.InputError(f"step {self.step}: a weight is not finite; {_DIVERGED}")
+        done, judged = self.done, len(self._validate) > 0
+        validation = _validate(self._network, self._validate) if judged else math.nan
+        if not judged or math.isnan(done.validation) or validation > done.validation:
+            self._best, self.worse = copy.deepcopy(self._network.state_dict()), 0
+            done.best_step, done.validation = self.step, validation
         else:
-            worse += 1
-        if checkpoint is not None:
-            _save(checkpoint, network, optimiser, done, best, worse)
+            self.worse += 1
+        if self._checkpoint is not None:
+            _save(self._checkpoint, self._network, self._optimiser, done, self._best, self.worse)
+        return validation
+
+    def finish(self) -> Fitted:
+        """Gives the network its best weights."""
+        self._network.load_state_dict(self._best)
+        self._network.eval()
+        return self.done
+
+
+def _run(
+    work: _Work,
+    before_step: Callable[[], None] | None,
+    report: Callable[[Report], None] | None,
+) -> None:
+    """Trains until the end. Arguments as for fit()."""
+    reported, since = work.step, time.monotonic()
+    while not work.ended:
+        if before_step is not None:
+            before_step()
+        work.take_step()
+        if not work.due:
+            continue
+        validation = work.validate()
         if report is not None:
-            ended = 0 < training.patience <= worse
             now = time.monotonic()
             report(
                 Report(
-                    step,
-                    step if ended else training.steps,
-                    float(np.mean(done.losses[reported:])),
+                    work.step,
+                    work.last_step,
+                    float(np.mean(work.done.losses[reported:])),
                     validation,
-                    worse == 0,
-                    (now - since) / (step - reported),
+                    work.worse == 0,
+                    (now - since) / (work.step - reported),
                 )
             )
-            reported, since = step, now
-    network.load_state_dict(best)
-    network.eval()
-    return done
+            reported, since = work.step, now
 
 
 def _step_seed(seed: int, step: int) -> int:

@@ -9,6 +9,7 @@ them (default: 2000; 0: all). A scene that is still running after SECONDS is val
 is ended.
 """
 
+import functools
 import json
 import os
 import subprocess
@@ -84,69 +85,92 @@ def values(kind):
     return sorted(set(found))
 
 
+def with_motion(kind, change):
+    if kind in ("lift", "guided"):
+        return {**GRASP, "motion": {"kind": kind, **change}}
+    return scene(motion={**(STAGE if kind == "stage" else {"kind": kind}), **change})
+
+
+def with_surface(shape, change):
+    return scene(surface={"shape": shape, **change})
+
+
+def with_effect(effect, change):
+    before = ["inertia"] if effect == "asperities" else []
+    return scene(effects=[*before, {effect: change}])
+
+
+def with_sensor(kind, change):
+    channels = {"channels": {"f": "force"}} if kind == "taxels" else {}
+    return scene(sensors={"pad": {"type": kind, **channels, **change}})
+
+
+def with_detector(kind, change):
+    return scene(detector={"type": kind, **change})
+
+
+def with_controller(kind, change):
+    return {**GRASP, "controller": {"type": kind, **change}}
+
+
+def with_body(shape, change):
+    return {
+        "slipbench": 1,
+        "duration": "0.4 s",
+        "motion": {"kind": "press"},
+        "sensors": {"pad": {"type": "papillarray", "rate": "100 Hz", "touches": ["ball"]}},
+        "bodies": {"ball": {"shape": shape, **change}},
+    }
+
+
+def of_grasp(key, change):
+    return {**GRASP, key: change}
+
+
+def with_friction(_, change):
+    return scene(friction=change)
+
+
+def with_contact(_, change):
+    return scene(fidelity="mujoco_contact", time_step="0.2 ms", contact=change)
+
+
+# Beginnings of names in the schema: the function that makes a scene with such a section, from the
+# rest of the name and the section.
+KINDS = {
+    "motion_": with_motion,
+    "surface_": with_surface,
+    "effect_": with_effect,
+    "sensor_": with_sensor,
+    "detector_": with_detector,
+    "controller_": with_controller,
+    "body_": with_body,
+}
+ALONE = {
+    "grip": of_grasp,
+    "box": of_grasp,
+    "scatter": of_grasp,
+    "friction": with_friction,
+    "contact": with_contact,
+}
+SIMPLE_DETECTORS = ("detector_force_ratio", "detector_shear_rate", "detector_truth")
+
+
+def is_testable(name):
+    """False for parts that need a file of their own."""
+    if name.startswith("detector_"):
+        return name in SIMPLE_DETECTORS
+    return name not in ("sensor_plugin", "controller_plugin")
+
+
 def sections(definitions):
     """Yields the schema of each section and a function that returns the scene with this section."""
-
-    def named(prefix):
-        return [(name, schema) for name, schema in definitions.items() if name.startswith(prefix)]
-
-    for name, schema in named("motion_"):
-        kind = name.removeprefix("motion_")
-        base = dict(STAGE) if kind == "stage" else {"kind": kind}
-        if kind in ("lift", "guided"):
-            yield name, schema, lambda change, base=base: {**GRASP, "motion": {**base, **change}}
-        else:
-            yield name, schema, lambda change, base=base: scene(motion={**base, **change})
-    for name, schema in named("surface_"):
-        shape = name.removeprefix("surface_")
-        yield name, schema, lambda change, shape=shape: scene(surface={"shape": shape, **change})
-    for name, schema in named("effect_"):
-        effect = name.removeprefix("effect_")
-        before = ["inertia"] if effect == "asperities" else []
-        yield (
-            name,
-            schema,
-            lambda change, effect=effect, before=before: scene(effects=[*before, {effect: change}]),
-        )
-    for name, schema in named("sensor_"):
-        kind = name.removeprefix("sensor_")
-        base = {"type": kind, "channels": {"f": "force"}} if kind == "taxels" else {"type": kind}
-        if kind != "plugin":
-            yield name, schema, lambda change, base=base: scene(sensors={"pad": {**base, **change}})
-    for name, schema in named("detector_"):
-        kind = name.removeprefix("detector_")
-        if kind in ("force_ratio", "shear_rate", "truth"):
-            yield name, schema, lambda change, kind=kind: scene(detector={"type": kind, **change})
-    for name, schema in named("controller_"):
-        kind = name.removeprefix("controller_")
-        if kind != "plugin":
-            yield (
-                name,
-                schema,
-                lambda change, kind=kind: {**GRASP, "controller": {"type": kind, **change}},
-            )
-    for name, schema in named("body_"):
-        shape = name.removeprefix("body_")
-        pad = {"type": "papillarray", "rate": "100 Hz", "touches": ["ball"]}
-        yield (
-            name,
-            schema,
-            lambda change, shape=shape, pad=pad: {
-                "slipbench": 1,
-                "duration": "0.4 s",
-                "motion": {"kind": "press"},
-                "sensors": {"pad": pad},
-                "bodies": {"ball": {"shape": shape, **change}},
-            },
-        )
-    for name in ("grip", "box", "scatter"):
-        yield name, definitions[name], lambda change, name=name: {**GRASP, name: change}
-    yield "friction", definitions["friction"], lambda change: scene(friction=change)
-    yield (
-        "contact",
-        definitions["contact"],
-        lambda change: scene(fidelity="mujoco_contact", time_step="0.2 ms", contact=change),
-    )
+    for prefix, make in KINDS.items():
+        for name, schema in definitions.items():
+            if name.startswith(prefix) and is_testable(name):
+                yield name, schema, functools.partial(make, name.removeprefix(prefix))
+    for name, make in ALONE.items():
+        yield name, definitions[name], functools.partial(make, name)
 
 
 def cases(schema):

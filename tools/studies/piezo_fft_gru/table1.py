@@ -16,6 +16,7 @@ from slipbench_studies.piezo_fft_gru.bench import (
     PUBLISHED_SPECTRA,
     RULES,
     SIGNAL_AT_100_HZ,
+    Recording,
 )
 from slipbench_studies.piezo_fft_gru.networks import (
     GRU_32,
@@ -42,6 +43,11 @@ SIGNAL = 1  # index into Recording.inputs
 # (README.md).
 RECORDINGS = 2 * USUAL_RECORDINGS
 SHORTCUT_STEPS = 300
+NOTE_ON_SHORTCUTS = (
+    "The network receives only this input, not the signal. Speed of the motors: the sum over all running motors, including those that do not move "
+    "the tip. If a motor moves a touching tip, the bench slips except for the shear before it: so contact and motors together are a definition "
+    "rather than a shortcut."
+)
 HALF = 62  # of the 4 x 31 frames before the last
 
 
@@ -175,6 +181,33 @@ def table_of(
     return table, figures
 
 
+def queued(
+    validations: Validations,
+    recordings: list[Recording],
+    architectures: dict[str, Row],
+    shortcuts: dict[str, Row],
+    by_truth: set[str],
+) -> dict[str, dict[str, int]]:
+    """Queues the validations of all rows; returns their numbers by rule and name of the row.
+
+    Args:
+        validations: receives them
+        recordings: training and test data
+        architectures: rows that are trained by the paper's label
+        shortcuts: rows that are trained by every label
+        by_truth: names of those of `architectures` that are trained by every label
+    """
+    asked: dict[str, dict[str, int]] = {rule: {} for rule in RULES}
+    for rule in RULES:
+        for name, row in architectures.items():
+            if rule == "paper" or name in by_truth:
+                asked[rule][name] = validations.queue_folds(recordings, row, rule)
+    for rule in RULES:
+        for name, row in shortcuts.items():
+            asked[rule][name] = validations.queue_folds(recordings, row, rule)
+    return asked
+
+
 def study(options: Options) -> Result:
     """piezo-fft-gru/table1.
 
@@ -191,20 +224,14 @@ def study(options: Options) -> Result:
     size = size_of(options, RECORDINGS)
     architectures, shortcuts = network_rows(options.full), shortcut_rows()
     check_only(options.only, [*architectures, *shortcuts])
-    if options.only:
-        architectures = {name: row for name, row in architectures.items() if name in options.only}
-        shortcuts = {name: row for name, row in shortcuts.items() if name in options.only}
+    architectures, shortcuts = (
+        {name: row for name, row in rows.items() if not options.only or name in options.only}
+        for rows in (architectures, shortcuts)
+    )
     recordings = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA, SIGNAL_AT_100_HZ])
     validations = Validations(options, size)
     by_truth = set(architectures) if options.full else {GRU_32.name, MLP_32.name}
-    asked: dict[str, dict[str, int]] = {rule: {} for rule in RULES}
-    for rule in RULES:
-        for name, row in architectures.items():
-            if rule == "paper" or name in by_truth:
-                asked[rule][name] = validations.queue_folds(recordings, row, rule)
-    for rule in RULES:
-        for name, row in shortcuts.items():
-            asked[rule][name] = validations.queue_folds(recordings, row, rule)
+    asked = queued(validations, recordings, architectures, shortcuts, by_truth)
     validations.run(NAME)
 
     tables, figures = [], {}
@@ -220,11 +247,7 @@ def study(options: Options) -> Result:
             table, figures[part] = table_of(title, rows, inputs, asked, validations)
             tables.append(table)
     if shortcuts:
-        tables[-1].note = (
-            "The network receives only this input, not the signal. Speed of the motors: the sum over all running motors, including those that do not move "
-            "the tip. If a motor moves a touching tip, the bench slips except for the shear before it: so contact and motors together are a definition "
-            "rather than a shortcut."
-        )
+        tables[-1].note = NOTE_ON_SHORTCUTS
     setup = [
         *setup_of(options, size, len(recordings)),
         "Before the beginning of a recording, a convolution gets copies of its first frame, so that all frames are evaluated. The paper pads, too.",

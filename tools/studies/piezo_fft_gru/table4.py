@@ -4,7 +4,7 @@ vibration."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -94,59 +94,44 @@ def begun_table(title: str, first: str) -> Table:
     )
 
 
-def study(options: Options) -> Result:
-    """piezo-fft-gru/table4.
+def wanted(options: Options, row: Row) -> bool:
+    """True if the options ask for a network."""
+    return not options.only or row.name in options.only
+
+
+def chosen(
+    options: Options, tip: list[Recording], levels: Levels, bench: str
+) -> Iterator[tuple[Row, str, str, list[Recording]]]:
+    """Network, rule, name of the level and recordings of each validation.
 
     Args:
-        options: data, trials, only, full, seed, jobs, output, resume
-
-    Returns:
-        accuracy and F1 of networks trained with and without recordings of motors only
-
-    Raises:
-        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for saved
-            networks of another run
+        options: only, full
+        tip: recordings in which only the motors of the tip run; may be empty
+        levels: recordings by the name of their level
+        bench: name of the bench's level
     """
-    size = size_of(options, USUAL_RECORDINGS)
-    check_only(options.only, [GRU_32_TIP.name, GRU_32.name, MLP_32.name])
-    if options.data and GRU_32_TIP.name in options.only:
-        raise InputError(
-            f"reproduce: --only {GRU_32_TIP.name} needs its own recordings; leave --data out"
-        )
-
-    def wanted(row: Row) -> bool:
-        return not options.only or row.name in options.only
-
-    levels = by_level(recordings_for(options, size, LEVELS, [PUBLISHED_SPECTRA]))
-    bench = level_name(BENCH_LEVEL) if level_name(BENCH_LEVEL) in levels else next(iter(levels))
-    # A dataset keeps the motors of its recording.
-    tip: list[Recording] = []
-    if wanted(GRU_32_TIP) and not options.data:
-        tip = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA], others_too=False)
-    validations = Validations(options, size)
-    points = []
-
-    def queue(row: Row, rule: str, level: str, recordings: list[Recording]) -> None:
-        both = validations.queue_folds(recordings, row, rule)
-        points.append(
-            Point(
-                row,
-                rule,
-                level,
-                both,
-                validations.queue_folds(recordings, row, rule, slip_alone=True),
-            )
-        )
-
     for row, recordings in ((GRU_32_TIP, tip), (GRU_32, levels[bench])):
-        for rule in RULES if recordings and wanted(row) else ():
-            queue(row, rule, bench, recordings)
-    for rule in RULES if wanted(MLP_32) else ():
+        for rule in RULES if recordings and wanted(options, row) else ():
+            yield row, rule, bench, recordings
+    for rule in RULES if wanted(options, MLP_32) else ():
         for level, recordings in levels.items():
             if options.full or rule == "paper" or level == bench:
-                queue(MLP_32_OF_LEVELS, rule, level, recordings)
-    validations.run(NAME)
+                yield MLP_32_OF_LEVELS, rule, level, recordings
 
+
+def queued(
+    validations: Validations, row: Row, rule: str, level: str, recordings: list[Recording]
+) -> Point:
+    """Queues the validations of a network at one level."""
+    both = validations.queue_folds(recordings, row, rule)
+    alone = validations.queue_folds(recordings, row, rule, slip_alone=True)
+    return Point(row, rule, level, both, alone)
+
+
+def tables_of(
+    points: list[Point], bench: str, validations: Validations
+) -> tuple[Table, Table, dict[str, dict[str, dict[str, Any]]]]:
+    """The table at the level `bench`, the curve against the level, and the figures of both."""
     table = begun_table(f"Table IV: motor level {bench}", "network")
     table.rows.append(
         [
@@ -172,6 +157,42 @@ def study(options: Options) -> Result:
         )
         of_row = figures.setdefault(RULES[point.rule], {}).setdefault(point.row.name, {})
         of_row[point.level] = {"slip_and_noise": both, "slip": alone}
+    return table, curve, figures
+
+
+def study(options: Options) -> Result:
+    """piezo-fft-gru/table4.
+
+    Args:
+        options: data, trials, only, full, seed, jobs, output, resume
+
+    Returns:
+        accuracy and F1 of networks trained with and without recordings of motors only
+
+    Raises:
+        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for saved
+            networks of another run
+    """
+    size = size_of(options, USUAL_RECORDINGS)
+    check_only(options.only, [GRU_32_TIP.name, GRU_32.name, MLP_32.name])
+    if options.data and GRU_32_TIP.name in options.only:
+        raise InputError(
+            f"reproduce: --only {GRU_32_TIP.name} needs its own recordings; leave --data out"
+        )
+
+    levels = by_level(recordings_for(options, size, LEVELS, [PUBLISHED_SPECTRA]))
+    bench = level_name(BENCH_LEVEL) if level_name(BENCH_LEVEL) in levels else next(iter(levels))
+    # A dataset keeps the motors of its recording.
+    tip: list[Recording] = []
+    if wanted(options, GRU_32_TIP) and not options.data:
+        tip = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA], others_too=False)
+    validations = Validations(options, size)
+    points = [
+        queued(validations, row, rule, level, recordings)
+        for row, rule, level, recordings in chosen(options, tip, levels, bench)
+    ]
+    validations.run(NAME)
+    table, curve, figures = tables_of(points, bench, validations)
     heard = (
         "In half of the recordings with contact a motor runs that does not move the tip, so the training set of a network trained only on slip also "
         "contains motors without a slip."
