@@ -1,6 +1,9 @@
-"""Hooks of mkdocs.yml: add the project's texts and pictures from their folders, the sources that texts
-link to, and the C++ and Python references. Texts are written for GitHub; `on_page_markdown` converts
-the syntax that Python-Markdown reads differently."""
+"""Hooks of mkdocs.yml.
+
+They add the project's texts and pictures from their folders, the sources that texts link to, and
+the C++ and Python references. Texts are written for GitHub; `on_page_markdown` converts the syntax
+that Python-Markdown reads differently.
+"""
 
 import functools
 import json

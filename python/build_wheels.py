@@ -1,9 +1,10 @@
-"""build_wheels.py [-o FOLDER]: builds the wheels of the package `slipbench`, one for Python 3.11,
-one
-for 3.12 and later. They need only glibc 2.36 from the system. Writes them to FOLDER, default
-build/wheel, from build/release, with all libraries and licences inside. Needs Debian 12 and
-tools/setup/setup.sh build test python test-python mujoco wheel. Debian 12 has no Python after 3.11,
-so the headers of Debian 13 are fetched."""
+"""build_wheels.py [-o FOLDER]: builds the wheels of the package `slipbench`.
+
+One is for Python 3.11, one for 3.12 and later. They need only glibc 2.36 from the system. Writes
+them to FOLDER, default build/wheel, from build/release, with all libraries and licences inside.
+Needs Debian 12 and tools/setup/setup.sh build test python test-python mujoco wheel. Debian 12 has
+no Python after 3.11, so the headers of Debian 13 are fetched.
+"""
 
 import argparse
 import os
@@ -42,8 +43,10 @@ def output_of(*command, **more):
 
 
 def fetch_headers():
-    """Fetches Python 3.13's headers from Debian 13 to build/wheel/headers, with separate apt
-    folders."""
+    """Fetches Python 3.13's headers from Debian 13 to build/wheel/headers.
+
+    The folders of apt are separate.
+    """
     folder = WORK / "headers"
     if folder.exists():
         return
@@ -77,7 +80,9 @@ def fetch_headers():
 
 def stage(folder):
     """Puts the packages slipbench, without its module, and slipbench_studies below `folder`.
-    Returns their paths and the path of the wheel's metadata."""
+
+    Returns their paths and the path of the wheel's metadata.
+    """
     package, studies = folder / "slipbench", folder / "slipbench_studies"
     shutil.copytree(
         ROOT / "python/slipbench", package, ignore=shutil.ignore_patterns("__pycache__")
@@ -112,8 +117,11 @@ def stage(folder):
 
 
 def carry_licences(files, info):
-    """Copies Debian's copyright file of every package that NOTICE.md names or whose library `files`
-    load, nanobind's and d3's licences, and the packages' versions."""
+    """Copies the files about the licences and versions of a wheel's packages.
+
+    These are Debian's copyright file of every package that NOTICE.md names or whose library `files`
+    load, nanobind's and d3's licences, and the packages' versions.
+    """
     folder = info / "licenses"
     folder.mkdir(exist_ok=True)
     loaded = {

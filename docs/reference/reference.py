@@ -1,5 +1,7 @@
-"""Generates the reference of the package slipbench as Markdown from its docstrings: a page of the
-site (docs). `python reference.py` prints it."""
+"""Generates the reference of the package slipbench as Markdown from its docstrings.
+
+A page of the site (docs). `python reference.py` prints it.
+"""
 
 import importlib
 import pkgutil
@@ -17,8 +19,10 @@ ARRAY = re.compile(
 
 
 def is_public(doc: pdoc.doc.Doc) -> bool:
-    """True for documented public objects. The attributes of a class are in its docstring; a
-    constructor is public if it has a docstring."""
+    """True for documented public objects.
+
+    The attributes of a class are in its docstring; a constructor is public if it has a docstring.
+    """
     return bool(doc.docstring) and (doc.name == "__init__" or not doc.name.startswith("_"))
 
 

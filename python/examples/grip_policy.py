@@ -49,8 +49,10 @@ def grasps(
 
 
 def report(name: str, outcomes: list[dict[str, Any]]) -> None:
-    """Prints the number of boxes dropped or not lifted, and the ratio of the greatest force to the
-    least that holds."""
+    """Prints the number of boxes dropped or not lifted, and the relative grip force.
+
+    This is the ratio of the greatest force to the least that holds.
+    """
     lost = sum(outcome["dropped"] or not outcome["lifted"] for outcome in outcomes)
     ratios = [outcome["max_grip_force_N"] / outcome["ideal_grip_force_N"] for outcome in outcomes]
     print(

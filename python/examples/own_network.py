@@ -1,5 +1,7 @@
-"""A network of one's own: trained on simulated grasps, written as a detector, and run in a grasp's
-loop."""
+"""A network of one's own.
+
+Trained on simulated grasps, written as a detector, and run in a grasp's loop.
+"""
 
 import argparse
 
@@ -11,8 +13,10 @@ from torch import nn
 
 
 class Memory(nn.Module):
-    """Two dense layers and an LSTM: frames [N, T, inputs] to logits [N, T, classes], with the
-    loop's state."""
+    """Two dense layers and an LSTM.
+
+    Frames [N, T, inputs] to logits [N, T, classes], with the loop's state.
+    """
 
     def __init__(self, inputs, classes):
         super().__init__()

@@ -110,8 +110,9 @@ def train(
     recipe: str | Recipe = "slip_gru",
     **options: Any,
 ) -> Trained:
-    """Trains a slip detector on datasets and writes its ONNX file: `slipbench.learning.train()`,
-    which needs PyTorch.
+    """Trains a slip detector on datasets and writes its ONNX file.
+
+    `slipbench.learning.train()`, which needs PyTorch.
 
     Args:
         dataset: path of a dataset, or several

@@ -1,5 +1,7 @@
-"""Arrays of dataset files. Imported on first use: h5py takes as long to load as the rest of the
-package."""
+"""Arrays of dataset files.
+
+Imported on first use: h5py takes as long to load as the rest of the package.
+"""
 
 from __future__ import annotations
 

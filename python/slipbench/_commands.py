@@ -254,8 +254,9 @@ def _import_mapped(options: _core.ImportOptions, output: str) -> dict[str, Any]:
 
 
 def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
-    """Verifies datasets, like `slipbench verify`: digests, order, times, events, Coulomb's law;
-    shards also against each other.
+    """Verifies datasets, like `slipbench verify`.
+
+    Checks digests, order, times, events and Coulomb's law, and shards also against each other.
 
     Args:
         datasets: path of a dataset's first file, or several of them

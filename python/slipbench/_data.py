@@ -61,8 +61,10 @@ def reading(
 
 
 def _member(group: h5py.Group, name: str) -> Any:
-    """The object `name` of a group. Raises InputError for links and external storage, which may
-    point to any file."""
+    """The object `name` of a group.
+
+    Raises InputError for links and external storage, which may point to any file.
+    """
     import h5py  # slow to load
 
     from slipbench._array import Array
@@ -91,8 +93,9 @@ def _kept(array: NDArray[Any]) -> NDArray[Any]:
 
 
 class Arrays(Mapping[str, "h5py.Dataset"]):
-    """The arrays of a group by name, read when indexed: `labels["state"][:]`. Each has its unit in
-    `array.attrs["unit"]`.
+    """The arrays of a group by name, read when indexed: `labels["state"][:]`.
+
+    Each has its unit in `array.attrs["unit"]`.
 
     Attributes:
         attrs: the group's own attributes
@@ -148,8 +151,10 @@ def _reopened(kind: Callable[..., Opened], file: str, name: str, *arguments: Any
 
 
 class _Read:
-    """Base of stored objects: reads an attribute of the matching in-memory class from the file on
-    first access, and caches it."""
+    """Base of stored objects.
+
+    Reads an attribute of the matching in-memory class from the file on first access, and caches it.
+    """
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or "_group" not in self.__dict__:
@@ -189,8 +194,9 @@ class _Channels(Mapping[str, Any]):
 
 
 class StoredSensor(_Read, Arrays, Sensor):
-    """A sensor of a stored trial, with the attributes of `Sensor`. Each attribute is read from the
-    file on first access and cached.
+    """A sensor of a stored trial, with the attributes of `Sensor`.
+
+    Each attribute is read from the file on first access and cached.
 
     Indexing returns the array in the file, which allows partial reads: `sensor["force"][:100]`;
     `attrs` holds the file's attributes. For an imported recording these include mean_rate_hz,
@@ -229,8 +235,9 @@ class StoredSensor(_Read, Arrays, Sensor):
 
 
 class StoredLabels(_Read, Arrays, Labels):
-    """The truth about a pad of a stored trial, with the attributes of `Labels`, each read from the
-    file on first access.
+    """The truth about a pad of a stored trial, with the attributes of `Labels`.
+
+    Each is read from the file on first access.
 
     Indexing returns the array in the file: `labels["state"][:100]`; events are "events/t",
     "events/unit" and "events/kind".
@@ -255,16 +262,20 @@ class StoredLabels(_Read, Arrays, Labels):
 
 
 class StoredBody(_Read, Arrays, Body):
-    """Motion of a body in a stored trial, with the attributes of `Body`, each read from the file on
-    first access."""
+    """Motion of a body in a stored trial, with the attributes of `Body`.
+
+    Each is read from the file on first access.
+    """
 
     def _read(self, name: str) -> Any:
         return self._array(name)
 
 
 class StoredControl(_Read, Arrays, Control):
-    """The control loop of a stored trial, with the attributes of `Control`, each read from the file
-    on first access."""
+    """The control loop of a stored trial, with the attributes of `Control`.
+
+    Each is read from the file on first access.
+    """
 
     def _read(self, name: str) -> Any:
         if name == "rate":
@@ -301,8 +312,10 @@ def rules_of(labels: Arrays) -> dict[str, str]:
 
 
 def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
-    """Raises InputError, beginning with `place`, if the samples of a recorded `sensor` are not
-    evenly spaced, so that their indices cannot replace time."""
+    """Raises InputError if the samples of a recorded `sensor` are not evenly spaced.
+
+    Their indices then cannot replace time. The message begins with `place`.
+    """
     times, resolution = sensor["t"][:], float(sensor.attrs.get("time_resolution_s", 0.0))
     if not _core.evenly_spaced(times, resolution):
         raise _core.InputError(
@@ -311,8 +324,9 @@ def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
 
 
 def check_units(place: str, found: Mapping[str, str], needed: Mapping[str, str]) -> None:
-    """Raises InputError, beginning with `place`, if a channel has another physical unit than the one
-    in which it is read.
+    """Raises InputError if a channel has another physical unit than the one in which it is read.
+
+    The message begins with `place`.
 
     Args:
         place: beginning of the message
@@ -327,8 +341,9 @@ def check_units(place: str, found: Mapping[str, str], needed: Mapping[str, str])
 
 
 class StoredTrial:
-    """One trial of a dataset, with the attributes of a simulated `Trial`. Arrays stay in the file
-    until they are accessed.
+    """One trial of a dataset, with the attributes of a simulated `Trial`.
+
+    Arrays stay in the file until they are accessed.
 
     Pickling and deep-copying are supported: the copy opens the file again.
 
@@ -455,8 +470,10 @@ class Dataset(Mapping[int, StoredTrial]):
         return len(self.trials)
 
     def mask(self, part: str) -> list[int]:
-        """Numbers of the trials of `part`: "train", "valid" or "test". Empty if the run was
-        killed."""
+        """Numbers of the trials of `part`: "train", "valid" or "test".
+
+        Empty if the run was killed.
+        """
         if part not in ("train", "valid", "test"):
             raise _core.InputError(f"part {part!r}; allowed: 'train', 'valid', 'test'")
         trials: list[int] = []
@@ -470,8 +487,11 @@ class Dataset(Mapping[int, StoredTrial]):
         return sorted(trials)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Table with one row per trial: swept values, then the outcome, by their names; index
-        `trial`. Needs pandas."""
+        """Table with one row per trial.
+
+        Columns are the swept values, then the outcome, by their names; the index is `trial`. Needs
+        pandas.
+        """
         import pandas
 
         rows = [{**self[trial].params, **self[trial].outcome} for trial in self.trials]
@@ -555,8 +575,9 @@ class Dataset(Mapping[int, StoredTrial]):
 
 
 class Windows(Sequence[tuple[NDArray[np.float32], int]]):
-    """Map-style dataset for `torch.utils.data.DataLoader`: windows [length, values] float32 and
-    their labels, 0 hold, 1 slip.
+    """Map-style dataset for `torch.utils.data.DataLoader`.
+
+    It has windows [length, values] float32 and their labels, 0 hold, 1 slip.
 
     A window's label is that of its last sample. Samples without contact are hold. Windows of a
     recording whose last sample has an unknown label are left out. No window spans two trials. A
@@ -624,8 +645,10 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             )
 
     def _empty_text(self, part: str, trials: Sequence[int] | None) -> str:
-        """The error of windows without any trial: what was chosen, and how many trials each mask
-        has."""
+        """The error of windows without any trial.
+
+        What was chosen, and how many trials each mask has.
+        """
         dataset = self._dataset
         masks = ", ".join(
             f"{name!r} {len(dataset.mask(name))}" for name in ("train", "valid", "test")
@@ -646,8 +669,10 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return names[0]
 
     def _states(self, trial: StoredTrial, name: str) -> h5py.Dataset:
-        """The states of a sensor's pad by the rule of the windows. Raises InputError if the trial
-        has none by this rule."""
+        """The states of a sensor's pad by the rule of the windows.
+
+        Raises InputError if the trial has none by this rule.
+        """
         labels = trial.labels.get(name)
         rules = rules_of(labels) if labels is not None else {}
         if labels is None or self._rule not in rules:
@@ -683,8 +708,10 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return self._channels or [str(one) for one in sensor.attrs["channels"]]
 
     def _check_alike(self) -> None:
-        """Raises InputError if a trial lacks a channel, or differs from the first one in what a
-        sample means."""
+        """Raises InputError if a trial lacks a channel, or differs from the first one.
+
+        They differ if a sample has another meaning.
+        """
         first: tuple[int, float, list[tuple[str, tuple[int, ...], str]]] | None = None
         for number in self._trials:
             trial = self._dataset[number]
@@ -791,8 +818,10 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     def _found(
         self, index: int
     ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64], int]:
-        """Values, labels and times of the trial of window `index`, and the window's first
-        sample."""
+        """Values, labels and times of the trial of window `index`, and its first sample.
+
+        The sample is that of the window.
+        """
         place = self._place(index)
         return *self._read(self._trials[place]), int(
             self._starts[place][index % len(self) - self._ends[place]]
@@ -813,7 +842,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return float(times[first + self._length - 1])
 
     def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64]]:
-        """Copies all windows to arrays, for scikit-learn and PyTorch:
+        """Copies all windows to arrays, for scikit-learn and PyTorch.
+
         `X, y, groups = data.windows(length=40, part="train").arrays()`.
 
         Returns:
@@ -851,8 +881,9 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
 
 
 def open(path: str | os.PathLike[str], *, check: bool = True) -> Dataset:
-    """Opens a dataset written by `slipbench run`, `sweep`, `import` or `Scene.write()`, by the
-    `path` of its first file.
+    """Opens a dataset by the `path` of its first file.
+
+    The dataset was written by `slipbench run`, `sweep`, `import` or `Scene.write()`.
 
     Raises `InputError`, as the command line does, if a file is damaged, missing or of another
     dataset. `check`: first compare the whole content of the files with their digests, which reads

@@ -91,8 +91,9 @@ def create_locked(path: Path) -> BinaryIO:
 
 
 class NewFiles:
-    """Files that get their names together once all are complete and on the disk. If the block is
-    left before publish(), no file remains and existing files are unchanged.
+    """Files that get their names together once all are complete and on the disk.
+
+    If the block is left before publish(), no file remains and existing files are unchanged.
 
     Example: `with NewFiles() as files: files.create(path).write(data); files.publish()`.
     """
@@ -104,15 +105,19 @@ class NewFiles:
         return self
 
     def create(self, path: Path) -> BinaryIO:
-        """Creates PATH.partial for the content of PATH, as create_locked(). The caller may close
-        the file once it is complete."""
+        """Creates PATH.partial for the content of PATH, as create_locked().
+
+        The caller may close the file once it is complete.
+        """
         file = create_locked(partial_path(path))
         self._files[path] = file
         return file
 
     def publish(self) -> None:
-        """Syncs the files and renames them to their names; existing files are replaced. Raises
-        OSError if this fails."""
+        """Syncs the files and renames them to their names; existing files are replaced.
+
+        Raises OSError if this fails.
+        """
         for path, file in self._files.items():
             if not file.closed:
                 file.flush()

@@ -129,16 +129,20 @@ class Detector(Protocol):
     """Interface of classes for `detector()`."""
 
     def update(self, frame: Frame) -> Estimate | State | int:
-        """Called with each `frame` of the sensor; returns the state of the pad. An int is the code
-        of a `State`."""
+        """Called with each `frame` of the sensor; returns the state of the pad.
+
+        An int is the code of a `State`.
+        """
 
 
 class Controller(Protocol):
     """Interface of classes for `controller()`."""
 
     def act(self, frame: Frame, slip: Slip) -> Command | int:
-        """Called at each read of the gripper with the sensor's latest `frame` and the state of
-        `slip`; returns the command. An int is a position."""
+        """Called at each read of the gripper; returns the command.
+
+        It gets the sensor's latest `frame` and the state of `slip`. An int is a position.
+        """
 
 
 @dataclass(frozen=True)
@@ -163,8 +167,9 @@ class SensorSource:
 
 @dataclass(frozen=True)
 class Layout:
-    """Constant properties of a sensor. Vectors are in the pad's frame, whose +Z points from the
-    object into the pad.
+    """Constant properties of a sensor.
+
+    Vectors are in the pad's frame, whose +Z points from the object into the pad.
 
     Attributes:
         tips: [E, 3] m, undeformed contact points
@@ -192,10 +197,12 @@ class OwnSensor(Protocol):
         """Called once; returns the sensor's points and the content of a sample."""
 
     def measure(self, frame: Frame) -> dict[str, ArrayLike] | ArrayLike:
-        """Called at each sample; returns the reading of each channel, or an array if there is only
-        one channel. With U units and E points the contact `frame` has "force" [U, 3] N,
-        "displacement" [U, 3] m, "depth" [E] m of the undeformed point in the surface, and "shear"
-        [3, E] m along the surface."""
+        """Called at each sample.
+
+        Returns the reading of each channel, or an array if there is only one channel. With U units
+        and E points the contact `frame` has "force" [U, 3] N, "displacement" [U, 3] m, "depth" [E]
+        m of the undeformed point in the surface, and "shear" [3, E] m along the surface.
+        """
 
 
 def layout_of(
@@ -303,8 +310,9 @@ def _registering(register: Callable[..., None], name: str) -> Callable[[Any], An
 
 
 def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
-    """Registers a class as a sensor of `type: NAME`, where NAME is `name`, like `detector()`. The
-    class has the methods of `OwnSensor`.
+    """Registers a class as a sensor of `type: NAME`, where NAME is `name`, like `detector()`.
+
+    The class has the methods of `OwnSensor`.
 
     It is created as `cls(source, **parameters)` with a `SensorSource`, once for each trial and when
     the program examines the scene.
@@ -313,8 +321,9 @@ def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
 
 
 def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
-    """Registers a class as `detector: {type: NAME}`, where NAME is `name`, for the scenes of this
-    process: `@slipbench.detector("mine")`.
+    """Registers a class as a detector for the scenes of this process.
+
+    `@slipbench.detector("mine")` gives the class the name of `detector: {type: mine}`.
 
     The class has the method of `Detector`. It is created for each trial as `cls(source,
     **parameters)`. Its attribute `parameters`, a dict, declares names and defaults of the
@@ -325,6 +334,8 @@ def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
 
 
 def controller(name: str) -> Callable[[ControllerClass], ControllerClass]:
-    """Registers a class as `controller: {type: NAME}`, where NAME is `name`, like `detector()`. The
-    class has the method of `Controller`."""
+    """Registers a class as `controller: {type: NAME}`, where NAME is `name`, like `detector()`.
+
+    The class has the method of `Controller`.
+    """
     return _registering(_core.register_controller, name)

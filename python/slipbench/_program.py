@@ -31,8 +31,9 @@ def read_request() -> dict[str, Any]:
 
 @contextlib.contextmanager
 def interruptible(notice: str) -> Iterator[_core.Interrupt]:
-    """Catches the signals of SIGNALS that are not ignored, including those that the program has
-    blocked until now.
+    """Catches the signals of SIGNALS that are not ignored.
+
+    They include those that the program has blocked until now.
 
     The first signal prints `notice`, such as "stopping after this trial", and the next check() of
     the yielded object raises KeyboardInterrupt: an exception at any other place, such as a
@@ -44,7 +45,10 @@ def interruptible(notice: str) -> Iterator[_core.Interrupt]:
 
 
 def counted(count: int, what: str) -> str:
-    """ "1 file", "2 files". `what`: the singular of a word whose plural ends in s."""
+    """A number of things: "1 file", "2 files".
+
+    `what`: the singular of a word whose plural ends in s.
+    """
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
@@ -70,17 +74,21 @@ def text_width() -> int:
 
 
 def printable(text: str, lines: bool = False) -> str:
-    """Text for a terminal or a page, with control characters, and characters that change the
-    direction of text or are invisible, as escapes. Line ends stay with `lines`. The text may come
-    from an untrusted file."""
+    """Text for a terminal or a page, with characters that it must not show as escapes.
+
+    These are control characters, and characters that change the direction of text or are invisible.
+    Line ends stay with `lines`. The text may come from an untrusted file.
+    """
     return _core.printable(
         text.encode("utf-8", "backslashreplace").decode(), lines
     )  # names of files may not be UTF-8
 
 
 def say(text: str) -> None:
-    """Writes text on stderr. Errors are ignored, so that the work continues if stderr is closed or
-    full."""
+    """Writes text on stderr.
+
+    Errors are ignored, so that the work continues if stderr is closed or full.
+    """
     with contextlib.suppress(OSError, ValueError):
         if sys.stderr is None:
             return
@@ -99,8 +107,10 @@ def say_error(message: str) -> None:
 
 
 def write_result(write: Callable[[], None]) -> int:
-    """Prints the result of a command; returns the exit status. If the reader has closed the pipe,
-    SIGPIPE ends the process, as it ends the program."""
+    """Prints the result of a command; returns the exit status.
+
+    If the reader has closed the pipe, SIGPIPE ends the process, as it ends the program.
+    """
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:
         if sys.stdout is None:  # closed before Python started
@@ -118,8 +128,10 @@ def write_result(write: Callable[[], None]) -> int:
 
 
 def catch_signals() -> None:
-    """Lets the signals of SIGNALS that are not ignored raise KeyboardInterrupt, including those
-    that the program has blocked until now. For commands that keep nothing."""
+    """Lets the signals of SIGNALS that are not ignored raise KeyboardInterrupt.
+
+    They include those that the program has blocked until now. For commands that keep nothing.
+    """
     for number in SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler)
@@ -163,8 +175,10 @@ def run_command(
 
 
 def input_error_text(error: Exception, needs: str, install: str, target: str) -> str:
-    """The message of an error that the user can mend; empty for any other error. Arguments as for
-    run_command()."""
+    """The message of an error that the user can mend; empty for any other error.
+
+    Arguments as for run_command().
+    """
     if isinstance(error, _core.InputError):
         return str(error)
     if isinstance(error, ModuleNotFoundError):
@@ -184,8 +198,11 @@ def input_error_text(error: Exception, needs: str, install: str, target: str) ->
 
 
 def _internal(error: Exception) -> str:
-    """ "internal error, please report it: KeyError: 'x', at _import/text.py:12": the kind of an
-    error, its first line, and the innermost line of the package."""
+    """The text of an internal error for its report.
+
+    "internal error, please report it: KeyError: 'x', at _import/text.py:12": the kind of an error,
+    its first line, and the innermost line of the package.
+    """
     root = Path(__file__).parent
     frames = [
         frame

@@ -1,5 +1,7 @@
-"""Pytest plugin: scenes with the key `expect` are tests. pip registers it as an entry point;
-otherwise use `pytest -p slipbench._pytest_plugin`."""
+"""Pytest plugin: scenes with the key `expect` are tests.
+
+pip registers it as an entry point; otherwise use `pytest -p slipbench._pytest_plugin`.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collects YAML files with both keys `slipbench`, which each scene has, and `expect` at the
-    beginning of a line."""
+    """Collects YAML files with the keys `slipbench` and `expect` at the beginning of a line.
+
+    Each scene has the key `slipbench`.
+    """
     if file_path.suffix not in (".yaml", ".yml"):
         return None
     text = file_path.read_text(encoding="utf-8", errors="replace")

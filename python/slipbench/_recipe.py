@@ -1,5 +1,7 @@
-"""`python -m slipbench._recipe FILE`: the command `describe NAME` for a recipe of `train`,
-started by the program."""
+"""`python -m slipbench._recipe FILE`.
+
+The command `describe NAME` for a recipe of `train`, started by the program.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,7 @@ CLASSES = {
 
 
 def frequency_text(hertz: float) -> str:
-    """ "300 Hz", "10 kHz"."""
+    """A frequency as "300 Hz" or "10 kHz"."""
     return f"{hertz / 1000:g} kHz" if hertz >= 1000 else f"{hertz:g} Hz"
 
 

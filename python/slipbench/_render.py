@@ -54,8 +54,10 @@ def _drawing(bodies: Bodies) -> str:
 
 
 class Renderer:
-    """Draws one grasp without a screen. Raises InputError if EGL or the package PyOpenGL is
-    missing."""
+    """Draws one grasp without a screen.
+
+    Raises InputError if EGL or the package PyOpenGL is missing.
+    """
 
     def __init__(self, bodies: Bodies) -> None:
         try:

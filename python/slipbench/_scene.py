@@ -46,8 +46,10 @@ def overrides_of(values: Mapping[str, Any] | None) -> list[tuple[str, str]]:
 
 @contextmanager
 def naming_unknown_classes() -> Iterator[None]:
-    """Extends the program's message in a worker process: Python classes must be registered in each
-    process."""
+    """Extends the program's message in a worker process.
+
+    Python classes must be registered in each process.
+    """
     try:
         yield
     except _core.InputError as error:
@@ -61,8 +63,10 @@ def naming_unknown_classes() -> Iterator[None]:
 
 
 def _key_paths(value: Any, path: str = "") -> Iterator[str]:
-    """Yields the dotted path of the content of each line of json.dumps(value, indent=2); "" for the
-    whole."""
+    """Yields the dotted path of the content of each line of json.dumps(value, indent=2).
+
+    The path of the whole is "".
+    """
     yield path
     if isinstance(value, (dict, list)) and value:
         for key, one in value.items() if isinstance(value, dict) else enumerate(value):
@@ -71,8 +75,10 @@ def _key_paths(value: Any, path: str = "") -> Iterator[str]:
 
 
 def warn(texts: Iterable[str]) -> None:
-    """Issues the program's warnings as Python warnings, at the line outside of the package that
-    caused them."""
+    """Issues the program's warnings as Python warnings.
+
+    Their place is the line outside of the package that caused them.
+    """
     here = os.path.join(os.path.dirname(__file__), "")
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(here):
@@ -108,6 +114,7 @@ class Check:
 
 class Sweep(Iterator[Trial]):
     """Iterator over trials in the order of their numbers, which threads simulate in advance.
+
     `len()` is the number of trials.
 
     Attributes:
@@ -156,8 +163,9 @@ class Sweep(Iterator[Trial]):
 
 
 class Scene:
-    """A scene with its overrides. Immutable. Created by `Scene.load()`, `Scene.from_text()` and
-    `Scene.from_dict()`.
+    """A scene with its overrides.
+
+    Immutable. Created by `Scene.load()`, `Scene.from_text()` and `Scene.from_dict()`.
 
     Scenes can be pickled and deep-copied. In a process that cannot read the scene's file, the copy
     contains its text.
@@ -178,8 +186,10 @@ class Scene:
         issued: dict[str, str] | None = None,
         text: str | None = None,
     ) -> None:
-        """`issued`: warnings issued so far, by subject. `text`: text of a scene that is not read from
-        the file at `path`."""
+        """`issued`: warnings issued so far, by subject.
+
+        `text`: text of a scene that is not read from the file at `path`.
+        """
         self.path = path
         self.overrides = overrides
         self._text = text
@@ -252,8 +262,9 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
-        """Reads the scene at `path`: a file, or one of the package's scenes,
-        `Scene.load("papillarray/stage.yaml")`.
+        """Reads the scene at `path`.
+
+        This is a file, or one of the package's scenes: `Scene.load("papillarray/stage.yaml")`.
 
         Raises InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'?
         allowed: ...".
@@ -282,8 +293,9 @@ class Scene:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], *, folder: str | os.PathLike[str] = "") -> Scene:
-        """Creates a scene from a dict with the scene's keys: `Scene.from_dict({"slipbench": 1,
-        "motion": {"speed": 0.004}, ...})`.
+        """Creates a scene from a dict with the scene's keys.
+
+        Example: `Scene.from_dict({"slipbench": 1, "motion": {"speed": 0.004}, ...})`.
 
         Args:
             values: keys of a scene file; a text such as "4 mm/s" has a unit, numbers are SI; numpy
@@ -308,8 +320,9 @@ class Scene:
         )
 
     def set(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
-        """Returns the scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"},
-        seed=3)`. Text is YAML, other values are SI.
+        """Returns the scene with other values, by dotted path.
+
+        Example: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI.
 
         Numbers, arrays and ranges may be numpy's, paths Path objects, which start from the current
         folder. None removes a key. `values` allows any path, `more` only single words. Sweeps of a set path, or of paths below it, are removed. Raises
@@ -333,14 +346,17 @@ class Scene:
         return self._core.seed
 
     def trials(self, draws: int = 0) -> int:
-        """Number of trials of the scene's sweep with `draws` draws of each cell of its grid; 0: as
-        in the scene."""
+        """Number of trials of the scene's sweep with `draws` draws of each cell of its grid.
+
+        0: as in the scene.
+        """
         with self._naming_keys():
             return self._core.trials(draws)
 
     def run(self, trial: int = 0, *, seed: int | None = None, record: str = "full") -> Trial:
-        """Simulates trial number `trial`, equal to that trial of `slipbench run SCENE --trials N`
-        with the least N that includes it.
+        """Simulates trial number `trial`.
+
+        The trial equals that of `slipbench run SCENE --trials N` with the least N that includes it.
 
         `seed`: replaces the scene's. `record`: "full"; "outcome" omits the arrays; "contact" adds
         `Trial.contacts`, the force and displacement of units in the pad frame. The interpreter's
@@ -361,8 +377,10 @@ class Scene:
         return made
 
     def _run_episode(self, episode: int, seed: int) -> Trial:
-        """Simulates the trial of an environment's episode: episodes cycle through the cells of the
-        grid, from a cell of the seed."""
+        """Simulates the trial of an environment's episode.
+
+        Episodes cycle through the cells of the grid, from a cell of the seed.
+        """
         cells = self.trials(1)
         draws = _MOST_TRIALS // cells
         self._warn()
@@ -412,8 +430,9 @@ class Scene:
         isolate: bool | None = None,
         trial_limit: float | None = None,
     ) -> dict[str, Any]:
-        """Runs the sweep and writes it as a dataset to `path`. The content is that of `slipbench
-        sweep`, or with `trials` that of `slipbench run --trials`.
+        """Runs the sweep and writes it as a dataset to `path`.
+
+        The content is that of `slipbench sweep`, or with `trials` that of `slipbench run --trials`.
 
         `draws`, `seed`, `jobs`: as for `sweep()`. `record`: "full" or "outcome". `resume`:
         continues with a file that an interrupted call left. Returns the summary that `--json`
@@ -492,8 +511,10 @@ class Scene:
         )
 
     def _apart(self, isolate: bool | None, time: float | None, trials: int) -> tuple[bool, float]:
-        """Returns whether `trials` trials run in separate processes, as `write()` documents,
-        and the time limit of each [s]."""
+        """Returns whether trials run in separate processes, and the time limit of each [s].
+
+        `write()` documents this for `trials` trials.
+        """
         if time is not None and not time > 0:
             raise _core.InputError(f"trial_limit={time}; allowed: more than 0 s")
         if time is not None and isolate is False:
@@ -519,8 +540,10 @@ class Scene:
 def _restored(
     path: str, overrides: list[tuple[str, str]], issued: dict[str, str], text: str
 ) -> Scene:
-    """Restores a pickled scene. Reads its file again if it is unchanged, else uses the pickled
-    text."""
+    """Restores a pickled scene.
+
+    Reads its file again if it is unchanged, else uses the pickled text.
+    """
     try:
         same = Path(path).read_text(encoding="utf-8") == text
     except (OSError, ValueError):
@@ -546,15 +569,19 @@ def scenes() -> Path:
 
 
 def describe(name: str) -> list[dict[str, Any]]:
-    """Output of `slipbench describe NAME --json`: law, source, parameters with unit, default and
-    allowed values, of everything called `name`."""
+    """Output of `slipbench describe NAME --json`.
+
+    Law, source, parameters with unit, default and allowed values, of everything called `name`.
+    """
     described: list[dict[str, Any]] = json.loads(_core.describe(name))
     return described
 
 
 def list_names() -> dict[str, Any]:
-    """Names that a scene may use, by catalogue, as in `slipbench list --json`:
-    `list_names()["detectors"]`."""
+    """Names that a scene may use, by catalogue: `list_names()["detectors"]`.
+
+    The names are those of `slipbench list --json`.
+    """
     listed: dict[str, Any] = json.loads(_core.list_names())
     return listed
 
@@ -570,8 +597,9 @@ def evaluate(
     all_trials: bool = False,
     resample: bool = False,
 ) -> dict[str, Any]:
-    """Evaluates a detector on the trials of the file `dataset`. Returns the output of `slipbench
-    eval DETECTOR DATASET --json`.
+    """Evaluates a detector on the trials of the file `dataset`.
+
+    Returns the output of `slipbench eval DETECTOR DATASET --json`.
 
     `detector`: a name in a scene, including custom ones, FILE.onnx, or a folder of memories.
     `parameters`: parameters of the detector, by name. `labels`: rule of the truth for

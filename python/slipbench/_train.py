@@ -1,5 +1,7 @@
 """`python -m slipbench._train FILE`: the command `train --recipe NAME`, started by the program.
-Exit status 2 for bad input, with its message."""
+
+Exit status 2 for bad input, with its message.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +78,7 @@ class Request:
 
 
 def clock_text(seconds: float) -> str:
-    """ "12 s", "3:05", "1:02:03"."""
+    """A duration as "12 s", "3:05" or "1:02:03"."""
     whole = max(round(seconds), 0)
     if whole < 60:
         return f"{whole} s"
@@ -88,7 +90,7 @@ def clock_text(seconds: float) -> str:
 
 
 def share_text(share: float | None) -> str:
-    """ "98.1 %", "-" for None or NaN."""
+    """A share as "98.1 %"; "-" for None or NaN."""
     return "-" if share is None or math.isnan(share) else f"{100 * share:.1f} %"
 
 

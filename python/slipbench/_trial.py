@@ -1,5 +1,7 @@
-"""Content of a trial as numpy arrays, the same for simulated and stored trials; and the simulated
-trial."""
+"""Content of a trial as numpy arrays, the same for simulated and stored trials.
+
+The simulated trial.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ Row = tuple[str, tuple[int, ...], str]  # row of a representation: name, shape a
 
 
 def shape_text(shape: tuple[int, ...], unit: str) -> str:
-    """ "[4000, 9, 3] N"; a pure number has no unit."""
+    """Shape and unit as "[4000, 9, 3] N"; a pure number has no unit."""
     return f"[{', '.join(map(str, shape))}]" + (f" {unit}" if unit not in ("", "1") else "")
 
 
@@ -132,8 +134,10 @@ class Labels(Described):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Sensor(Described):
-    """Output of one sensor: T samples. Each channel is also an attribute: `sensor.force` is
-    `sensor.channels["force"]`, [T, 9, 3] N of a papillarray.
+    """Output of one sensor: T samples.
+
+    Each channel is also an attribute: `sensor.force` is `sensor.channels["force"]`, [T, 9, 3] N of
+    a papillarray.
 
     Attributes:
         name: its name in the scene
@@ -182,8 +186,9 @@ class Sensor(Described):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Contact(Described):
-    """Force and displacement of one pad's units, in the pad frame P, at T samples of its sensor: N
-    units. Recorded only with `record="contact"`.
+    """Force and displacement of one pad's N units at T samples of its sensor.
+
+    They are in the pad frame P. Recorded only with `record="contact"`.
 
     P has x and y in the plane of the pad and +z into the sensor, so that compression is positive. A
     sensor reads these two arrays; `Labels.force` is the same force in the contact plane.
@@ -216,8 +221,9 @@ class Body(Described):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Control(Described):
-    """The control loop at T samples of the sensor that it reads. In an open recording the last four
-    arrays are empty.
+    """The control loop at T samples of the sensor that it reads.
+
+    In an open recording the last four arrays are empty.
 
     Attributes:
         detector: its type; empty: none
@@ -245,8 +251,10 @@ class Control(Described):
 
 
 class Trial:
-    """One simulated trial. Its arrays are read-only views of the simulation's record, without a
-    copy. A `StoredTrial` has the same attributes.
+    """One simulated trial.
+
+    Its arrays are read-only views of the simulation's record, without a copy. A `StoredTrial` has
+    the same attributes.
 
     Trials can be pickled and deep-copied; a copy has its own arrays.
 
@@ -303,8 +311,10 @@ class Trial:
 
     @property
     def sha256(self) -> str:
-        """Digest of the whole trial, equal to the attribute `sha256` of the same trial in a
-        dataset."""
+        """Digest of the whole trial.
+
+        It equals the attribute `sha256` of the same trial in a dataset.
+        """
         return self._record.sha256() if self._record else str(self.__dict__["_sha256"])
 
     def __getstate__(self) -> dict[str, Any]:

@@ -101,8 +101,9 @@ def parse_quantity(text: str, unit: str | None = None) -> float:
 
 
 class RandomStream:
-    """Random numbers of the program: bit-identical to the C++ class `RandomStream` with the same
-    key.
+    """Random numbers of the program.
+
+    Bit-identical to the C++ class `RandomStream` with the same key.
 
     Streams with different keys are independent, so each purpose has its own stream:
     `RandomStream(seed, trial, "split")`. A stream cannot be pickled or copied, since a copy would
@@ -110,8 +111,10 @@ class RandomStream:
     """
 
     def __init__(self, seed: int, trial: int = 0, name: str = "") -> None:
-        """Starts the stream of `seed`, `trial` and `name`, the purpose. Both numbers are 0 to 2^64
-        - 1."""
+        """Starts the stream of `seed`, `trial` and `name`, the purpose.
+
+        Both numbers are 0 to 2^64 - 1.
+        """
         numbers_of = (index(seed, "seed"), index(trial, "trial"))
         for key, number in zip(("seed", "trial"), numbers_of, strict=True):
             if not 0 <= number < 2**64:
@@ -120,8 +123,10 @@ class RandomStream:
         self._core = _core.RandomStream(*self._key)
 
     def uniform(self, low: float = 0.0, high: float = 1.0) -> float:
-        """Draws a number in [low, high); `low` if both are equal. Raises InputError if low exceeds
-        high or is not finite."""
+        """Draws a number in [low, high); `low` if both are equal.
+
+        Raises InputError if low exceeds high or is not finite.
+        """
         self._check_interval(low, high)
         return self._core.uniform(low, high)
 
@@ -139,8 +144,9 @@ class RandomStream:
         return self._core.normal(mean, sd)
 
     def normals(self, count: int, mean: float = 0.0, sd: float = 1.0) -> NDArray[np.float64]:
-        """Draws `count` numbers from the normal distribution of `mean` and `sd`, one by one as
-        `normal()` does. Returns [count].
+        """Draws `count` numbers from the normal distribution of `mean` and `sd`.
+
+        They are drawn one by one, as `normal()` does. Returns [count].
 
         Raises InputError if `count` is not a whole number of 0 or more.
         """

@@ -55,8 +55,10 @@ def _next_episode(
     episode: int,
     asked: int | None,
 ) -> tuple[int, int]:
-    """Seed and number of the episode that a reset with the seed `asked` starts, after episode
-    number `episode` of `seed`."""
+    """Seed and number of the episode that a reset with the seed `asked` starts.
+
+    The last episode was number `episode` of `seed`.
+    """
     if asked is not None:
         return int(asked), 0
     if seed is not None:
@@ -79,8 +81,10 @@ def _begun(episode: int) -> None:
 
 
 def _shaped(values: Any, key: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Converts a policy's values to an array with as many values as `shape`. Raises InputError with
-    `key` and both shapes."""
+    """Converts a policy's values to an array with as many values as `shape`.
+
+    Raises InputError with `key` and both shapes.
+    """
     array = np.asarray(values)
     if array.size != math.prod(shape):
         raise _core.InputError(f"{key}: expected shape {shape}, found {array.shape}")
@@ -140,8 +144,9 @@ def _info(truth: dict[str, Any], params: str) -> dict[str, Any]:
 
 
 class GraspEnv(gymnasium.Env[Observation, Observation]):
-    """A grasp whose gripper the policy commands, from one read of the gripper to the next (by
-    default 20 ms).
+    """A grasp whose gripper the policy commands.
+
+    A step lasts from one read of the gripper to the next, by default 20 ms.
 
     Truth is in `info` only. Each episode of a seed is another draw of the scene's sweep and
     scatter. Environments can be pickled and deep-copied at any step: the copy replays the episode's
@@ -230,8 +235,9 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         return observation / self.observation_scale, _info(truth, self._grasp.params)
 
     def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Sends `action` [1], -1 to 1, and runs to the next read. Returns observation, reward,
-        terminated, truncated, info.
+        """Sends `action` [1], -1 to 1, and runs to the next read.
+
+        Returns observation, reward, terminated, truncated, info.
 
         `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial
         began, lifting, the draws (`params`), and after the last step the trial's `outcome`. Raises
@@ -254,8 +260,10 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         )
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Image of the grasp, [480, 480, 3]: box, plates of the fingers (the blue one carries the
-        first sensor) and table."""
+        """Image of the grasp, [480, 480, 3].
+
+        It shows box, plates of the fingers (the blue one carries the first sensor) and table.
+        """
         return self._renderer.draw(self._grasp.bodies()) if self._renderer else None
 
     def close(self) -> None:
@@ -274,8 +282,9 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
 
 
 class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
-    """Several grasps, stepped by threads. Equal, step by step, to `SyncVectorEnv` of GraspEnv.
-    Created by `gymnasium.make_vec()`.
+    """Several grasps, stepped by threads.
+
+    Equal, step by step, to `SyncVectorEnv` of GraspEnv. Created by `gymnasium.make_vec()`.
 
     It can be pickled and deep-copied like a GraspEnv.
 
@@ -297,8 +306,9 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         jobs: int = 0,
         scaled: bool = False,
     ) -> None:
-        """`num_envs` grasps; `scene`, `values`, `command`, `render_mode`, `scaled`: as for
-        GraspEnv.
+        """`num_envs` grasps.
+
+        Other arguments are those of GraspEnv.
 
         `jobs`: threads; 0: one per core. The results do not depend on it.
         """
@@ -357,10 +367,11 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Starts an episode in each environment: environment i with `seed` + i, or with its seed in
-        a list. Without a seed now or before, each environment draws its own from the operating
-        system's entropy. `options` is ignored, except that the key `reset_mask`, which requests a
-        partial reset, raises an error.
+        """Starts an episode in each environment.
+
+        Environment i starts with `seed` + i, or with its seed in a list. Without a seed now or
+        before, each environment draws its own from the operating system's entropy. `options` is
+        ignored, except that the key `reset_mask`, which requests a partial reset, raises an error.
 
         Returns the observations [num_envs, values], and `info`.
         """
@@ -396,10 +407,12 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
     ) -> tuple[
         Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
     ]:
-        """Sends each environment its row of `actions` [num_envs, 1]. An environment whose episode
-        has ended starts its next one instead and ignores the action. Raises
-        gymnasium.error.ResetNeeded before the first reset(), InputError for actions of another
-        shape."""
+        """Sends each environment its row of `actions` [num_envs, 1].
+
+        An environment whose episode has ended starts its next one instead and ignores the action.
+        Raises gymnasium.error.ResetNeeded before the first reset(), InputError for actions of
+        another shape.
+        """
         _begun(min(self._episodes))
         commands: list[float] = (
             _shaped(actions, "actions", (self.num_envs, 1))
@@ -451,8 +464,9 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
 
 
 class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
-    """Slip detection in an open recording of a stage scene, sample by sample; the action is the
-    pad's `State` at that sample.
+    """Slip detection in an open recording of a stage scene, sample by sample.
+
+    The action is the pad's `State` at that sample.
 
     Observation: the sensor's channels at that sample, concatenated, in their own units. Reward: 1
         if the action is right about slip (incipient or gross, by `state_micro`), else 0. Truth is
@@ -468,8 +482,10 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         sensor: str = "",
         render_mode: str | None = None,
     ) -> None:
-        """`scene`, `values`: as for GraspEnv. `sensor`: the observed one; empty: the only one.
-        `render_mode`: None."""
+        """`scene`, `values`: as for GraspEnv.
+
+        `sensor`: the observed one; empty: the only one. `render_mode`: None.
+        """
         _refuse_pictures(render_mode, "None: a recording has no picture")
         self._scene = Scene.load(scene).set(values)
         self.render_mode = render_mode
@@ -516,17 +532,21 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Simulates the next recording of the seed; with `seed`, the first one of that seed.
+
         Without a seed now or before, a seed is drawn from the operating system's entropy. `options`
-        is ignored."""
+        is ignored.
+        """
         super().reset(seed=_seed(seed))
         self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
         self._record(self._seed, self._episode)
         return self._values[0].copy(), self._info()
 
     def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Judges `action`, the code of a `State`, for the sample shown last, and shows the next
-        sample. Raises gymnasium.error.ResetNeeded before the first reset() and after the
-        recording's end."""
+        """Judges `action` for the sample shown last, and shows the next sample.
+
+        `action` is the code of a `State`. Raises gymnasium.error.ResetNeeded before the first
+        reset() and after the recording's end.
+        """
         _begun(self._episode)
         if not self.action_space.contains(np.int64(action)):
             raise _core.InputError(f"action {action}; allowed: 0 to 3, a State")

@@ -1,5 +1,6 @@
-"""Pads in any MuJoCo model. Importing this loads the plugin `slipbench.field` into the package
-`mujoco`.
+"""Pads in any MuJoCo model.
+
+Importing this loads the plugin `slipbench.field` into the package `mujoco`.
 
 `attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()`
 returns the longest stable step. It supports the versions of MuJoCo that `builds()` lists; with any
@@ -56,7 +57,9 @@ def builds() -> list[str]:
 
 def plugin_path(version: str | None = None) -> str:
     """Path of the plugin's library for a version of MuJoCo; default: that of the package `mujoco`.
-    Raises InputError if there is no build."""
+
+    Raises InputError if there is no build.
+    """
     try:
         return str(_FOLDER / _core.plugin_build(version or _mujoco.__version__))
     except InputError as error:
@@ -97,8 +100,10 @@ def _ask(function: str, *addresses: int) -> str:
 
 
 class Reading:
-    """The values of a pad as attributes, each a numpy view of `data.sensordata` that changes with
-    every step. SI units, forces in the pad's frame.
+    """The values of a pad as attributes.
+
+    Each is a numpy view of `data.sensordata` that changes with every step. SI units, forces in the
+    pad's frame.
 
     The channels of the sensor, such as `force` [N,3] N and `displacement` [N,3] m of a PapillArray,
     and with truth: `unit_state` [N] (0 detached, 1 stick, 2 slip, 3 partial), `slip_velocity` [N,2]
@@ -170,8 +175,9 @@ class _Measured:
 
 
 class Pad:
-    """A pad of a model, by the name of its plugin instance. After `MjSpec.attach` it is found under
-    the name with prefix or suffix.
+    """A pad of a model, by the name of its plugin instance.
+
+    After `MjSpec.attach` it is found under the name with prefix or suffix.
 
     Attributes:
         name: name of the instance, without prefix or suffix
@@ -185,8 +191,10 @@ class Pad:
         self._parts: list[tuple[str, str, tuple[int, ...]]] = []
 
     def read(self, data: Any) -> Reading:
-        """The pad's values in `data`, an MjData. Raises InputError if its model has no such pad, or
-        no sensor reads it."""
+        """The pad's values in `data`, an MjData.
+
+        Raises InputError if its model has no such pad, or no sensor reads it.
+        """
         if self._model is not data.model:
             self._find(data.model)
         arrays, start = {}, self._address
@@ -259,8 +267,9 @@ def pads(model: Any) -> dict[str, Pad]:
 
 
 def max_timestep(model: Any, data: Any = None) -> float:
-    """The longest stable `model.opt.timestep` [s] of explicit pads with all their elements in
-    contact at once.
+    """The longest stable `model.opt.timestep` [s] of explicit pads.
+
+    All their elements may be in contact at once.
 
     It depends on the poses of the bodies: those in `data`, by default the model's initial ones.
     Infinite if no pad is explicit.
@@ -294,8 +303,9 @@ def attach_pad(
     check: str = "error",
     unloaded: str = "1",
 ) -> Pad:
-    """Puts a pad on a site of an MjSpec, with a sensor that reads it and everything that the model
-    needs for it (`complete()`).
+    """Puts a pad on a site of an MjSpec, with a sensor that reads it.
+
+    Also adds everything that the model needs for it (`complete()`).
 
     Args:
         spec: before or after it is attached to another; in the latter case call `complete()` on the
@@ -409,10 +419,11 @@ def _add_instance(spec: Any, name: str, config: dict[str, str]) -> None:
 
 
 def complete(spec: Any) -> None:
-    """Adds to `spec`, an MjSpec, the elements that its pads need: excludes between bodies that move
-    with a pad and those that it touches, and for implicit pads options and tendons. `attach_pad()`
-    calls it; call it again on a spec to which a spec with pads was attached. Names that the spec
-    lacks are reported by `spec.compile()`.
+    """Adds to `spec`, an MjSpec, the elements that its pads need.
+
+    Excludes between bodies that move with a pad and those that it touches, and for implicit pads
+    options and tendons. `attach_pad()` calls it; call it again on a spec to which a spec with pads
+    was attached. Names that the spec lacks are reported by `spec.compile()`.
     """
     known = {frozenset((exclude.bodyname1, exclude.bodyname2)) for exclude in spec.excludes}
     joined = {tendon.name for tendon in spec.tendons}
@@ -454,8 +465,10 @@ def _need_discrete() -> Any:
 
 
 def _name(thing: Any, noun: str) -> str:
-    """Returns the object's name; names it if necessary, since plugins, excludes and tendons refer
-    to names."""
+    """Returns the object's name.
+
+    Names it if necessary, since plugins, excludes and tendons refer to names.
+    """
     if not thing.name:
         thing.name = f"slipbench_{noun}_{next(_numbers)}"
     return str(thing.name)
@@ -534,8 +547,10 @@ def _moving_with(spec: Any, body: Any) -> list[Any]:
 
 
 def _join(spec: Any, site: Any, body: Any, joined: set[str]) -> None:
-    """Adds one tendon for each object and kinematic tree with pads: each costs MuJoCo more than a
-    pad."""
+    """Adds one tendon for each object and kinematic tree with pads.
+
+    Each costs MuJoCo more than a pad.
+    """
     first, above = site.parent, site.parent
     while above.name != "world":
         first = above if len(above.joints) else first

@@ -36,8 +36,7 @@ def demos(path):
 
 
 def worst_onset(program, scene, expected, *changes):
-    """Returns the largest relative error of any pillar's onset, and whether every order is
-    right."""
+    """Returns the largest relative error of a pillar's onset, and whether every order is right."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out.h5"
         run(program, "sweep", HERE / scene, "-o", out, *changes)

@@ -81,8 +81,11 @@ def verified(paths):
 
 
 def work(program, first, end):
-    """Runs scenes and prints JSON lines: {"begin": seed}, and {"seed", "how", "faults"} after a run and after its verification;
-    after a run also "applied", the number of samples by law."""
+    """Runs scenes and prints JSON lines.
+
+    {"begin": seed}, and {"seed", "how", "faults"} after a run and after its verification; after a
+    run also "applied", the number of samples by law.
+    """
 
     def say(**values):
         print(json.dumps(values), flush=True)

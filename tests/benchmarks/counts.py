@@ -76,8 +76,9 @@ def build_of(build, valgrind):
 
 
 def own_instructions(text):
-    """Returns the self cost by function from callgrind's output; clones and recursion levels count
-    as one.
+    """Returns the self cost by function from callgrind's output.
+
+    Clones and recursion levels count as one.
     """
     names, own, function, of_a_call = {}, collections.Counter(), None, False
     for line in text.splitlines():
@@ -159,8 +160,9 @@ def of_this_build(folder, build):
 
 
 def append_history(path, name, day, commit, scenes):
-    """Adds a row to the history of counts; a new scene adds a column, in which earlier rows are
-    empty. `name`: the build.
+    """Adds a row to the history of counts.
+
+    A new scene adds a column, in which earlier rows are empty. `name`: the build.
     """
     rows = list(csv.DictReader(path.open(newline=""))) if path.exists() else []
     columns = list(rows[0]) if rows else ["date", "commit", "build"]

@@ -16,8 +16,9 @@ import tempfile
 
 
 def count(valgrind, function, command):
-    """Returns a command's instructions inside a function, and the names of all functions that
-    executed any of them.
+    """Returns a command's instructions inside a function, and the names of its functions.
+
+    These are all functions that executed any of the instructions.
     """
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
@@ -40,8 +41,9 @@ def count(valgrind, function, command):
 
 
 def defined_in(archive):
-    """Returns demangled names of the functions that the archive defines and no header could have
-    put there.
+    """Returns demangled names of the functions that the archive defines.
+
+    Functions that a header could have put there are left out.
     """
     listing = subprocess.run(
         ["nm", "-C", "--defined-only", archive], check=True, capture_output=True, text=True

@@ -1,5 +1,6 @@
-"""The site of `./slipbench docs`: links work, nothing is loaded from elsewhere, and pages look
-right.
+"""The site of `./slipbench docs`.
+
+Links work, nothing is loaded from elsewhere, and pages look right.
 """
 
 import html.parser

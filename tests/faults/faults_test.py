@@ -150,8 +150,9 @@ class Bench:
 
 
 def cases(bench):
-    """Returns the commands: their words (OUT: the folder they write to), and the words added to
-    continue.
+    """Returns the commands: their words, and the words added to continue.
+
+    OUT is the folder they write to.
     """
     scene, two = bench.path("scene.yaml"), bench.path("two.h5")
     found = {
@@ -268,8 +269,9 @@ class Case:
         return self.bench.run(self.words, self.where, *fault)
 
     def wrong(self, kind, error, span):
-        """Returns what is wrong with the command under this fault, empty if nothing is; None if it
-        makes no such call.
+        """Returns what is wrong with the command under this fault, empty if nothing is.
+
+        None if it makes no such call.
         """
         status, told, calls = self.run(kind, error, span)
         if status == "hang":

@@ -85,8 +85,9 @@ class BinariesTest(unittest.TestCase):
             self.assertEqual(faults(path), [], path)
 
     def test_what_a_fault_looks_like(self):
-        """Programs with each fault: the tests' own, compiled with their folder's name, and one
-        linked for this test.
+        """Programs with each fault.
+
+        The tests' own, compiled with their folder's name, and one linked for this test.
         """
         self.assertEqual(
             faults(BUILD / "bin/install_soft"),

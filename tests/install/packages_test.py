@@ -88,8 +88,9 @@ def places():
 
 
 def owners():
-    """Returns {file or folder: its Debian packages}, of files and folders that belong to one
-    package alone.
+    """Returns the Debian packages of each file or folder.
+
+    Only of files and folders that belong to one package alone.
     """
     found = {}
     for listing in INSTALLED.glob("*.list"):

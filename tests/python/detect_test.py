@@ -21,8 +21,9 @@ LABELS = ", state: {column: slip, values: {0: non_slip, 1: gross}, rule: by hand
 
 
 def write_log(path):
-    """3 s of nine pillars under 1 N each, with 0.1 N of shear, 0.6 N from 1 s to 2 s. The label
-    says slip from 1.1 s to 2 s.
+    """3 s of nine pillars under 1 N each, with 0.1 N of shear, 0.6 N from 1 s to 2 s.
+
+    The label says slip from 1.1 s to 2 s.
     """
     time = np.arange(3 * RATE) / RATE
     shear = np.where((time >= 1) & (time < 2), 0.6, 0.1)
@@ -318,7 +319,7 @@ class DetectTest(unittest.TestCase):
             )
 
     def test_a_name_is_no_address(self):
-        """pyarrow would take b:c.parquet for an address of a file system b."""
+        """PyArrow would take b:c.parquet for an address of a file system b."""
         command = [
             sys.executable,
             "-m",

@@ -285,8 +285,9 @@ class Grasps(unittest.TestCase):
             return
 
         def height():
-            """Returns the rows of the box's orange in the picture [pixels from below], and its
-            share of the picture.
+            """Returns the rows of the box's orange in the picture, and its share of the picture.
+
+            Rows are in pixels from below.
             """
             picture = environment.render().astype(int)
             self.assertEqual(picture.shape, (480, 480, 3))

@@ -301,8 +301,9 @@ class Fuzzer:
         return folder
 
     def read(self, kind, data):
-        """Imports a source without an output. Raises InputError if it is refused; anything else is
-        a fault.
+        """Imports a source without an output.
+
+        Raises InputError if it is refused; anything else is a fault.
         """
         source, map = self.write(kind, data)
         (self.folder / "map.yaml").write_bytes(map if isinstance(map, bytes) else map.encode())
@@ -385,8 +386,9 @@ class Fuzzer:
 
 
 def limit():
-    """Turns a runaway allocation into a MemoryError, and ends the process with a traceback if an
-    input takes too long.
+    """Turns a runaway allocation into a MemoryError.
+
+    Ends the process with a traceback if an input takes too long.
     """
     faulthandler.register(signal.SIGPROF, chain=True)
     pages = int(Path("/proc/self/statm").read_text().split()[0])

@@ -691,8 +691,10 @@ class Tables(ImportTest):
         )
 
     def test_the_rate_follows_from_the_digits_of_the_stamps(self):
-        """Steps of 1/77 s in ms, written in two ways: the rate is 77 Hz, not one with fewer
-        digits."""
+        """Steps of 1/77 s in ms, written in two ways.
+
+        The rate is 77 Hz, not one with fewer digits.
+        """
         milliseconds = [round(1000 * k / 77) for k in range(201)]
         for clock, keys, cells in (
             (
@@ -1419,8 +1421,10 @@ class Drafts(ImportTest):
     """`import --draft`: a map from the titles of a table."""
 
     def draft(self, titles, type, times=("0", "0.01", "0.02"), step=1):
-        """Returns the map for a table with these titles, whose column k of row r is (10 k + r)
-        step, and its recording."""
+        """Returns the map for a table with these titles, and its recording.
+
+        Column k of row r is (10 k + r) step.
+        """
         rows = [
             [time, *(f"{(10 * k + row) * step}" for k in range(1, len(titles)))]
             for row, time in enumerate(times)
@@ -1940,8 +1944,9 @@ class Bags(ImportTest):
     """Bags that rosbags has written."""
 
     def messages(self, ros):
-        """Returns types and 4 messages of a PapillArray: pillar p carries (p, 0, 2) N and is
-        displaced by (0, 0, row) mm, 1 ms apart.
+        """Returns types and 4 messages of a PapillArray.
+
+        Pillar p carries (p, 0, 2) N and is displaced by (0, 0, row) mm, 1 ms apart.
         """
         store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY)
         package = "papillarray_interfaces/msg"

@@ -1,5 +1,6 @@
-"""Shipped scenes under a locale with a decimal comma: the data are bit-identical to those of the C
-locale.
+"""Shipped scenes under a locale with a decimal comma.
+
+The data are bit-identical to those of the C locale.
 
 usage: locale_test.py SCENES [unittest's arguments]
 """

@@ -1,5 +1,6 @@
-"""slipbench.mujoco with the imported package `mujoco`: attach_pad, named readings, the longest
-step.
+"""slipbench.mujoco with the imported package `mujoco`.
+
+Tests attach_pad, named readings, the longest step.
 
 Arguments: the project's root, and the program attached_trace if it was built for this MuJoCo.
 """
@@ -25,8 +26,10 @@ HAS_IMPLICIT = hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
 
 
 def stock(collide=True):
-    """Returns the gripper and the box of hold.xml without pads; its geoms collide, like a
-    robot's."""
+    """Returns the gripper and the box of hold.xml without pads.
+
+    Its geoms collide, like a robot's.
+    """
     text = re.sub(
         r"<extension>.*</extension>|<sensor>.*</sensor>|<plugin instance=[^>]*/>",
         "",

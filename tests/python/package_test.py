@@ -204,8 +204,10 @@ class Warnings(unittest.TestCase):
     LIFT = str(slipbench.scenes() / "grasp/lift.yaml")
 
     def told(self, call):
-        """Returns the texts of the warnings in `call`, all at lines of this file, and its
-        result."""
+        """Returns the texts of the warnings in `call`, and its result.
+
+        All warnings are at lines of this file.
+        """
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             result = call()
@@ -568,8 +570,9 @@ def values_of(path, check):
 
 
 class DamagedDatasets(unittest.TestCase):
-    """The package refuses what the command line refuses: an InputError of one line that begins with
-    the file's name.
+    """The package refuses what the command line refuses.
+
+    An InputError of one line that begins with the file's name.
     """
 
     @classmethod
@@ -686,8 +689,9 @@ class DamagedDatasets(unittest.TestCase):
 
 
 def with_training(network, trained):
-    """Copies a network's file with other training data in its description, the last entry of the
-    file.
+    """Copies a network's file with other training data in its description.
+
+    This is the last entry of the file.
     """
     data = network.read_bytes()
     start = data.rindex(

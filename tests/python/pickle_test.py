@@ -1,5 +1,6 @@
-"""Scenes, trials, datasets, windows and environments can be pickled, copied and used in other
-processes. Argument: the program.
+"""Scenes, trials, datasets, windows and environments can be pickled and copied.
+
+Copies work in other processes. Argument: the program.
 """
 
 import copy

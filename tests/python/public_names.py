@@ -31,8 +31,9 @@ def offered() -> dict[str, Any]:
 
 
 def functions() -> Iterator[tuple[str, FunctionType]]:
-    """Yields functions, methods and property getters by qualified name. A protocol's methods are
-    excluded: users write them.
+    """Yields functions, methods and property getters by qualified name.
+
+    A protocol's methods are excluded: users write them.
     """
     for name, value in offered().items():
         if inspect.isfunction(value):

@@ -14,8 +14,9 @@ import reference  # noqa: E402
 
 
 def words(text):
-    """Returns letters and digits alone, which Markdown and HTML keep. The page writes the section
-    "Args" as "Arguments".
+    """Returns letters and digits alone, which Markdown and HTML keep.
+
+    The page writes the section "Args" as "Arguments".
     """
     return re.sub(r"[\W_]+", "", re.sub(r"^ *Args:$", "Arguments:", text, flags=re.MULTILINE))
 

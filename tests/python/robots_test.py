@@ -55,9 +55,10 @@ def run(*words):
 class Checks(unittest.TestCase):
     def slips_by_the_law(self, figures, mass, rate):
         """Each of two pads carries half of the weight; by Coulomb's law it slips when mu N is less.
+
         The grip falls by `rate` [N/s]. The two centre pillars, 650 N/m each, stick last: the box
-        swings on them and is late by at most half a swing. A reading is up to two steps old. A
-        face that leans by 1 degree carries 2e-4 less than the weight.
+        swings on them and is late by at most half a swing. A reading is up to two steps old. A face
+        that leans by 1 degree carries 2e-4 less than the weight.
         """
         law = mass * 9.81 / (2 * 0.5)
         late = rate * (math.pi * math.sqrt(mass / (2 * 650)) + 2 * 0.002)

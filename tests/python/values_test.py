@@ -1,4 +1,5 @@
 """Scenes from text and dicts, numpy values, quantities, random streams, and forces of units.
+
 Argument: the program.
 """
 

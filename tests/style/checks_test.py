@@ -108,8 +108,9 @@ class PlantedViolation(unittest.TestCase):
         )
 
     def assert_found(self, check, path, text, *words):
-        """Expects the check to pass on the clean tree, and to fail once `text` is in `path`, with a
-        finding that contains `words`.
+        """Expects the check to pass on the clean tree, and to fail once `text` is in `path`.
+
+        The finding must contain `words`.
         """
         before = self.run_check(check)
         self.assertEqual(before.returncode, 0, before.stdout + before.stderr)

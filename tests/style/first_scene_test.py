@@ -1,5 +1,6 @@
-"""The first scene of README.md suits its sensor and its detector, and the two changes that
-scenes/README.md shows as bad examples do not.
+"""The first scene of README.md suits its sensor and its detector.
+
+The two changes that scenes/README.md shows as bad examples do not.
 
 Arguments: the project's root and the program.
 """

@@ -27,8 +27,10 @@ def texts(root):
 
 
 def commands(text):
-    """The steps of a reader, in order: ("file", name, content), or ("run", command) without its
-    comment."""
+    """The steps of a reader, in order.
+
+    ("file", name, content), or ("run", command) without its comment.
+    """
     for heading, content in FENCE.findall(text):
         words = heading.split()
         if len(words) == 2 and words[0] != "sh":

@@ -1,5 +1,8 @@
-"""Checks citations: each key in brackets, such as [johnson1985], is an entry of docs/references.bib;
-each entry is cited; no text refers to a folder of papers or to files above the project."""
+"""Checks citations.
+
+Each key in brackets, such as [johnson1985], is an entry of docs/references.bib; each entry is
+cited; no text refers to a folder of papers or to files above the project.
+"""
 
 import re
 from pathlib import Path

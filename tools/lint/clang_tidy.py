@@ -1,5 +1,7 @@
-"""Runs clang-tidy over the product's sources: clang_tidy.py ROOT BUILD. BUILD holds
-compile_commands.json: ROOT/build/lint, which is configured first, or any other folder that has one.
+"""Runs clang-tidy over the product's sources: clang_tidy.py ROOT BUILD.
+
+BUILD holds compile_commands.json: ROOT/build/lint, which is configured first, or any other folder
+that has one.
 
 A compilation is checked again only if its preprocessed text, its flags or .clang-tidy changed;
 BUILD/clang-tidy records the clean ones. As in the unity build, one compilation has several sources,
@@ -94,8 +96,9 @@ def tidy(root, build, source, folder, directory, command):
 
 
 def check_compilations(preset, check):
-    """Prints the reports of all compilations of the product, and exits with status 1 if there are any.
-    The folders ROOT and BUILD are the program's arguments.
+    """Prints the reports of all compilations of the product.
+
+    Exits with status 1 if there are any. The folders ROOT and BUILD are the program's arguments.
 
     Args:
         preset: of CMake, with which ROOT/build/PRESET is configured first

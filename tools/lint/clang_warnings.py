@@ -1,4 +1,5 @@
 """Lists the warnings and errors of clang 16 in the product's sources: clang_warnings.py ROOT BUILD.
+
 BUILD holds compile_commands.json: ROOT/build/clang, which is configured first, or any other folder
 that has one.
 

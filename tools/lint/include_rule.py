@@ -1,5 +1,6 @@
-"""Checks which files may include which. A detector that could include the simulation could read the
-truth; this check prevents that.
+"""Checks which files may include which.
+
+A detector that could include the simulation could read the truth; this check prevents that.
 
 - sim/core, sim/api: themselves and the layers below, the standard library and Eigen; Random123,
   SLEEF with its vector type, the loader of libraries and system calls for files and threads in a
@@ -142,8 +143,10 @@ IN_SOURCES = (
 
 
 def without_header(path, included):
-    """Error of a source that includes the headers `included` and has no header of its name, or
-    None."""
+    """Error of a source that has no header of its name, or None.
+
+    `included`: the headers that it includes.
+    """
     name = path.as_posix()
     if (
         path.name == "main.cc"

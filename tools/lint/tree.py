@@ -6,8 +6,10 @@ from pathlib import Path
 
 
 def project_files(root):
-    """Paths of the project's files relative to root, sorted: files that git tracks or would track;
-    outside git, all except build/ and hidden files."""
+    """Paths of the project's files relative to root, sorted: files that git tracks or would track.
+
+    Outside git, all except build/ and hidden files.
+    """
     listed = subprocess.run(
         [
             "git",
@@ -43,8 +45,10 @@ def lines_of(root, path):
 
 
 def main(check):
-    """Runs check(root), which yields findings as text, for the root on the command line; exits with
-    1 if there are any."""
+    """Runs check(root), which yields findings as text, for the root on the command line.
+
+    Exits with 1 if there are any.
+    """
     if len(sys.argv) != 2:
         sys.exit(f"usage: {sys.argv[0]} ROOT")
     findings = list(check(sys.argv[1]))

@@ -1,5 +1,7 @@
-"""`python -m slipbench_studies FILE`: the command `reproduce`, started by the program. Exit
-status 2 for bad input, with its message, 130 after Ctrl-C."""
+"""`python -m slipbench_studies FILE`: the command `reproduce`, started by the program.
+
+Exit status 2 for bad input, with its message, 130 after Ctrl-C.
+"""
 
 import importlib
 import json
@@ -63,8 +65,9 @@ def _reproduce(name: str, options: Options, as_json: bool) -> int:
 
 
 def main(request: dict[str, Any]) -> int:
-    """Runs the requested study, writes and prints its result. Without a name it prints the list of
-    studies.
+    """Runs the requested study, writes and prints its result.
+
+    Without a name it prints the list of studies.
 
     Args:
         request: name, json, quiet, install (the command that installs the studies' requirements),

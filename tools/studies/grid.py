@@ -47,8 +47,10 @@ class Cell:
         return scene.set(dict(self.overrides)) if self.overrides else scene
 
     def command(self, seed: int) -> str:
-        """The command that runs the scene with its overrides; append an option that selects the
-        trials."""
+        """The command that runs the scene with its overrides.
+
+        Append an option that selects the trials.
+        """
         sets = "".join(f" --set '{path}={value}'" for path, value in self.overrides.items())
         return f"slipbench run {self.scene}{sets} --seed {seed}"
 
@@ -161,7 +163,9 @@ def make_dataset(path: str, cell: Cell, options: Options, what: str = "") -> Non
 
 class _Progress:
     """Reports subject and progress at each change of the subject, and at each 50th trial.
-    Thread-safe."""
+
+    Thread-safe.
+    """
 
     def __init__(self, total: int, say: Callable[[str], None]) -> None:
         self._total, self._say = total, say

@@ -26,8 +26,9 @@ def kept_path(output: str) -> Path:
 
 
 class KeptNetworks:
-    """Results of a study's networks, one file each, so that an interrupted or killed study need not
-    train them again.
+    """Results of a study's networks, one file each.
+
+    So an interrupted or killed study need not train them again.
 
     The folder's identity file identifies the run. A file is written under another name and then
     renamed, so it is always complete.
@@ -125,8 +126,9 @@ def _digest(path: Path) -> str:
 
 
 def identity_of(options: Options, name: str) -> str:
-    """Digest of everything that a study's networks depend on: the command, the data, the scenes,
-    the program and the Python interpreter.
+    """Digest of everything that a study's networks depend on.
+
+    The command, the data, the scenes, the program and the Python interpreter.
 
     Args:
         options: data, real, seed, full, trials, only

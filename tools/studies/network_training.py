@@ -31,8 +31,10 @@ END_WITHIN = 10  # s, for a terminated process to remove its files; then it is k
 
 
 def folds(groups: ArrayLike, count: int, seed: int) -> NDArray[np.int64]:
-    """Divides items into folds. Each group is shuffled and distributed in turn, so that its shares
-    of the folds differ by at most one item.
+    """Divides items into folds.
+
+    Each group is shuffled and distributed in turn, so that its shares of the folds differ by at
+    most one item.
 
     Args:
         groups: [N] group number of each item
@@ -108,8 +110,10 @@ def train_and_answer(
 def train_detector(
     name: str, recipe: str | Recipe, dataset: str, output: str, options: Options, labels: str
 ) -> Trained:
-    """Trains a recipe on all trials of a dataset, ignoring its own split. Single frames are
-    classified, with the threshold of the greatest balanced accuracy in validation.
+    """Trains a recipe on all trials of a dataset, ignoring its own split.
+
+    Single frames are classified, with the threshold of the greatest balanced accuracy in
+    validation.
 
     Args:
         name: name in lines of progress
@@ -142,9 +146,11 @@ def _end(*_: object) -> None:
 
 
 def _run(work: Callable[[int], Any], index: int, connection: Connection) -> None:
-    """Runs the work of a process and sends its result, or its error with the traceback. The parent
-    handles Ctrl-C, and ends the process by SIGTERM, after which the process removes its temporary
-    files."""
+    """Runs the work of a process and sends its result, or its error with the traceback.
+
+    The parent handles Ctrl-C, and ends the process by SIGTERM, after which the process removes its
+    temporary files.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _end)
     try:
@@ -156,8 +162,9 @@ def _run(work: Callable[[int], Any], index: int, connection: Connection) -> None
 def train_all(
     name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]
 ) -> list[Any]:
-    """Trains networks, options.jobs at a time, each in its own process. With options.output each
-    result is saved next to the page at once.
+    """Trains networks, options.jobs at a time, each in its own process.
+
+    With options.output each result is saved next to the page at once.
 
     Args:
         name: PAPER/TABLE

@@ -189,8 +189,9 @@ def check_charts(output: str) -> None:
 
 
 def write(output: str, name: str, result: Result) -> list[str]:
-    """Writes the page, the object of result_object() and each chart as SVG and PNG. Earlier files
-    of this command are replaced.
+    """Writes the page, the object of result_object() and each chart as SVG and PNG.
+
+    Earlier files of this command are replaced.
 
     Args:
         output: FILE.html

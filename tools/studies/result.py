@@ -70,8 +70,9 @@ class Chart:
 
 @dataclass(frozen=True)
 class RealFigure:
-    """A published figure of a real device, with ours. `reproduce realism` collects these figures
-    from all studies.
+    """A published figure of a real device, with ours.
+
+    `reproduce realism` collects these figures from all studies.
 
     Attributes:
         what: quantity with its unit
@@ -156,8 +157,9 @@ class Options:
 
 
 def plain(value: Any) -> Any:
-    """Converts `value` for JSON: numpy's scalars and arrays become Python's, tuples lists, NaN and
-    infinities None.
+    """Converts `value` for JSON.
+
+    Scalars and arrays of numpy become Python's, tuples lists, NaN and infinities None.
 
     Args:
         value: nested mappings, sequences, arrays and scalars

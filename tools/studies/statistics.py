@@ -36,8 +36,10 @@ def clopper_pearson(k: int, n: int, confidence: float = 0.95) -> tuple[float, fl
 
 
 def quantile(values: ArrayLike, p: float) -> float:
-    """The p-quantile, interpolated between the sorted values (numpy's default); NaN without
-    values."""
+    """The p-quantile, interpolated between the sorted values (numpy's default).
+
+    NaN without values.
+    """
     array = np.asarray(values, dtype=float)
     return float(np.quantile(array, p)) if array.size else math.nan
 
@@ -84,8 +86,10 @@ def _shares_below(values: NDArray[np.float64], others: NDArray[np.float64]) -> N
 
 
 def _unbiased(groups: int) -> float:
-    """n/(n - 1), which corrects the bias of a variance about its own mean; 0 for one group, which
-    adds nothing."""
+    """n/(n - 1), which corrects the bias of a variance about its own mean.
+
+    0 for one group, which adds nothing.
+    """
     return 0.0 if groups < 2 else groups / (groups - 1)
 
 
@@ -95,8 +99,9 @@ def auc(
     positive_group: ArrayLike | None = None,
     negative_group: ArrayLike | None = None,
 ) -> Auc:
-    """The area, exact by ranks, with DeLong's interval [delong1988], or Obuchowski's [obuchowski1997]
-    for values in groups.
+    """The area, exact by ranks, with DeLong's interval [delong1988].
+
+    For values in groups with Obuchowski's [obuchowski1997].
 
     At 0 and at 1, where DeLong's variance vanishes, the interval is that of clopper_pearson() for
     the groups of the class that has fewer.
@@ -147,8 +152,10 @@ def auc(
 
 
 def median_interval(values: ArrayLike) -> tuple[float, float]:
-    """Distribution-free 95 % interval of a median, between two order statistics; NaN for fewer than
-    six values."""
+    """Distribution-free 95 % interval of a median, between two order statistics.
+
+    NaN for fewer than six values.
+    """
     ordered = np.sort(np.asarray(values, dtype=float))
     r = 0
     while r < len(ordered) and clopper_pearson(r, len(ordered))[1] <= 0.5:

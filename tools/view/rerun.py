@@ -1,9 +1,12 @@
-"""Sends trials to Rerun: `python3 -c "<this file>" NAME [OUT.rrd]`, started by `slipbench view
---rerun` with the user's own Python.
+"""Sends trials to Rerun.
+
+`python3 -c "<this file>" NAME [OUT.rrd]`, started by `slipbench view --rerun` with the user's own
+Python.
 
 It needs rerun-sdk and no module of slipbench. Each line of stdin is the path of a trial's numpy
 archive (`slipbench export --format npz`). With OUT.rrd it writes to that file and opens no viewer.
-Without rerun-sdk it prints a message and exits with status 2."""
+Without rerun-sdk it prints a message and exits with status 2.
+"""
 
 import importlib
 import json
@@ -12,8 +15,10 @@ import sys
 
 
 def time_of(arrays, key):
-    """Returns the times of an array's rows: its own, or those of its group; None if its rows are
-    not samples in time."""
+    """Returns the times of an array's rows: its own, or those of its group.
+
+    None if its rows are not samples in time.
+    """
     for name in (f"{key}_t", f"{key.rsplit('/', 1)[0]}/t"):
         if name in arrays:
             return arrays[name]

@@ -33,8 +33,10 @@ def after_slip(micro, filled):
 
 
 def braked():
-    """Simulates a pad that is pressed, moves sideways at 4 mm/s from 0.6 s, is braked 0.7 s later
-    under constant load, and is lifted off."""
+    """Simulates a pad that is pressed, moves sideways, is braked and is lifted off.
+
+    It moves at 4 mm/s from 0.6 s and is braked 0.7 s later under constant load.
+    """
     return slipbench.Scene.from_dict(
         {
             "slipbench": 1,

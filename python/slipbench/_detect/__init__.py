@@ -67,8 +67,9 @@ def samples_path(path: str) -> str:
 
 
 def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
-    """Writes the alarms, one row each, and in a second file the samples, one row each. Both files
-    get their names once both are complete.
+    """Writes the alarms, one row each, and in a second file the samples, one row each.
+
+    Both files get their names once both are complete.
 
     Args:
         path: FILE.parquet

@@ -1,5 +1,7 @@
-"""`python -m slipbench._detect FILE`: started by the program. Exit status 2 for bad input, with
-its message."""
+"""`python -m slipbench._detect FILE`: started by the program.
+
+Exit status 2 for bad input, with its message.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,10 @@ def run(request: dict[str, Any]) -> int:
 
 
 def main(request: dict[str, Any]) -> int:
-    """Runs the request: the arguments of detect(), `json` and `install`; returns the exit
-    status."""
+    """Runs the request: the arguments of detect(), `json` and `install`.
+
+    Returns the exit status.
+    """
     return run_command(
         lambda: run(request),
         needs="detect -o FILE.parquet",

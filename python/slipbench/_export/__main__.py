@@ -1,5 +1,7 @@
-"""`python -m slipbench._export FILE`: started by the program; FILE holds the request. Exit status 2
-for bad input, with its message."""
+"""`python -m slipbench._export FILE`: started by the program; FILE holds the request.
+
+Exit status 2 for bad input, with its message.
+"""
 
 import sys
 from typing import Any

@@ -1,5 +1,7 @@
-"""The card of an export, README.md: content and origin of the files, with the front matter of
-Hugging Face's dataset cards."""
+"""The card of an export, README.md.
+
+Content and origin of the files, with the front matter of Hugging Face's dataset cards.
+"""
 
 from __future__ import annotations
 
@@ -42,8 +44,10 @@ PLACES = {"sensors": "sensor", "labels": "labels of", "truth": "body", "control"
 
 
 def _text(value: object) -> str:
-    """A text of the dataset for Markdown: without HTML, links and control characters. Words that a
-    renderer makes links of, escaped or not, are code."""
+    """A text of the dataset for Markdown: without HTML, links and control characters.
+
+    Words that a renderer makes links of, escaped or not, are code.
+    """
     plain = printable(re.sub(r"\s+", " ", str(value)))
     return " ".join(
         _code(word) if ADDRESS.search(word) else _escaped(word) for word in plain.split(" ")
@@ -93,8 +97,10 @@ def _meaning(series: Series) -> str:
 
 
 def without_folders(command: str) -> str:
-    """The command with absolute paths shortened to their last part, since their folders are on
-    another machine."""
+    """The command with absolute paths shortened to their last part.
+
+    Their folders are on another machine.
+    """
     command = re.sub(
         r"""'([\w.]+=)?/(?:[^']*/)?([^'/]+)/*'""", r"'\1\2'", command
     )  # quoted names contain blanks
@@ -102,8 +108,10 @@ def without_folders(command: str) -> str:
 
 
 def _first(data: Dataset, request: Request) -> dict[str, StoredTrial]:
-    """For each exported sensor, the first trial that has it. Imported trials may differ in their
-    sensors."""
+    """For each exported sensor, the first trial that has it.
+
+    Imported trials may differ in their sensors.
+    """
     found: dict[str, StoredTrial] = {}
     for number in request.trials:
         trial = data[number]
@@ -137,8 +145,10 @@ def _series(data: Dataset, request: Request) -> Iterator[Series]:
 
 
 def _with_all_codes(data: Dataset, request: Request, series: Series) -> Series:
-    """Labels with the codes of all trials. A recording has the code of unknown labels only if it has
-    such labels."""
+    """Labels with the codes of all trials.
+
+    A recording has the code of unknown labels only if it has such labels.
+    """
     if series.name != "state_recorded":
         return series
     codes = codes_of(series)
@@ -293,14 +303,18 @@ def card_text(data: Dataset, request: Request) -> str:
 
 def check_card(request: Request) -> None:
     """Raises InputError if a file of another kind has the name of the card or of croissant.json.
-    Call before writing the data."""
+
+    Call before writing the data.
+    """
     for name, beginning in zip(("README.md", "croissant.json"), CARDS, strict=True):
         check_replaceable(Path(request.out) / name, "a dataset card of slipbench", beginning)
 
 
 def write_card(data: Dataset, request: Request, output: Output) -> None:
-    """Writes README.md and croissant.json for the files of `output` and those of the program, after
-    all other files."""
+    """Writes README.md and croissant.json, after all other files.
+
+    They describe the files of `output` and those of the program.
+    """
     output.write("README.md", card_text(data, request))
     written = [
         (Path(os.path.relpath(file, request.out)).as_posix(), file) for file in request.files
@@ -316,8 +330,10 @@ def _first_line(path: str) -> str:
 
 
 def _column(request: Request, states: dict[str, str], name: str) -> croissant.Column:
-    """Describes a column of a table written by the program. `states`: meanings of the label
-    arrays."""
+    """Describes a column of a table written by the program.
+
+    `states`: meanings of the label arrays.
+    """
     for one in LAYOUTS[request.format].columns(request):
         if one.pattern and re.fullmatch(one.pattern, name):
             return croissant.Column(
@@ -396,8 +412,10 @@ def croissant_text(data: Dataset, request: Request, files: list[croissant.File])
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes the card for the files that the program has written; returns the names of all
-    files."""
+    """Writes the card for the files that the program has written.
+
+    Returns the names of all files.
+    """
     with Output(request.out, "a dataset card of slipbench", *CARDS) as output:
         write_card(data, request, output)
         progress.check()

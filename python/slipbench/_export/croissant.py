@@ -1,5 +1,7 @@
-"""croissant.json of an export: its files and columns in the vocabulary Croissant 1.0 of
-MLCommons."""
+"""croissant.json of an export.
+
+Its files and columns in the vocabulary Croissant 1.0 of MLCommons.
+"""
 
 from __future__ import annotations
 
@@ -71,9 +73,10 @@ File = tuple[str, str]  # name in the export, and path of the content
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table. `type`: type of its values, such as "sc:Float"; `repeated`: True for
-    several
-    values per row."""
+    """A column of a table.
+
+    `type`: type of its values, such as "sc:Float"; `repeated`: True for several values per row.
+    """
 
     name: str
     type: str
@@ -153,9 +156,10 @@ def parquet_columns(path: str) -> list[Column]:
 
 
 def _field_of(table: Table, number: int, column: Column, source: dict[str, Any]) -> dict[str, Any]:
-    """`number`: number of the column; replaces its name in the identifier if the name has other
-    characters
-    than identifiers allow."""
+    """`number`: number of the column.
+
+    Replaces its name in the identifier if the name has other characters than identifiers allow.
+    """
     name = column.name if re.fullmatch(r"[\w.-]+", column.name) else f"column-{number}"
     about: dict[str, Any] = {
         "@type": "cr:Field",

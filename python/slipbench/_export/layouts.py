@@ -1,5 +1,7 @@
-"""Layout of the trials in each format: its files, and the columns of formats whose values differ
-from the dataset's arrays."""
+"""Layout of the trials in each format.
+
+Its files, and the columns of formats whose values differ from the dataset's arrays.
+"""
 
 from __future__ import annotations
 

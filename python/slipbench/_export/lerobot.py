@@ -110,8 +110,9 @@ class Feature:
 
 @dataclass(frozen=True)
 class Stats:
-    """Statistics of a feature in one episode or in all, each [values of a frame]. NaN is ignored; a
-    value without any number has zeros.
+    """Statistics of a feature in one episode or in all, each [values of a frame].
+
+    NaN is ignored; a value without any number has zeros.
 
     Attributes:
         frames: number of frames
@@ -150,8 +151,10 @@ class Stats:
 
     @staticmethod
     def together(some: list[Stats]) -> Stats:
-        """Statistics of all episodes, as lerobot computes them: quantiles are means of the
-        episodes' quantiles."""
+        """Statistics of all episodes, as lerobot computes them.
+
+        Quantiles are means of the episodes' quantiles.
+        """
         weights = np.stack([one.numbers for one in some])
         total = weights.sum(axis=0)
         shares = weights / np.maximum(total, 1)
@@ -198,8 +201,7 @@ def _joined(name: str, some: list[Series], prefix: bool) -> Feature:
 
 
 def _has_points(trial: StoredTrial, sensor: str) -> bool:
-    """True if the sensor measures the force of each unit and the positions of its units are
-    known."""
+    """True if the sensor has the force of each unit and the positions of its units are known."""
     group, labels = trial.sensors[sensor], trial.labels.get(sensor)
     return (
         labels is not None
@@ -210,8 +212,10 @@ def _has_points(trial: StoredTrial, sensor: str) -> bool:
 
 
 def _points(trial: StoredTrial, sensor: str, series: list[Series]) -> Feature:
-    """Position and force of each unit as the sensor measures them, in the pad frame. Units of a
-    sensor without displacements stay at rest."""
+    """Position and force of each unit as the sensor measures them, in the pad frame.
+
+    Units of a sensor without displacements stay at rest.
+    """
     check_units(
         f"--points: sensor {sensor}",
         trial.sensors[sensor].units,
@@ -239,8 +243,10 @@ def _points(trial: StoredTrial, sensor: str, series: list[Series]) -> Feature:
 
 
 def _check_points(trial: StoredTrial, request: Request, progress: Progress) -> list[str]:
-    """The sensors with a feature of points; a note names the others. Raises InputError if there are
-    none."""
+    """The sensors with a feature of points; a note names the others.
+
+    Raises InputError if there are none.
+    """
     found = [sensor for sensor in request.sensors if _has_points(trial, sensor)]
     without = "the forces or the positions of the units are not recorded"
     if not found:
@@ -563,8 +569,10 @@ def _fits(sensor: Arrays, rate: float) -> bool:
 
 
 def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
-    """The sensors of each dataset by its rate: a whole number, for a recorded sensor the nearest to
-    its rate."""
+    """The sensors of each dataset by its rate.
+
+    A whole number, for a recorded sensor the nearest to its rate.
+    """
     rates: dict[float, list[str]] = {}
     for name in request.sensors:
         rate = (
@@ -605,8 +613,10 @@ def _instants(
     rate: float,
     request: Request,
 ) -> NDArray[np.float64]:
-    """Instants from the first at which every series has a value: the sensors' own, or at the
-    requested rate if it differs."""
+    """Instants from the first at which every series has a value.
+
+    The sensors' own, or at the requested rate if it differs.
+    """
     recorded = [trial.sensors[name] for name in sensors if _recorded(trial.sensors[name])]
     same = len(recorded) == len(sensors) and all(_fits(one, rate) for one in recorded)
     if request.rate is not None and not same:
@@ -636,8 +646,10 @@ def _other_rate(trial: StoredTrial, sensors: list[str], rate: float) -> list[str
 
 
 def _longest_episode(frames: int, fps: int) -> int:
-    """Maximum number of frames of an episode: `timestamp` is float32, whose spacing grows with time
-    until a step violates STEP_TOLERANCE."""
+    """Maximum number of frames of an episode.
+
+    `timestamp` is float32, whose spacing grows with time until a step violates STEP_TOLERANCE.
+    """
     steps = np.diff((np.arange(frames) / fps).astype(np.float32))
     off = np.maximum(
         np.abs(steps - np.float32(1 / fps)).astype(np.float64),

@@ -1,5 +1,7 @@
-"""MCAP: one file per trial, with topics for each sensor, its labels, the bodies and the loop, for
-Foxglove, Lichtblick, PlotJuggler and Rerun."""
+"""MCAP: one file per trial, for Foxglove, Lichtblick, PlotJuggler and Rerun.
+
+It has topics for each sensor, its labels, the bodies and the loop.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +97,7 @@ def _doubles(values: NDArray[Any]) -> Rows:
 
 
 def _stamp(times: NDArray[np.uint64]) -> Rows:
-    """google.protobuf.Timestamp"""
+    """The messages google.protobuf.Timestamp of these times [ns]."""
     second, part = np.divmod(times, np.uint64(10**9))
     return np.concatenate(
         [
@@ -127,8 +129,10 @@ def _camel(words: str) -> str:
 
 
 def _own_schema(name: str, series: list[Series]) -> bytes:
-    """Schema of the type slipbench.`name` with these series as fields, numbered from 1; a series
-    with one value per row is not a list."""
+    """Schema of the type slipbench.`name` with these series as fields, numbered from 1.
+
+    A series with one value per row is not a list.
+    """
     files = FileDescriptorSet()
     file = files.file.add(name=f"slipbench/{name}.proto", package="slipbench", syntax="proto3")
     message = file.message_type.add(name=name)
@@ -180,8 +184,10 @@ def _text(value: Any) -> str:
 
 
 def _about(series: list[Series], attrs: dict[str, Any]) -> dict[str, str]:
-    """Metadata of a channel: attributes of the dataset's group, and unit and value names of each
-    array."""
+    """Metadata of a channel.
+
+    Attributes of the dataset's group, and unit and value names of each array.
+    """
     attributes = {
         key: value if isinstance(value, str) else _text(value)
         for key, value in attrs.items()
@@ -256,8 +262,10 @@ def _picture(
 def _sensor_topics(
     trial: StoredTrial, sensor: str, channels: list[Series], rate: float | None
 ) -> Iterator[Topic]:
-    """One topic for all channels with common times; channels with their own times, and images, have
-    separate topics."""
+    """One topic for all channels with common times.
+
+    Channels with their own times, and images, have separate topics.
+    """
     group, together = trial.sensors[sensor], []
     kind, attrs = (
         str(group.attrs["type"]),
@@ -278,8 +286,10 @@ def _sensor_topics(
 def _list_schema(
     of: str, plural: str, fields: dict[str, tuple[int, int]], codes: str = ""
 ) -> bytes:
-    """Schema of the type slipbench.`plural`, a list of slipbench.`of` with these fields, each a
-    label and a type; `codes`: words of an enum."""
+    """Schema of the type slipbench.`plural`, a list of slipbench.`of` with these fields.
+
+    Each field is a label and a type. `codes`: words of an enum.
+    """
     files = FileDescriptorSet()
     file = files.file.add(name=f"slipbench/{plural}.proto", package="slipbench", syntax="proto3")
     each, message = file.message_type.add(name=of), file.message_type.add(name=plural)
@@ -433,8 +443,10 @@ def _topics(number: int, trial: StoredTrial, request: Request) -> Iterator[Topic
 
 
 def _layout(topics: list[Topic]) -> str:
-    """Layout for Foxglove and Lichtblick: the scene, a plot of the first values of each sensor, the
-    states of pads and loop over time."""
+    """Layout for Foxglove and Lichtblick.
+
+    The scene, a plot of the first values of each sensor, the states of pads and loop over time.
+    """
     panels: dict[str, dict[str, Any]] = {
         "3D!scene": {
             "followTf": "world",

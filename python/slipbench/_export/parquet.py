@@ -23,8 +23,11 @@ About = dict[str, dict[str, str]]  # metadata of columns: unit, and codes as JSO
 
 
 def encodings(schema: pa.Schema) -> dict[str, Any]:
-    """Options of the writer: byte-stream split for floating-point columns, whose size zstd then
-    halves; dictionaries for the others."""
+    """Options of the writer.
+
+    Byte-stream split for floating-point columns, whose size zstd then halves; dictionaries for the
+    others.
+    """
     fractions = [_leaf(field) for field in schema if _holds_fractions(field.type)]
     others = [_leaf(field) for field in schema if not _holds_fractions(field.type)]
     return {
@@ -50,8 +53,10 @@ def _leaf(field: pa.Field) -> str:
 
 
 def abandon(writer: pq.ParquetWriter, file: BinaryIO) -> None:
-    """Closes an unfinished file, which will be removed. pyarrow's destructor must not try to
-    complete it: the file is closed, or the disk full."""
+    """Closes an unfinished file, which will be removed.
+
+    pyarrow's destructor must not try to complete it: the file is closed, or the disk full.
+    """
     writer.is_open = False
     with contextlib.suppress(OSError):  # a full disk: the buffer cannot be written
         file.close()
@@ -148,8 +153,10 @@ def _tables(
 
 
 def _origin(data: Dataset, request: Request) -> dict[str, str]:
-    """Metadata of every file. `trials_sha256`: SHA-256 of the trials' digests in the order of
-    trials.parquet, one per line."""
+    """Metadata of every file.
+
+    `trials_sha256`: SHA-256 of the trials' digests in the order of trials.parquet, one per line.
+    """
     digests = "".join(f"{data[number].sha256}\n" for number in request.trials)
     return {
         "slipbench": data.version,
@@ -203,8 +210,10 @@ def _trials_table(data: Dataset, request: Request, origin: dict[str, str]) -> pa
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop;
-    returns their names."""
+    """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop.
+
+    Returns their names.
+    """
     check_card(request)
     with Output(request.out, "a Parquet file", b"PAR1", *CARDS) as output:
         origin = _origin(data, request)

@@ -73,8 +73,10 @@ def make_folder(folder: Path) -> bool:
 
 
 def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
-    """Raises InputError if `path` exists and does not begin with one of `beginnings`. Empty files
-    may be replaced. `allowed`: allowed kind of file."""
+    """Raises InputError if `path` exists and does not begin with one of `beginnings`.
+
+    Empty files may be replaced. `allowed`: allowed kind of file.
+    """
     if not path.is_symlink() and not path.exists():
         return
     if path.is_symlink() or not path.is_file():
@@ -86,8 +88,9 @@ def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
 
 
 class Progress:
-    """Progress and notes of an export. After the first trial it raises InputError if the disk lacks
-    space.
+    """Progress and notes of an export.
+
+    After the first trial it raises InputError if the disk lacks space.
 
     Args:
         request: the export
@@ -109,13 +112,17 @@ class Progress:
         self._notes = 0
 
     def check(self) -> None:
-        """Raises KeyboardInterrupt after a signal. Call before the files get their names; afterwards
-        they are kept."""
+        """Raises KeyboardInterrupt after a signal.
+
+        Call before the files get their names; afterwards they are kept.
+        """
         self._interrupt.check()
 
     def update(self, done: int, written: int) -> None:
-        """Reports that `done` trials are `written` bytes. Raises KeyboardInterrupt after a
-        signal."""
+        """Reports that `done` trials are `written` bytes.
+
+        Raises KeyboardInterrupt after a signal.
+        """
         self.check()
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
@@ -146,9 +153,11 @@ class Progress:
 
 @contextlib.contextmanager
 def locked_folder(folder: Path) -> Iterator[None]:
-    """Locks a folder against other exports, by the empty file export.partial in it. Raises
-    InputError if another export is writing into the folder, or if a file of this name has content,
-    so that it is not such a lock."""
+    """Locks a folder against other exports, by the empty file export.partial in it.
+
+    Raises InputError if another export is writing into the folder, or if a file of this name has
+    content, so that it is not such a lock.
+    """
     path = folder / "export.partial"
     if path.is_file() and not path.is_symlink() and path.stat().st_size:
         raise InputError(
@@ -168,8 +177,9 @@ def locked_folder(folder: Path) -> Iterator[None]:
 
 
 class Output:
-    """The files of an export. They get their names together once all are complete; on an error all
-    are removed.
+    """The files of an export.
+
+    They get their names together once all are complete; on an error all are removed.
 
     Only files that begin with one of `beginnings` are replaced. Another export into the same folder
     is refused in the meantime.

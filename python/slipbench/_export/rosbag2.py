@@ -1,5 +1,7 @@
-"""ROS 2 bags, written by the package rosbags: one folder per trial, with an MCAP file and
-metadata.yaml, for `ros2 bag play`."""
+"""ROS 2 bags, written by the package rosbags.
+
+One folder per trial, with an MCAP file and metadata.yaml, for `ros2 bag play`.
+"""
 
 from __future__ import annotations
 
@@ -70,8 +72,10 @@ ALLOWED = "use --format parquet, which accepts any name"
 
 
 def ros_name(name: str) -> str:
-    """`name` with characters that ROS 2 does not allow replaced by "_". Allowed: a lower-case
-    letter, then lower-case letters, digits and single "_"."""
+    """`name` with characters that ROS 2 does not allow replaced by "_".
+
+    Allowed: a lower-case letter, then lower-case letters, digits and single "_".
+    """
     plain = re.sub("_+", "_", re.sub("[^a-z0-9_]", "_", name.lower())).strip("_")
     if not plain:
         raise InputError(f"{name!r} has no letter or digit for a ROS 2 name; {ALLOWED}")
@@ -101,8 +105,10 @@ class Types:
         self._definitions[name] = text
 
     def name(self, wanted: str, text: str) -> str:
-        """Full name of the type of slipbench_msgs with this definition: `wanted`, with a number if
-        another type has that name."""
+        """Full name of the type of slipbench_msgs with this definition.
+
+        `wanted`, with a number if another type has that name.
+        """
         name, number = wanted, 1
         while self.texts.get(name, text) != text:
             number += 1
@@ -133,8 +139,10 @@ class Types:
         )
 
     def encoded(self, topic: Topic, connection: Any) -> Iterator[tuple[int, int, Any, Any]]:
-        """Time in ns, the connection's number, the connection and the encoded message, for each
-        message of a topic."""
+        """Time in ns, number, connection and encoded message, for each message of a topic.
+
+        The number is that of the connection.
+        """
         for time, message in zip(topic.times, topic.messages, strict=True):
             yield time, connection.id, connection, self._store.serialize_cdr(message, topic.type)
 
@@ -163,8 +171,10 @@ def _unit(unit: str) -> str:
 
 
 def _fields(series: list[Series]) -> str:
-    """Definition of messages with a header and these series as fields, with their units and
-    codes."""
+    """Definition of messages with a header and these series as fields.
+
+    With their units and codes.
+    """
     names = [ros_name(one.name) for one in series]
     for name in names:
         if names.count(name) > 1 or name == "header":
@@ -230,8 +240,10 @@ def _slipping(labels: dict[str, Series], rule: str | None) -> NDArray[np.bool_]:
 def _slip_states(
     labels: dict[str, Series], rule: str | None, count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Returns the driver's code of each pillar [T, 9], from the truth, and [T] True if the centre
-    pillar is loaded."""
+    """Returns the driver's code of each pillar [T, 9], and the loads of the centre pillar [T].
+
+    The codes follow from the truth. A load is True if the centre pillar is loaded.
+    """
     if "unit_state" not in labels:
         return np.full((count, PILLARS), UNKNOWN), np.zeros(count, bool)
     touching = labels["unit_state"].values != UNIT_DETACHED
@@ -249,8 +261,10 @@ def _slip_states(
 def _torque(
     force: NDArray[np.float64], displacement: NDArray[np.float64], labels: Arrays | None
 ) -> NDArray[np.float64]:
-    """[T, 3] N mm about the displaced tip of the centre pillar; NaN if the positions of the pillars
-    are unknown."""
+    """[T, 3] N mm about the displaced tip of the centre pillar.
+
+    NaN if the positions of the pillars are unknown.
+    """
     if labels is None or "unit_positions" not in labels.attrs:
         return np.full((len(force), 3), np.nan)
     tips = (
@@ -334,8 +348,10 @@ def _sensor_state(
 def _sensor_topics(
     sensor: str, kind: str, channels: list[Series], own_times: set[str], types: Types
 ) -> Iterator[Topic]:
-    """One topic for all channels with common times; channels with their own times have separate
-    topics."""
+    """One topic for all channels with common times.
+
+    Channels with their own times have separate topics.
+    """
     topic, together = f"/sensors/{ros_name(sensor)}", []
     for one in channels:
         if one.name in own_times:
@@ -530,8 +546,10 @@ def _about_trial(number: int, trial: StoredTrial, part: str, data: Dataset) -> d
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes a bag for each trial, the package of their messages and a card; returns the file
-    names."""
+    """Writes a bag for each trial, the package of their messages and a card.
+
+    Returns the file names.
+    """
     parts, types = split_of(data), Types()
     check_card(request)
     with (

@@ -53,8 +53,10 @@ class Series:
     values: NDArray[np.float32] | NDArray[np.uint8]
 
     def at(self, instants: NDArray[np.float64]) -> Series:
-        """The latest row at or before each of the `instants` [s], without a filter. Each must have
-        one."""
+        """The latest row at or before each of the `instants` [s], without a filter.
+
+        Each must have one.
+        """
         rows = np.searchsorted(self.t, instants + TIME_ROUNDING, side="right") - 1
         return replace(self, t=instants, values=self.values[rows])
 
@@ -64,7 +66,7 @@ class Series:
 
 
 def _label_columns(name: str, shape: tuple[int, ...]) -> tuple[str, ...]:
-    """ "unit_state_0", "force_8_z", "state"."""
+    """Names such as "unit_state_0", "force_8_z" and "state"."""
     if not shape:
         return (name,)
     last = LAST_AXES.get(name, "")
@@ -137,8 +139,10 @@ def sensor_series(trial: StoredTrial, sensor: str) -> Iterator[Series]:
 
 
 def label_series(trial: StoredTrial, sensor: str, rule: str | None) -> Iterator[Series]:
-    """The truth about a sensor's pad; with a `rule`, the pad's state by this rule only. An imported
-    recording may have none."""
+    """The truth about a sensor's pad; with a `rule`, the pad's state by this rule only.
+
+    An imported recording may have none.
+    """
     group = trial.labels.get(sensor)
     if group is None:
         return
@@ -175,8 +179,11 @@ def control_series(trial: StoredTrial) -> Iterator[Series]:
 def grid(
     number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float
 ) -> NDArray[np.float64]:
-    """Instants 1/`rate` apart [s], from the first at which all `series` have a value until the
-    first of the sensors, bodies or loop ends."""
+    """Instants 1/`rate` apart [s].
+
+    They begin when all `series` have a value, and end with the first of the sensors, bodies or
+    loop.
+    """
     fastest = max(sensors, key=lambda sensor: float(trial.sensors[sensor].attrs["rate_hz"]))
     most = float(trial.sensors[fastest].attrs["rate_hz"])
     if rate > most * (1 + TIME_ROUNDING):
@@ -198,8 +205,10 @@ def grid(
 def sensor_at(
     number: int, trial: StoredTrial, sensor: str, rule: str | None, rate: float | None
 ) -> tuple[list[Series], list[Series]]:
-    """A sensor's channels and labels: at its own times, or with a `rate` the latest values at the
-    instants of its grid()."""
+    """A sensor's channels and labels.
+
+    At its own times, or with a `rate` the latest values at the instants of its grid().
+    """
     channels, labels = list(sensor_series(trial, sensor)), list(label_series(trial, sensor, rule))
     if rate is None:
         return channels, labels

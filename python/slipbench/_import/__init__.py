@@ -10,8 +10,10 @@ MAPS = Path(__file__).parent / "maps"
 
 
 def map_path(name: str) -> str:
-    """Path of a map: a file, or a map of the program by its name. Raises InputError if neither
-    exists."""
+    """Path of a map: a file, or a map of the program by its name.
+
+    Raises InputError if neither exists.
+    """
     if Path(name).is_file():
         return name
     own = MAPS / f"{name}.yaml"

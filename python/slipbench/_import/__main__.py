@@ -1,5 +1,7 @@
-"""`python -m slipbench._import FILE`: started by the program; FILE holds the request. Exit status 2
-for bad input, with its message."""
+"""`python -m slipbench._import FILE`: started by the program; FILE holds the request.
+
+Exit status 2 for bad input, with its message.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +29,10 @@ def run(request: dict[str, Any]) -> int:
 
 
 def main(request: dict[str, Any]) -> int:
-    """Runs the request: the arguments of import_recordings(), `json` and `install`; returns the
-    exit status."""
+    """Runs the request: the arguments of import_recordings(), `json` and `install`.
+
+    Returns the exit status.
+    """
     return run_command(
         lambda: run(request),
         needs="import --map",

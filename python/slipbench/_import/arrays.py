@@ -75,8 +75,10 @@ class Columns(Source):
 
 
 def read_npy(path: str) -> Columns:
-    """Reads an array [T, N], whose columns are named 1 to N, or a structured array [T], by the
-    names of its fields."""
+    """Reads an array [T, N] or a structured array [T].
+
+    The columns are named 1 to N, or by the names of the fields.
+    """
     try:
         array = np.load(path, allow_pickle=False, mmap_mode="r")
     except Exception as error:  # noqa: BLE001  a damaged header raises what Python's parser and tokenizer raise
@@ -91,8 +93,11 @@ def read_npy(path: str) -> Columns:
 
 
 def read_npz(path: str) -> Columns:
-    """Reads arrays by their names. Arrays with another number of rows than most, such as constants,
-    are left out: naming one is an error."""
+    """Reads arrays by their names.
+
+    Arrays with another number of rows than most, such as constants, are left out: naming one is an
+    error.
+    """
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             size = sum(member.file_size for member in file.zip.infolist())
@@ -122,9 +127,11 @@ def read_npz(path: str) -> Columns:
 
 
 class ParquetTable(Columns):
-    """The columns of a Parquet file, of which load() reads the ones that the map names. Lists of
-    equal length are arrays. Texts are read as dictionaries: a text that many rows have is in memory
-    once. Raises InputError if the file is not a Parquet table."""
+    """The columns of a Parquet file, of which load() reads the ones that the map names.
+
+    Lists of equal length are arrays. Texts are read as dictionaries: a text that many rows have is
+    in memory once. Raises InputError if the file is not a Parquet table.
+    """
 
     def __init__(self, path: str) -> None:
         super().__init__(path, {})
@@ -186,8 +193,10 @@ class ParquetTable(Columns):
         }
 
     def _check_size(self, file: Any, titles: list[str]) -> None:
-        """Raises InputError if the columns are too large according to the footer: a small file may
-        have many rows of one value, or a long list in each row."""
+        """Raises InputError if the columns are too large according to the footer.
+
+        A small file may have many rows of one value, or a long list in each row.
+        """
         head = file.metadata
         leaves = [
             k

@@ -20,8 +20,10 @@ BLOCK = 1_000_000  # values kept as Python objects
 
 
 def flatten(message: Any, title: str, into: dict[str, Any]) -> None:
-    """Adds the numbers and texts of a message by their titles: "header.stamp" [s], "pillars[3].fX",
-    "data[7]"."""
+    """Adds the numbers and texts of a message by their titles.
+
+    Titles are such as "header.stamp" [s], "pillars[3].fX" and "data[7]".
+    """
     fields = getattr(message, "__dataclass_fields__", None)
     if fields is not None:
         names = [name for name in fields if not name.startswith("__")]
@@ -158,8 +160,10 @@ LARGEST_SUMMARY = 100_000_000  # bytes
 
 
 def check_encoding(path: str) -> None:
-    """Raises InputError for an MCAP file whose messages are not those of ROS 2, such as protobuf,
-    as the summary at its end lists them."""
+    """Raises InputError for an MCAP file whose messages are not those of ROS 2.
+
+    Other messages, such as protobuf, are listed in the summary at the file's end.
+    """
     if not Path(path).is_file():
         return
     with open(path, "rb") as file:
@@ -283,8 +287,10 @@ class Bag:
             ) from error
 
     def read(self, name: str) -> Topic:
-        """All messages of a topic. Raises InputError if one is unreadable, their lengths differ, or
-        they need too much memory."""
+        """All messages of a topic.
+
+        Raises InputError if one is unreadable, their lengths differ, or they need too much memory.
+        """
         with memory_limit(self.path, MEMORY_OF_BAG):
             return self._read(name)
 

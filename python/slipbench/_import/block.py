@@ -50,13 +50,15 @@ def quoted(text: str) -> str:
 
 
 def character_text(character: str) -> str:
-    """ "U+00A0 (no-break space)"."""
+    """Code and name of a character: "U+00A0 (no-break space)"."""
     return f"U+{ord(character):04X} ({unicodedata.name(character, 'without a name').lower()})"
 
 
 def folded(text: str) -> str:
-    """The text with characters replaced that look like others: spaces of any kind, minus signs and
-    dashes, full-width forms; and without invisible characters."""
+    """The text with characters replaced that look like others.
+
+    Spaces of any kind, minus signs and dashes, full-width forms; and without invisible characters.
+    """
     plain = "".join(
         " "
         if unicodedata.category(one) == "Zs"
@@ -77,8 +79,11 @@ def unlike_ascii(text: str) -> list[str]:
 
 
 def nearest(name: str, known: list[str]) -> str:
-    """ "; did you mean 'b'? found: a, b, c", for an error about an unknown name. Lists at most ten
-    names, and names the character that distinguishes `name` from a known name that looks alike."""
+    """The end of an error about an unknown name: "; did you mean 'b'? found: a, b, c".
+
+    Lists at most ten names, and names the character that distinguishes `name` from a known name
+    that looks alike.
+    """
     short = (
         [one for one in known if len(one) <= 3 * LONGEST] if len(name) <= 3 * LONGEST else []
     )  # comparing is quadratic
@@ -291,8 +296,10 @@ class Block:
         self._nodes.get(key, self.node).fail(message)
 
     def only_one(self, keys: tuple[str, ...]) -> str:
-        """The one of several keys that the block has. Raises InputError unless it has exactly
-        one."""
+        """The one of several keys that the block has.
+
+        Raises InputError unless it has exactly one.
+        """
         found = [key for key in keys if key in self]
         if len(found) != 1:
             self.fail(

@@ -1,5 +1,7 @@
-"""`python -m slipbench._import.draft FILE`: a map for a table of text, from the titles of its
-columns; started by `slipbench import --draft`."""
+"""`python -m slipbench._import.draft FILE`.
+
+A map for a table of text, from the titles of its columns; started by `slipbench import --draft`.
+"""
 
 from __future__ import annotations
 
@@ -141,8 +143,11 @@ def groups_of(titles: list[str]) -> list[Group]:
 
 
 def assigned(type: str, groups: list[Group]) -> list[tuple[Wanted, Group]]:
-    """The channels of a sensor of this type that the columns contain. A channel whose words no group
-    has gets the largest group that is left, if it is the first channel of the type."""
+    """The channels of a sensor of this type that the columns contain.
+
+    A channel whose words no group has gets the largest group that is left, if it is the first
+    channel of the type.
+    """
     left, found = list(groups), []
     for number, wanted in enumerate(WANTED[type]):
         fitting = [group for group in left if group.axes == wanted.axes]
@@ -259,8 +264,10 @@ def drafted(table: TextTable, type: str) -> str:
 
 
 def run(sources: list[str], type: str, output: str) -> int:
-    """Drafts the map of the first table and writes it to `output`; empty: prints it. Returns the
-    exit status."""
+    """Drafts the map of the first table and writes it to `output`; empty: prints it.
+
+    Returns the exit status.
+    """
     if type not in WANTED:
         raise InputError(
             f"import: --draft {type}: drafts maps for sensors of known types{nearest(type, sorted(WANTED))}"

@@ -1,5 +1,7 @@
-"""Labels and objects of recordings: from a column, a value, a folder, a file name, or a table of
-files."""
+"""Labels and objects of recordings.
+
+From a column, a value, a folder, a file name, or a table of files.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,10 @@ LONGEST_SEARCH = 1.0  # s
 
 
 def search(pattern: re.Pattern[str], text: str) -> re.Match[str] | None:
-    """Searches for a pattern of a map, which may be made to take for ever. Raises TimeoutError
-    after LONGEST_SEARCH."""
+    """Searches for a pattern of a map, which may be made to take for ever.
+
+    Raises TimeoutError after LONGEST_SEARCH.
+    """
 
     def stop(*_: object) -> None:
         raise TimeoutError

@@ -1,5 +1,7 @@
-"""Limits of files from others: which files they may name, and what they may occupy once they are
-unpacked."""
+"""Limits of files from others.
+
+Which files they may name, and what they may occupy once they are unpacked.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,10 @@ UNPACKED, UNPACKED_TIMES = (
 
 
 def check_inside(path: Path, folders: Iterable[Path]) -> None:
-    """Raises InputError for a file that is named in a file from others and is outside of all
-    `folders` and of the current folder, also by a link."""
+    """Raises InputError for a file outside of all `folders` and of the current folder.
+
+    It is named in a file from others, and may be outside by a link.
+    """
     if not any(
         path.resolve().is_relative_to(folder.resolve()) for folder in (*folders, Path.cwd())
     ):
@@ -41,8 +45,10 @@ def machine_bytes() -> int:
 
 
 def source_limit() -> int:
-    """Bytes that one source may take in memory: MOST_MEMORY, or half of the machine's memory if
-    that is less."""
+    """Bytes that one source may take in memory.
+
+    MOST_MEMORY, or half of the machine's memory if that is less.
+    """
     return min(MOST_MEMORY, int(SHARE_OF_MEMORY * machine_bytes()))
 
 
@@ -66,8 +72,10 @@ def _lowered(kind: int, limit: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def memory_limit(path: str, most: int) -> Iterator[None]:
-    """Limits the memory of the process to `most` bytes beyond those in use. Raises InputError
-    naming `path` if the block needs more."""
+    """Limits the memory of the process to `most` bytes beyond those in use.
+
+    Raises InputError naming `path` if the block needs more.
+    """
     try:
         with _lowered(resource.RLIMIT_DATA, data_bytes() + most):
             yield
@@ -80,7 +88,9 @@ def memory_limit(path: str, most: int) -> Iterator[None]:
 @contextlib.contextmanager
 def unpacked_limit(path: str) -> Iterator[None]:
     """Limits the size of a file that the block writes, which is unpacked from the bag `path`.
-    Raises InputError if the limit is exceeded."""
+
+    Raises InputError if the limit is exceeded.
+    """
     files = (
         [one for one in Path(path).rglob("*") if one.is_file()]
         if Path(path).is_dir()

@@ -313,9 +313,11 @@ def _channel_values(
 
 
 def _unit_of(key: str, channel: Block) -> tuple[str, list[float]]:
-    """The SI unit of a channel's values, and the factors from its cells: one, or one for each
-    component. A scale without a unit converts to `unit`. With a unit it states what one `unit` of
-    a cell is, such as 0.01 N for a count."""
+    """The SI unit of a channel's values, and the factors from its cells.
+
+    One, or one for each component. A scale without a unit converts to `unit`. With a unit it states
+    what one `unit` of a cell is, such as 0.01 N for a count.
+    """
     unit, factor = _core.si_unit_of(channel.need("unit"))
     scales: list[tuple[float, str]] = channel.get("scale", [(1.0, "")])
     if not any(written for _, written in scales):
@@ -366,8 +368,9 @@ def _without_baseline(
     kept: np.ndarray,
     states: np.ndarray | None,
 ) -> np.ndarray:
-    """Subtracts the level at rest, if the channel has the key `baseline`: the mean of each value
-    over the first seconds of the recording.
+    """Subtracts the level at rest, if the channel has the key `baseline`.
+
+    The mean of each value over the first seconds of the recording.
 
     Args:
         source: the table
@@ -421,8 +424,10 @@ def _without_baseline(
 
 
 def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | None]:
-    """Times of all rows [s], NaN if missing; their resolution [s]; the rate [Hz] if the map states
-    it."""
+    """Times of all rows [s], their resolution [s] and their rate [Hz].
+
+    Missing times are NaN; the rate is given if the map states it.
+    """
     if sensor.time is None:
         clock = source.clock()
         if clock is None:
@@ -459,8 +464,10 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
 
 
 def _time_unit(source: Source, sensor: Sensor) -> float:
-    """Unit of a numeric time column [s]; 0 for dates, clocks of bags and rates, whose unit is
-    known."""
+    """Unit of a numeric time column [s].
+
+    0 for dates, clocks of bags and rates, whose unit is known.
+    """
     if (
         sensor.time is None
         or "column" not in sensor.time
@@ -510,8 +517,11 @@ def _runs(rows: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str) -> str:
-    """ "3 of 100 samples have missing values and are left out: 3 from FILE:12 on, 0.04 s from 1.2 s
-    to 1.24 s"."""
+    """The text of a warning about samples that were left out or are NaN.
+
+    "3 of 100 samples have missing values and are left out: 3 from FILE:12 on, 0.04 s from 1.2 s to
+    1.24 s".
+    """
     runs = _runs(rows)
     texts = []
     for first, last in runs[:MOST_RUNS]:

@@ -1,5 +1,7 @@
-"""`python -m slipbench._import.schema REQUEST`: the JSON Schema of import maps; started by
-`slipbench schema map`."""
+"""`python -m slipbench._import.schema REQUEST`: the JSON Schema of import maps.
+
+Started by `slipbench schema map`.
+"""
 
 from __future__ import annotations
 

@@ -52,12 +52,16 @@ class Source:
         raise NotImplementedError
 
     def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
-        """Reads the columns `titles`, the subset `texts` as texts, if they were not read with the
-        header."""
+        """Reads the columns `titles`, if they were not read with the header.
+
+        Those of the subset `texts` are read as texts.
+        """
 
     def values(self, title: str) -> np.ndarray:
-        """A column as float64 [T, ...]; a missing value is NaN. Raises InputError for a cell that
-        is not a number."""
+        """A column as float64 [T, ...]; a missing value is NaN.
+
+        Raises InputError for a cell that is not a number.
+        """
         raise NotImplementedError
 
     def texts(self, title: str) -> list[str]:
@@ -89,8 +93,10 @@ class Source:
         return ""
 
     def layout_hint(self) -> str:
-        """Returns the end of an error that names the file's content outside of cells; empty:
-        unknown."""
+        """Returns the end of an error that names the file's content outside of cells.
+
+        Empty: unknown.
+        """
         return ""
 
     def _folder_hint(self) -> str:

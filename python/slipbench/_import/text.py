@@ -1,5 +1,7 @@
-"""Reader of text tables: detects separator and decimal mark, pandas parses, errors name file and
-line."""
+"""Reader of text tables.
+
+Detects separator and decimal mark, pandas parses, errors name file and line.
+"""
 
 from __future__ import annotations
 
@@ -117,8 +119,10 @@ def filled(cells: list[str]) -> int:
 
 
 def find_separator(lines: list[str]) -> str:
-    """The separator for which most lines have as many cells as the first; empty: a single
-    column."""
+    """The separator for which most lines have as many cells as the first.
+
+    Empty: a single column.
+    """
     best, most = "", 0
     for separator in SEPARATORS:
         counts = [filled(cells_of(line, separator)) for line in lines]
@@ -208,8 +212,9 @@ class TextTable(Source):
         thousands: str,
         header: bool,
     ) -> None:
-        """Sets the separator of cells, the decimal mark and the thousands separator. Raises
-        InputError if they contradict each other or cannot be distinguished in `rows`.
+        """Sets the separator of cells, the decimal mark and the thousands separator.
+
+        Raises InputError if they contradict each other or cannot be distinguished in `rows`.
         """
         sample = [line for _, line in rows]
         self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(
@@ -253,8 +258,9 @@ class TextTable(Source):
     def _with_empty_rows(
         self, rows: list[tuple[int, str]], all_lines: list[tuple[int, str]], skipped: set[int]
     ) -> list[tuple[int, str]]:
-        """The rows, with the lines between them that have separators alone: a sample without
-        values, which counts if times follow from a rate.
+        """The rows, with the lines between them that have separators alone.
+
+        A sample without values, which counts if times follow from a rate.
         """
         if self._separator not in ("\t", "") or not rows:
             return rows
@@ -275,8 +281,7 @@ class TextTable(Source):
         self._labview = ends[:2][-1] if ends and self._header_line < ends[0] else None
 
     def _refuse_doubtful(self, lines: list[tuple[int, str]]) -> None:
-        """Raises InputError if all commas in cells could be decimal marks or thousands
-        separators."""
+        """Raises InputError if all commas in cells could be decimal marks or mark thousands."""
         commas = [
             (number, cell)
             for number, line in lines

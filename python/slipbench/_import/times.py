@@ -37,8 +37,10 @@ def _fraction(digits: str | None, unit: int) -> tuple[float, float]:
 
 
 def moment_of(text: str) -> tuple[float, float]:
-    """Seconds since 1970 of a date and time in ISO 8601, UTC without an offset, or since midnight
-    of a time of day such as 12:30:00.5; and the resolution with which it is written [s].
+    """Seconds of a time in ISO 8601, and the resolution with which it is written [s].
+
+    They count from 1970 for a date and time, UTC without an offset, and from midnight for a time of
+    day such as 12:30:00.5.
 
     A fraction counts in the last part that is written: T23:40.05 is 40.05 minutes past 23.
 
@@ -78,7 +80,9 @@ def moment_of(text: str) -> tuple[float, float]:
 
 def formatted_moment(text: str, pattern: str) -> float:
     """Seconds since 1970 of a text in a format of Python's strptime; UTC unless it has an offset.
-    Raises ValueError if the text does not have the format."""
+
+    Raises ValueError if the text does not have the format.
+    """
     moment = datetime.strptime(text, pattern)
     try:
         return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
@@ -100,7 +104,7 @@ def format_error(pattern: str) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """ "2 ms", "1.5 s", to four digits."""
+    """Seconds as "2 ms" or "1.5 s", to four digits."""
     unit = next((unit for unit in ("s", "ms", "us") if seconds >= 0.9995 * TIME_UNITS[unit]), "ns")
     return f"{np.format_float_positional(seconds / TIME_UNITS[unit], precision=4, fractional=False, trim='-')} {unit}"
 
@@ -123,8 +127,9 @@ class AmbiguousStepError(ValueError):
 
 
 def unwrapped(times: np.ndarray, period: float) -> np.ndarray:
-    """Times that start again after a period, as ascending times: each step back by more than half
-    of the period begins the next one.
+    """Times that start again after a period, as ascending times.
+
+    Each step back by more than half of the period begins the next one.
 
     Args:
         times: [T] s, NaN if missing
@@ -149,8 +154,9 @@ def unwrapped(times: np.ndarray, period: float) -> np.ndarray:
 
 
 def jump_text(times: np.ndarray, row: int) -> str:
-    """The likely cause of a time that comes before the one above it, and its remedy; empty:
-    unknown.
+    """The likely cause of a time that comes before the one above it, and its remedy.
+
+    Empty: unknown.
 
     Args:
         times: [T] s

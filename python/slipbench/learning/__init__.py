@@ -1,5 +1,6 @@
-"""Training of slip detection networks in PyTorch: `train()` trains a detector on a dataset and
-writes one ONNX file, which a scene can name.
+"""Training of slip detection networks in PyTorch.
+
+`train()` trains a detector on a dataset and writes one ONNX file, which a scene can name.
 
 A recipe (`RECIPES`) defines a network's input, training data and training. `networks` has the
 published networks; a custom module replaces them by `train(..., network=...)`. `Frames` converts a

@@ -81,8 +81,11 @@ def _entry(key: int, value: bytes) -> bytes:
 
 
 def with_metadata(model: bytes, text: str) -> bytes:
-    """Adds a description to an ONNX file. Fields may be appended to a protobuf message; 14 is
-    ModelProto.metadata_props, with key 1 and value 2."""
+    """Adds a description to an ONNX file.
+
+    Fields may be appended to a protobuf message; 14 is ModelProto.metadata_props, with key 1 and
+    value 2.
+    """
     return model + _entry(14, _entry(1, METADATA_KEY) + _entry(2, text.encode()))
 
 
@@ -140,8 +143,10 @@ def onnx_bytes(members: Sequence[nn.Module], inputs: int, description: dict[str,
 
 
 def mean_answers(members: Sequence[nn.Module], features: Floats) -> Floats:
-    """Output of the file for a sequence: logits of one network, mean probabilities of several. [T -
-    history + 1, classes]"""
+    """Output of the file for a sequence: logits of one network, mean probabilities of several.
+
+    [T - history + 1, classes]
+    """
     logits = [answers(member, features) for member in members]
     if len(logits) == 1:
         return logits[0]

@@ -131,8 +131,10 @@ class Checkpoint:
 
 
 def tensor_of(array: NDArray[Any]) -> Tensor:
-    """A numpy array as a tensor, without a copy if it is writable. Unlike torch.from_numpy it
-    supports any pair of versions."""
+    """A numpy array as a tensor, without a copy if it is writable.
+
+    Unlike torch.from_numpy it supports any pair of versions.
+    """
     if not array.flags.writeable or not array.flags.c_contiguous:
         array = np.array(array)
     tensor: Tensor = torch.from_dlpack(array)
@@ -151,8 +153,10 @@ def history_of(network: nn.Module) -> int:
 
 @contextmanager
 def reproducible(seed: int) -> Iterator[None]:
-    """Sets one thread and PyTorch's generator to `seed`, and restores both afterwards: the order of
-    sums, and so the weights, are then the same everywhere."""
+    """Sets one thread and PyTorch's generator to `seed`, and restores both afterwards.
+
+    The order of sums, and so the weights, are then the same everywhere.
+    """
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
@@ -180,8 +184,10 @@ def answers(network: nn.Module, features: Floats) -> Floats:
 
 
 def _answers(network: nn.Module, frames: Tensor) -> Tensor:
-    """[N, T, inputs] to [N, T - history + 1, classes]; a network without state processes windows in
-    parts."""
+    """[N, T, inputs] to [N, T - history + 1, classes].
+
+    A network without state processes windows in parts.
+    """
     before = history_of(network) - 1
     if before == 0:
         return logits_of(network(frames))
@@ -303,8 +309,9 @@ class Clips:
         return tensor_of((self._count.sum() / (len(self._count) * self._count)).astype(np.float32))
 
     def draw(self, seed: int, step: int) -> tuple[Tensor, Tensor]:
-        """The clips of a step, independent of earlier draws: features [B, T, inputs] and classes
-        [B, T - history + 1].
+        """The clips of a step, independent of earlier draws.
+
+        Features [B, T, inputs] and classes [B, T - history + 1].
 
         A sequence shorter than a clip is padded with its last frame, masked. The same `seed` and
         `step` give the same clips.
@@ -344,8 +351,10 @@ class Clips:
 
 
 def _thinned(labels: Labels, onset_frames: int) -> Labels:
-    """Labels in which long runs of a class other than 0 keep their first frames and then each
-    tenth."""
+    """Labels in which long runs of a class other than 0 are thinned.
+
+    They keep their first frames and then each tenth.
+    """
     if onset_frames == 0:
         return labels
     begins = np.flatnonzero(np.concatenate(([True], labels[1:] != labels[:-1])))
@@ -552,8 +561,10 @@ def _save(
     best: dict[str, Any],
     worse: int,
 ) -> None:
-    """Saves the state. The file begins with the SHA-256 of its content: PyTorch does not detect
-    changed bits."""
+    """Saves the state.
+
+    The file begins with the SHA-256 of its content: PyTorch does not detect changed bits.
+    """
     whole = io.BytesIO()
     # PyTorch 1.13 cannot read plain floats without running code of the file: numbers are tensors,
     # and the optimiser's settings are set again at each step.

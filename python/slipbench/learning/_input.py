@@ -19,8 +19,10 @@ HOLD_OR_SLIP = (("hold", "non_slip"), ("slip", "incipient"))
 
 @dataclass(frozen=True)
 class Input:
-    """Input of a network: converts a sensor's samples to frames, in the order channels, median,
-    window, centre, transform, pixels.
+    """Input of a network.
+
+    Converts a sensor's samples to frames, in the order channels, median, window, centre, transform,
+    pixels.
 
     Each transform has its own parameters, which raise an error with another transform.
     detectors/network has the formulas.
@@ -130,8 +132,9 @@ def describe_file(frames: Input, classes: Sequence[tuple[str, str]], **more: Any
 
 
 class Frames:
-    """Converts a sensor's samples to frames by the loop's code, so that training and detection have
-    the same input.
+    """Converts a sensor's samples to frames by the loop's code.
+
+    So training and detection have the same input.
 
     Args:
         frames: definition of the frames, or the description of a detector as a dict, whose offset
@@ -202,8 +205,9 @@ class Frames:
 
 
 class Engine:
-    """Runs the network in the ONNX file of a detector like a loop does. It keeps its state from
-    step to step.
+    """Runs the network in the ONNX file of a detector like a loop does.
+
+    It keeps its state from step to step.
 
     Args:
         path: path of the file
@@ -384,8 +388,9 @@ def read_examples(
 
 
 def fit_units(frames: Input, dataset: str, sensor: str) -> Input:
-    """An input of the transform `units` for the sensor of a dataset: its type, rate and first
-    channel of three axes.
+    """An input of the transform `units` for the sensor of a dataset.
+
+    Its type, rate and first channel of three axes.
 
     Windows and spans in samples are scaled by the ratio of the rates, to a window of at least 2 and
     spans of at least 2, 3, 4, ... If the channel differs from that of `frames`, the floor is a

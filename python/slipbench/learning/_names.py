@@ -1,5 +1,7 @@
-"""Names of the arguments of `train()` in messages: Python arguments, or options of `slipbench
-train`."""
+"""Names of the arguments of `train()` in messages.
+
+Python arguments, or options of `slipbench train`.
+"""
 
 from __future__ import annotations
 

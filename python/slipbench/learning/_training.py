@@ -349,8 +349,11 @@ def _output_of(output: str | os.PathLike[str]) -> str:
 def _point_rule(
     chosen: Recipe, alarms: str | float | None, by_score: bool, specificity: float | None
 ) -> _PointRule:
-    """The rule that the arguments ask for. Raises InputError for arguments that exclude or need
-    one another, and for those that the recipe does not allow."""
+    """The rule that the arguments ask for.
+
+    Raises InputError for arguments that exclude or need one another, and for those that the recipe
+    does not allow.
+    """
     if by_score and alarms is not None:
         raise _core.InputError(
             f"{named('by_score', True)} and {named('alarms', alarms)} cannot be combined"
@@ -660,8 +663,10 @@ def _trained(
 
 
 def _whole_number(value: Any, key: str, least: int, most: int | None = None) -> int:
-    """A whole number of Python or numpy. Raises InputError, naming `key`, for anything else and
-    outside of `least` to `most`."""
+    """A whole number of Python or numpy.
+
+    Raises InputError, naming `key`, for anything else and outside of `least` to `most`.
+    """
     number = index(value, key)
     if number < least or (most is not None and number > most):
         raise _core.InputError(
@@ -759,8 +764,10 @@ def _check_classes(
 
 
 def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
-    """Raises InputError for a module whose logits are not [N, T - history + 1, classes], or that a
-    loop could not run frame by frame with the same answers."""
+    """Raises InputError for a module that a loop could not run frame by frame.
+
+    Its logits must be [N, T - history + 1, classes], and its answers the same frame by frame.
+    """
     history, name = history_of(module), type(module).__name__
     frames = torch.randn(2, history + 2, inputs, generator=torch.Generator().manual_seed(1))
     changed = frames.clone()
@@ -796,8 +803,10 @@ def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
 
 
 def _answer_of(module: nn.Module, name: str, *arguments: Any) -> Any:
-    """Runs the module. Raises InputError with PyTorch's message if its layers do not fit the
-    frames."""
+    """Runs the module.
+
+    Raises InputError with PyTorch's message if its layers do not fit the frames.
+    """
     try:
         return module(*arguments)
     except (RuntimeError, TypeError) as error:

@@ -1,5 +1,7 @@
-"""Tactile images and the tactile graph of the BioTac SP [zapata2019], for recipes and the paper's
-studies."""
+"""Tactile images and the tactile graph of the BioTac SP [zapata2019].
+
+Recipes and the paper's studies use them.
+"""
 
 # PyTorch's layers and operators are typed only in part, depending on the release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
@@ -146,8 +148,10 @@ IMAGES: dict[str, Layout] = {
 
 
 def pixels_of(layout: Layout) -> list[list[int]]:
-    """Electrodes averaged by each pixel, row by row: its own electrode, else the three nearest in
-    the image."""
+    """Electrodes averaged by each pixel, row by row.
+
+    Its own electrode, else the three nearest in the image.
+    """
     (rows, columns), places = layout
     pixels = []
     for row in range(rows):
@@ -159,7 +163,10 @@ def pixels_of(layout: Layout) -> list[list[int]]:
 
 
 def normalised_adjacency(nodes: int, edges: tuple[tuple[int, int], ...]) -> Tensor:
-    """D^-1/2 (A + 1) D^-1/2 of undirected edges; every node is its own neighbour. [nodes, nodes]"""
+    """D^-1/2 (A + 1) D^-1/2 of undirected edges; every node is its own neighbour.
+
+    [nodes, nodes]
+    """
     adjacency = torch.eye(nodes, dtype=torch.float64)
     for a, b in edges:
         adjacency[a, b] = adjacency[b, a] = 1.0
@@ -168,5 +175,8 @@ def normalised_adjacency(nodes: int, edges: tuple[tuple[int, int], ...]) -> Tens
 
 
 def drawn_graph() -> Tensor:
-    """The normalised adjacency of the hand-drawn graph. [24, 24]"""
+    """The normalised adjacency of the hand-drawn graph.
+
+    [24, 24]
+    """
     return normalised_adjacency(ELECTRODES, EDGES)

@@ -103,8 +103,9 @@ class FrameGru(nn.Module):
 
 
 class PiezoMlp(nn.Module):
-    """MLP of the piezoelectric skin ([ayral2023], sections IV.A, IV.B, Table I), each spectrum by
-    itself.
+    """MLP of the piezoelectric skin, each spectrum by itself.
+
+    See [ayral2023], sections IV.A, IV.B and Table I.
 
     Four layers and a linear one to two classes give the numbers of parameters that Table I prints.
 
@@ -219,8 +220,9 @@ class PiezoSlip(nn.Module):
 
 
 class PiezoForce(nn.Module):
-    """piezo_force: how the force on the skin continues or breaks off, and the spectrum of the signal,
-    through a GRU. Not published.
+    """piezo_force: the force on the skin and the spectrum of the signal, through a GRU.
+
+    The force continues or breaks off. Not published.
 
     The amplifier is a high-pass of first order (sensors/piezo_skin). Its inverse gives the change of
     the force [counts] from the signal y [counts]; the time constant is 1/(2 pi corner):
@@ -286,8 +288,10 @@ class PiezoForce(nn.Module):
         self.rest = FrameGru(features, classes, width=64)
 
     def measures(self, frames: Tensor, means: Tensor) -> Tensor:
-        """[N, T + 3, inputs] and [N, T + 2 greatest lag], with the earlier frames and means, to
-        features [N, T, 58]."""
+        """Features [N, T, 58] of frames [N, T + 3, inputs] and means [N, T + 2 greatest lag].
+
+        Both include the earlier ones.
+        """
         count = frames.shape[1] - 3
         changes = nn.functional.conv1d(means.unsqueeze(1), self.get_buffer("filters")).transpose(
             1, 2
@@ -402,8 +406,9 @@ class UnitsEncoder(nn.Module):
 
 
 class SlipGru(nn.Module):
-    """slip_gru: three axes of each unit, their ratio and rates, each unit by the same weights,
-    through a GRU. Not published.
+    """slip_gru: three axes of each unit, their ratio and rates, through a GRU.
+
+    Each unit has the same weights. Not published.
 
     | layer | output |
     |---|---|
@@ -425,8 +430,10 @@ class SlipGru(nn.Module):
 
 
 def grid_places(columns: int, rows: int) -> Tensor:
-    """Places [columns rows, 2] of a grid around its centre, in pitches, in rows from +Y to -Y, each from
-    -X to +X."""
+    """Places [columns rows, 2] of a grid around its centre, in pitches.
+
+    Rows go from +Y to -Y, and in each from -X to +X.
+    """
     across = torch.arange(columns, dtype=torch.float32) - (columns - 1) / 2
     along = (rows - 1) / 2 - torch.arange(rows, dtype=torch.float32)
     return torch.stack((across.repeat(rows), along.repeat_interleave(columns)), 1)
@@ -437,7 +444,9 @@ def changes_of(frames: Tensor, before: Tensor, lags: tuple[int, ...]) -> Tensor:
 
     Args:
         frames: [N, T, F]
-        before: the frames before them [N, lags[-1], F]; 0 before the first frame, where no change is known
+        before: the frames before them [N, lags[-1], F]; 0 before the first frame, where no change
+            is known
+        lags: numbers of frames, ascending
 
     Returns:
         [N, T, lags, F]
@@ -532,9 +541,10 @@ class UnitsAndWhole(nn.Module):
 
 
 class RigidSlip(nn.Module):
-    """papillarray_slip, taxels_slip, gel_slip: how far the displacement of an array departs from a
-    rigid motion, through a GRU. Not published. Forces of units that lean like springs are
-    proportional to displacements.
+    """papillarray_slip, taxels_slip, gel_slip: departure from a rigid motion, through a GRU.
+
+    The displacements of an array depart from such a motion. Not published. Forces of units that lean like
+    springs are proportional to displacements.
 
     The units that stick to an object move as a rigid body. Slip shows as a departure from that
     motion, first where the array is pressed least. The rigid motion is fitted to the units in
@@ -578,8 +588,12 @@ class RigidSlip(nn.Module):
         self.after = UnitsAndWhole(3 + 4 * fields, 3 + 4 * fields, classes)
 
     def measures(self, frames: Tensor, before: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """[N, T, inputs] and the frames before them [N, greatest lag, inputs] to the values of each unit
-        [N, T, units, own], its weight [N, T, units, 1], and the values of the whole contact [N, T, whole]."""
+        """Values of the units and of the contact, from frames [N, T, inputs].
+
+        With the frames before them [N, greatest lag, inputs], these are the values of each unit [N,
+        T, units, own], its weight [N, T, units, 1], and the values of the whole contact [N, T,
+        whole].
+        """
         fields = self.scale * torch.cat(
             (frames.unsqueeze(2), changes_of(frames, before, self.lags)), 2
         )
@@ -624,8 +638,9 @@ class RigidSlip(nn.Module):
 
 
 class NibRigid(nn.Module):
-    """nib_rigid: how far the changes of the taxels' shear depart from those of a rigid motion, through
-    a GRU. Not published.
+    """nib_rigid: departure of the taxels' shear from a rigid motion, through a GRU.
+
+    The changes of the shear depart from those of such a motion. Not published.
 
     Nibs that stick to a flat object lean as it moves, so the shear of the taxels changes as a rigid
     motion. The images si are means of five; a change in one image is a fifth of the change of a
@@ -650,8 +665,11 @@ class NibRigid(nn.Module):
         self.after = UnitsAndWhole(4 * len(lags), 8 * len(lags), classes)
 
     def measures(self, frames: Tensor, before: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """[N, T, 40] and the frames before them [N, greatest lag, 40] to the values of each taxel
-        [N, T, 9, own], its weight [N, T, 9, 1], and the values of the whole contact [N, T, whole]."""
+        """Values of the taxels and of the contact, from frames [N, T, 40].
+
+        With the frames before them [N, greatest lag, 40], these are the values of each taxel [N, T,
+        9, own], its weight [N, T, 9, 1], and the values of the whole contact [N, T, whole].
+        """
         changes = changes_of(frames, before, self.lags)
         west, north, east, south = changes[..., :36].reshape(*changes.shape[:3], 9, 4).unbind(4)
         fit = RigidFit(
@@ -680,8 +698,9 @@ class NibRigid(nn.Module):
 
 
 class MyrmexCnn(nn.Module):
-    """Networks of the Myrmex ([meier2016], section 4, Table 2). 32 channels and padding by 1 are
-    assumed.
+    """Networks of the Myrmex ([meier2016], section 4, Table 2).
+
+    32 channels and padding by 1 are assumed.
 
     | layer | net 1 | net 2 | net 3 |
     |---|---|---|---|
@@ -785,8 +804,9 @@ class BiotacGcn(nn.Module):
 
 
 class BiotacLstm(nn.Module):
-    """Direction of slip by LSTMs ([zapata2019], section 5.2, Table 3). Begins afresh with each
-    window.
+    """Direction of slip by LSTMs ([zapata2019], section 5.2, Table 3).
+
+    Begins afresh with each window.
 
     | layer | output |
     |---|---|
@@ -812,8 +832,10 @@ class BiotacLstm(nn.Module):
 
 
 class ConvLstm(nn.Module):
-    """An LSTM whose gates are convolutions 3 x 3 ([shi2015], without peepholes). [M, T, C, H,
-    W] to [M, T, channels, H, W]."""
+    """An LSTM whose gates are convolutions 3 x 3 ([shi2015], without peepholes).
+
+    [M, T, C, H, W] to [M, T, channels, H, W].
+    """
 
     def __init__(self, inputs: int, channels: int) -> None:
         super().__init__()
@@ -837,8 +859,9 @@ class ConvLstm(nn.Module):
 
 
 class BiotacConvLstm(nn.Module):
-    """Direction of slip by convolutional LSTMs ([zapata2019], section 5.2, Table 3). The state is zero
-    at the start of each window.
+    """Direction of slip by convolutional LSTMs ([zapata2019], section 5.2, Table 3).
+
+    The state is zero at the start of each window.
 
     The paper has five layers of 32 filters, which take 30 times as long to train as two of 8.
 
@@ -879,8 +902,9 @@ class BiotacConvLstm(nn.Module):
 
 
 class BiotacSlip(nn.Module):
-    """biotac_slip: each electrode against its mean of 0.64 s, through filters across electrodes and
-    in time and a GRU. Not published.
+    """biotac_slip: each electrode against its mean of 0.64 s, through filters and a GRU.
+
+    The filters act across electrodes and in time. Not published.
 
     | layer | output |
     |---|---|
@@ -911,8 +935,9 @@ class BiotacSlip(nn.Module):
 
 
 class BiotacGrasp(nn.Module):
-    """biotac_grasp: changes of each electrode and of the pressure, the same filters across them for
-    each time span, and two GRUs. Not published.
+    """biotac_grasp: changes of each electrode and of the pressure, through two GRUs.
+
+    For each time span the same filters act across them. Not published.
 
     | layer | output |
     |---|---|

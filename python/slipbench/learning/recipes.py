@@ -1,5 +1,7 @@
-"""Recipes: networks with their input, training data and training. `assumed` states values that the
-paper does not give."""
+"""Recipes: networks with their input, training data and training.
+
+`assumed` states values that the paper does not give.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,9 @@ ROUNDING_DENSITY = (
 
 @dataclass(frozen=True)
 class Recipe:
-    """A network with its input, its labels and its training. `dataclasses.replace` creates a custom
-    recipe.
+    """A network with its input, its labels and its training.
+
+    `dataclasses.replace` creates a custom recipe.
 
     Attributes:
         name: as in `train --recipe`
@@ -106,8 +109,11 @@ def _slip(
 
 
 def _piezo() -> list[Recipe]:
-    """Recipes with the paper's clips of 128 frames. Its RMSProp at 8e-4 needs thousands of steps
-    for the result of Adam at a greater rate after hundreds."""
+    """Recipes with the paper's clips of 128 frames.
+
+    Its RMSProp at 8e-4 needs thousands of steps for the result of Adam at a greater rate after
+    hundreds.
+    """
     signal = Input(sensor="piezo_skin", rate=10e3, channels=["signal"], stride=100)
     spectra = replace(
         signal,

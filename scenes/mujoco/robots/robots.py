@@ -154,8 +154,11 @@ def part(spec, name):
 
 
 def with_pads(spec, sites, size, mass):
-    """Adds a free box and the pads that touch it: implicit ones if MuJoCo has the integrator for them (4.0.1). Explicit ones refuse these models'
-    step of 2 ms."""
+    """Adds a free box and the pads that touch it.
+
+    Implicit ones if MuJoCo has the integrator for them (4.0.1). Explicit ones refuse these models'
+    step of 2 ms.
+    """
     light = [0.97, 0.97, 0.98]
     spec.add_texture(
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
@@ -223,8 +226,10 @@ def weight(model):
 
 
 def virtual_work(model, data, pads):
-    """Returns the virtual work of the drive and of the pads per turn of the drivers [N m/rad], along the
-    one motion that the closed linkage and its stops allow."""
+    """Returns the virtual work of the drive and of the pads per turn of the drivers [N m/rad].
+
+    The turn is along the one motion that the closed linkage and its stops allow.
+    """
     mujoco.mj_forward(model, data)
     closed = np.isin(
         data.efc_type,

@@ -1,5 +1,6 @@
-"""Plants the faults of faults.py in a copy of the tree, one at a time, and reports which ones the
-suite finds.
+"""Plants the faults of faults.py in a copy of the tree, one at a time.
+
+Reports which ones the suite finds.
 
 All faults are compiled at once: each site reads the number of the active fault from the environment
 variable SLIPBENCH_FAULT. For each fault the script runs the tests of the folder that mirrors the
@@ -130,8 +131,10 @@ class Suite:
         self.lock = threading.Lock()
 
     def near(self, file):
-        """The runs of the folder that mirrors `file`, or of the nearest one above, and of its
-        subfolders."""
+        """The runs of the folder that mirrors `file`, and of its subfolders.
+
+        Without such a folder, those of the nearest one above.
+        """
         mirror, runs = self.build / "tests" / Path(file).parent, []
         while not runs:
             runs = [key for key in self.programs if Path(key[0]).is_relative_to(mirror)]

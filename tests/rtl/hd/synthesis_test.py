@@ -1,5 +1,6 @@
-"""Synthesis of the report at a tenth of the dimension: it must succeed without latches and use the
-smallest core's cells.
+"""Synthesis of the report at a tenth of the dimension.
+
+It must succeed without latches and use the smallest core's cells.
 """
 
 import json

@@ -1,5 +1,4 @@
-"""The digests of tools/dataset/storage.md, computed with h5py, independently of this
-project."""
+"""The digests of tools/dataset/storage.md, computed with h5py, independently of this project."""
 
 import hashlib
 
@@ -22,8 +21,9 @@ def entry(key, value):
 
 
 def entries(item, path, leave_out=()):
-    """Returns {key: SHA-256} of a group or array and everything below; `path` is its own path in
-    the keys.
+    """Returns {key: SHA-256} of a group or array and everything below.
+
+    `path` is its own path in the keys.
     """
     found = {
         f"{path}@{name}": entry(f"{path}@{name}", value)

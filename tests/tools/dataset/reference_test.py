@@ -1,5 +1,6 @@
-"""The reference of the dataset format matches written files. Arguments: the project's root, the
-program.
+"""The reference of the dataset format matches written files.
+
+Arguments: the project's root, the program.
 
 Every array, attribute and outcome of a file has a row in a page of tools/dataset
 with the file's shape, type and unit, and every row occurs in a file.
@@ -31,8 +32,9 @@ RUNS = (
 
 
 def rows_of(text):
-    """Returns {(path, kind, name): the row's cells by column} of all tables below a heading that is
-    a path; a cell may hold several names.
+    """Returns the rows of all tables below a heading that is a path.
+
+    They are {(path, kind, name, sensor): the row's cells by column}.
     """
     rows, path, columns = {}, None, None
     for line in text.splitlines():

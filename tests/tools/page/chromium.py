@@ -1,5 +1,6 @@
-"""Headless Chromium, controlled through a pipe (Chrome DevTools Protocol): one browser for many
-pages, sizes and themes.
+"""Headless Chromium, controlled through a pipe (Chrome DevTools Protocol).
+
+One browser for many pages, sizes and themes.
 """
 
 import base64
@@ -30,7 +31,7 @@ def program():
 
 
 class Chromium:
-    """One browser tab with its own profile: `with Chromium() as browser:`"""
+    """One browser tab with its own profile: `with Chromium() as browser: ...`."""
 
     def __enter__(self):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
@@ -129,8 +130,9 @@ class Chromium:
             self.wait_for("Page.loadEventFired")
 
     def open_drawn(self, page, fragment=""):
-        """Opens a report and waits until it is drawn: the last charts of a trial are those of its
-        units.
+        """Opens a report and waits until it is drawn.
+
+        The last charts of a trial are those of its units.
         """
         self.open(page, fragment)
         end = time.monotonic() + LIMIT_S
@@ -154,8 +156,9 @@ class Chromium:
         return found["result"].get("value")
 
     def complaints(self):
-        """Returns the console's errors since the page was opened: exceptions, policy refusals,
-        missing files.
+        """Returns the console's errors since the page was opened.
+
+        Exceptions, policy refusals, missing files.
         """
         self.evaluate("0")  # earlier events have arrived by now
         found = []

@@ -22,8 +22,10 @@ ROOT = Path(sys.argv.pop(1)).resolve()
 
 
 class Page:
-    """The tables of a page as rows of cells, and the figures of its cards as {name: (value,
-    note)}."""
+    """The tables of a page as rows of cells, and the figures of its cards.
+
+    The figures are {name: (value, note)}.
+    """
 
     def __init__(self, browser):
         self.source = browser.dom()
@@ -52,8 +54,9 @@ def three_digits(value):
 
 
 def scores(trials):
-    """Returns recall of slip, balanced accuracy, accuracy and that of the best constant detector,
-    over all trials' samples in contact.
+    """Returns recall of slip, balanced accuracy, accuracy and that of the best constant detector.
+
+    They are over all trials' samples in contact.
     """
     truth = numpy.concatenate(
         [trial[f"labels/{trial['control'].attrs['sensor']}/state"][:] for trial in trials]

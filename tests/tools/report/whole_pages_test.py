@@ -134,8 +134,9 @@ class Pages:
             )
 
     def check(self, page, fragment=""):
-        """Wide and light, narrow and dark: overlaps depend on the width alone, the background on
-        the theme alone.
+        """Wide and light, narrow and dark.
+
+        Overlaps depend on the width alone, the background on the theme alone.
         """
         for width, dark in zip(WIDTHS, (False, True), strict=True):
             self.browser.look(width, dark=dark)
@@ -189,8 +190,9 @@ class Pages:
             self.open(page)
 
     def check_recordings(self, dataset):
-        """The vendor's logs of a dataset, which have no truth: their report and the page of their
-        alarms.
+        """The vendor's logs of a dataset, which have no truth.
+
+        Their report and the page of their alarms.
         """
         self.run("export", dataset, "--format", "vendor-csv", "-o", "logs")
         self.run("import", "logs", "--format", "papillarray-csv", "-o", "recorded.h5")
@@ -200,8 +202,9 @@ class Pages:
         self.check(self.folder / "alarms.html")
 
     def check_skins(self):
-        """A gel's fields, and around those of a sphere's contact the circle by Hertz: sqrt(40 mm
-        0.15 mm), of 16 cells of 0.37 mm on 250 px, which hides no cell.
+        """A gel's fields, and around those of a sphere's contact the circle by Hertz.
+
+        Its radius is sqrt(40 mm 0.15 mm), of 16 cells of 0.37 mm on 250 px, which hides no cell.
         """
         self.check(self.report("run", SCENES / "soft_skin/flat.yaml", "flat"))
         self.check(self.report("run", SCENES / "soft_skin/sphere.yaml", "sphere"))
@@ -228,8 +231,9 @@ class Pages:
         check_rings(stick=False)  # Mindlin's push does not apply to a turn
 
     def check_all_trials(self):
-        """Every trial of a sweep opens in a page small enough for mail; a requested trial has all
-        samples.
+        """Every trial of a sweep opens in a page small enough for mail.
+
+        A requested trial has all samples.
         """
         page = self.report("sweep", self.scene("long", LONG), "long")
         size = page.stat().st_size

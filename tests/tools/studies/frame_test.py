@@ -1,5 +1,6 @@
-"""Shared code of the Python studies: results as JSON, text, page and charts; intervals; grid
-trials.
+"""Shared code of the Python studies: results as JSON, text, page and charts.
+
+Intervals; grid trials.
 
 Argument: the program.
 """

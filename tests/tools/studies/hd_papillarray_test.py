@@ -1,5 +1,6 @@
-"""The hyperdimensional detector's tables: figures and refusals of the synthesis; the time of a
-frame.
+"""The hyperdimensional detector's tables: figures and refusals of the synthesis.
+
+The time of a frame.
 
 Argument: the program, which is not used.
 """

@@ -134,8 +134,9 @@ class Table1(unittest.TestCase):
 
 
 def log(*rows):
-    """Returns a log of two pillars with one row per sample: state, then tangential and normal force
-    [N] of each pillar.
+    """Returns a log of two pillars with one row per sample.
+
+    State, then tangential and normal force [N] of each pillar.
     """
     force = [
         [[0.6 * t1, -0.8 * t1, n1], [t2, 0.0, n2]]

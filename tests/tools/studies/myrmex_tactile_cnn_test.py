@@ -37,9 +37,10 @@ def windows(object_name, rotational, slips, rows):
 
 
 def trials():
-    """Six trials, two per object: one slips, with ten stable windows up to 0.1 s before its onset
-    at 1 s and three slipping ones; one holds, with eight stable windows. The latest five stable
-    windows of the first are late.
+    """Six trials, two per object.
+
+    One slips, with ten stable windows up to 0.1 s before its onset at 1 s and three slipping ones;
+    one holds, with eight stable windows. The latest five stable windows of the first are late.
     """
     made = []
     for name in networks.OBJECTS:

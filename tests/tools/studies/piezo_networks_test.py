@@ -1,5 +1,6 @@
-"""The piezo paper's tables on artificial and simulated recordings: inputs, figures and alarms by
-hand.
+"""The piezo paper's tables on artificial and simulated recordings.
+
+Inputs, figures and alarms by hand.
 
 Argument: the program, which is not used.
 """
@@ -159,8 +160,9 @@ class Sizes(unittest.TestCase):
 
 
 def many():
-    """Ten recordings with slip and ten without, of 40 frames. Slipping frames are greater by 1 than
-    holding ones, with noise of that size.
+    """Ten recordings with slip and ten without, of 40 frames.
+
+    Slipping frames are greater by 1 than holding ones, with noise of that size.
     """
     random = RandomStream(1, 0, "recordings")
     made = []
@@ -217,8 +219,9 @@ class Refusals(unittest.TestCase):
 
 
 def skin_trial(slips, params, **more):
-    """400 samples of a skin at 10 kHz, three frames. With slip it is in contact, and slips from
-    sample 250 on; by the position from 350 on.
+    """400 samples of a skin at 10 kHz, three frames.
+
+    With slip it is in contact, and slips from sample 250 on; by the position from 350 on.
     """
     number = np.arange(400)
     touches = np.full(400, int(slips), np.uint8)

@@ -1,5 +1,6 @@
-"""Figures of a uSkin's and a finger's recordings: estimators on known signals, and our scenes'
-limits.
+"""Figures of a uSkin's and a finger's recordings.
+
+Estimators on known signals, and our scenes' limits.
 
 Argument: the program, which is not used.
 """

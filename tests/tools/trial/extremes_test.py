@@ -1,5 +1,7 @@
-"""Extreme values of every number of a scene: each run ends with a result or a message for the user,
-never with an internal error, a signal or another status.
+"""Extreme values of every number of a scene.
+
+Each run ends with a result or a message for the user, never with an internal error, a signal or
+another status.
 
 usage: extremes_test.py SLIPBENCH [COUNT]
 

@@ -1,5 +1,6 @@
-"""Runs damaged copies of the shipped scenes: each exits with status 0, 1 or 2 and writes only
-finite values.
+"""Runs damaged copies of the shipped scenes.
+
+Each exits with status 0, 1 or 2 and writes only finite values.
 
 usage: mutation_test.py SLIPBENCH SCENES COUNT [FIRST]
 
@@ -144,8 +145,9 @@ def not_finite(path):
 
 
 def run(program, scene, output):
-    """Returns the exit status (None: ended by a signal after SECONDS) and what is wrong with it;
-    empty: nothing.
+    """Returns the exit status, and what is wrong with it.
+
+    Status None: ended by a signal after SECONDS. Empty: nothing is wrong.
     """
     text = Path(scene).read_text(encoding="utf-8")
     grasp = re.search(r"^(box|grip|controller):", text, re.M)

@@ -1,5 +1,6 @@
-"""A trial of every shipped scene verifies, and gives equal results with and without AVX2 and FMA in
-the C library.
+"""A trial of every shipped scene verifies.
+
+It gives equal results with and without AVX2 and FMA in the C library.
 
 Results are bit-identical if only the project's own code computes, and within 1e-9 if MuJoCo, FFTW
 or a network does (attribute `libraries`). FFTW and OpenVINO query the processor themselves and are
@@ -36,8 +37,9 @@ def sines(environment):
 
 
 def contents(path):
-    """Returns {place: array or attribute} of all trials, and whether foreign libraries computed in
-    one.
+    """Returns {place: array or attribute} of all trials.
+
+    Also returns whether foreign libraries computed in one.
     """
     found, libraries = {}, False
     with h5py.File(path) as file:
@@ -63,10 +65,11 @@ def numbers(value):
 
 
 def distance(place, one, other):
-    """Returns the largest difference of two arrays relative to the larger number or the largest in
-    the array, beyond one unit in the last place of a float32; for directions the angle between
-    them. So slip_angle and slip_centre, which are rounding noise without motion, are compared by
-    their distance.
+    """Returns the largest difference of two arrays, for directions the angle between them.
+
+    It is relative to the larger number or the largest in the array, beyond one unit in the last
+    place of a float32. So slip_angle and slip_centre, which are rounding noise without motion, are
+    compared by their distance.
     """
     if place.endswith("@outcome"):
         one, other = (np.array(numbers(json.loads(text))) for text in (one, other))

@@ -87,7 +87,7 @@ class Grasps:
         )
 
     def text(self) -> str:
-        """ "2754 grasps of 51 objects, 48 % lost"."""
+        """The numbers of the set: "2754 grasps of 51 objects, 48 % lost"."""
         return f"{len(self)} grasps of {object_count(self.objects)} objects, {100.0 * self.slipped.mean():.0f} % lost"
 
 
@@ -192,8 +192,9 @@ def run_grasps(draws: int, options: Options) -> Grasps:
 
 
 def levelled(grasps: Grasps) -> Grasps:
-    """Standardises each count: subtracts the mean over the grasps with that palm, and divides by
-    their standard deviation.
+    """Standardises each count.
+
+    Subtracts the mean over the grasps with that palm, and divides by their standard deviation.
 
     The result does not depend on the individual fingers of a set.
 

@@ -1,5 +1,7 @@
-"""Common parts of the studies of grasp stability: networks, sets of grasps, and a table that
-compares networks."""
+"""Common parts of the studies of grasp stability.
+
+Networks, sets of grasps, and a table that compares networks.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Recordings of one BioTac SP in contact, real and synthetic: touch, sliding or turning; and
-windows of them."""
+"""Recordings of one BioTac SP in contact, real and synthetic: touch, sliding or turning.
+
+Windows of them.
+"""
 
 from __future__ import annotations
 
@@ -44,8 +46,9 @@ def _touch_of(example: dict[str, Any]) -> Touch:
 
 
 def read_touches(path: str, options: Options) -> list[Touch]:
-    """Reads the recordings of a dataset that was imported from BioTacSP-DoS, or simulated from one
-    of the scenes.
+    """Reads the recordings of a dataset.
+
+    It was imported from BioTacSP-DoS, or simulated from one of the scenes.
 
     Args:
         path: path of the dataset

@@ -188,8 +188,10 @@ def scores_of(answers: Answers, fold: Folds, counts: NDArray[np.bool_] | None = 
 
 
 def cell(share: tuple[float, float]) -> str:
-    """Mean and standard deviation of shares as "76.5 +- 1.2"; the mean alone for one share, "-" for
-    none."""
+    """Mean and standard deviation of shares as "76.5 +- 1.2".
+
+    The mean alone for one share, "-" for none.
+    """
     mean, sd = share
     if math.isnan(mean):
         return "-"

@@ -1,5 +1,7 @@
-"""Results of the synthesis of the register-level core: cycles and areas, from the file of
-rtl/hd/syn/report.py."""
+"""Results of the synthesis of the register-level core.
+
+Cycles and areas, from the file of rtl/hd/syn/report.py.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Figures of Table II for a grasp: the paper's estimate of the forces, the slip seen by its
-markers, and the figures of a trial."""
+"""Figures of Table II for a grasp.
+
+The paper's estimate of the forces, the slip seen by its markers, and the figures of a trial.
+"""
 
 from __future__ import annotations
 
@@ -73,8 +75,9 @@ def _least(values: list[float]) -> float:
 
 
 def estimated_forces(force: ArrayLike, classes: ArrayLike, stride: int) -> EstimatedForces:
-    """Estimates the forces as getGripForce.m of the published repository does
-    (JT2106/Hyperdimensional-computing-tactile-sensing).
+    """Estimates the forces as getGripForce.m of the published repository does.
+
+    The repository is JT2106/Hyperdimensional-computing-tactile-sensing.
 
     Rows are every `stride`-th sample, the first of them number stride - 1; rows with a non-finite
     value are omitted. A window of four consecutive rows counts if at least three rows are incipient
@@ -104,8 +107,9 @@ def estimated_forces(force: ArrayLike, classes: ArrayLike, stride: int) -> Estim
 
 
 class MarkerSlip(NamedTuple):
-    """Slip of the box as measured by two markers of a motion capture system (getSlides.m of that
-    repository).
+    """Slip of the box as measured by two markers of a motion capture system.
+
+    As in getSlides.m of that repository.
 
     Attributes:
         along: m, |displacement of the box's marker relative to the gripper's along Z|
@@ -122,8 +126,9 @@ def _polar_angle(line: NDArray[np.float64]) -> float:
 
 
 def marker_slip(arm: ArrayLike, box: ArrayLike, lift: int) -> MarkerSlip:
-    """Difference between the mean over MARKER_BEFORE samples up to number `lift` and the mean over
-    the last MARKER_AFTER.
+    """Difference between the means before number `lift` and at the end.
+
+    They are over MARKER_BEFORE samples up to number `lift` and over the last MARKER_AFTER.
 
     Assumes the box's marker in its middle, and the gripper's at the position in the published
     recordings: MARKER_LINE.
@@ -177,8 +182,9 @@ def spread(values: ArrayLike) -> Spread:
 
 @dataclass(frozen=True)
 class GraspFigures:
-    """Figures of a trial. All except `dropped` are NaN if the box was not held, or if the figure is
-    undefined.
+    """Figures of a trial.
+
+    All except `dropped` are NaN if the box was not held, or if the figure is undefined.
 
     Attributes:
         dropped: dropped or not lifted

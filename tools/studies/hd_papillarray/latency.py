@@ -1,5 +1,7 @@
-"""Section IV.C of the paper: time from a frame to its class, in software and in the register-level
-core."""
+"""Section IV.C of the paper.
+
+Time from a frame to its class, in software and in the register-level core.
+"""
 
 from __future__ import annotations
 
@@ -30,8 +32,10 @@ PILLARS, LEVELS, CONTEXTS = 9, 21, 4
 
 
 def random_levels() -> NDArray[np.uint8]:
-    """[FRAMES, PILLARS + 1] levels of the pillars and the context. The time does not depend on the
-    values; random ones do not favour the caches."""
+    """[FRAMES, PILLARS + 1] levels of the pillars and the context.
+
+    The time does not depend on the values; random ones do not favour the caches.
+    """
     random = RandomStream(1, 0, "latency")
     bounds = [LEVELS] * PILLARS + [CONTEXTS]
     return np.array(
@@ -50,8 +54,9 @@ def random_displacements() -> NDArray[np.float32]:
 
 
 def software(options: Options) -> Iterator[tuple[str, float]]:
-    """Times plain C++, and every kernel that this CPU supports. Yields the name and the time per
-    frame [s].
+    """Times plain C++, and every kernel that this CPU supports.
+
+    Yields the name and the time per frame [s].
 
     Args:
         options: progress output
@@ -84,8 +89,10 @@ def factor_text(factor: float) -> str:
 
 
 def _core_figures() -> CoreFigures | None:
-    """Figures of the synthesis; None: the project has none, and the rows of the core are
-    omitted."""
+    """Figures of the synthesis.
+
+    None: the project has none, and the rows of the core are omitted.
+    """
     try:
         _core.project_file(FIGURES_FILE)
     except InputError:

@@ -1,5 +1,7 @@
-"""Section IV.C of the paper: FPGA resources of the register-level core for each degree of
-unrolling."""
+"""Section IV.C of the paper.
+
+FPGA resources of the register-level core for each degree of unrolling.
+"""
 
 from __future__ import annotations
 

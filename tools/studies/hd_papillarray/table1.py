@@ -1,5 +1,8 @@
-"""Table I of the paper: sHDC, stHDC, gstHDC and CL-gstHDC on a new dataset of the published
-protocol, and the causes of the differences."""
+"""Table I of the paper.
+
+sHDC, stHDC, gstHDC and CL-gstHDC on a new dataset of the published protocol, and the causes of the
+differences.
+"""
 
 from __future__ import annotations
 

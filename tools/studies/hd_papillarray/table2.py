@@ -1,5 +1,7 @@
-"""Table II of the paper: closed-loop grasp and lift, with every detector and controller, the oracle
-and the negative control."""
+"""Table II of the paper.
+
+Closed-loop grasp and lift, with every detector and controller, the oracle and the negative control.
+"""
 
 from __future__ import annotations
 
@@ -57,8 +59,10 @@ BOXES = {
 
 
 def _fitted(surface: str, friction: float, effects: str = "") -> Choice:
-    """Friction fitted to the published slips of the light boxes only (README.md); for felt, along
-    its grain."""
+    """Friction fitted to the published slips of the light boxes only (README.md).
+
+    For felt, along its grain.
+    """
     all_effects = (
         f"[{effects}{', ' if effects else ''}{{viscous_friction: {{gain: 0.3, speed: 1 mm/s}}}}]"
     )
@@ -117,8 +121,11 @@ def loops(memories: str) -> dict[str, Choice]:
 
 
 class GraspCell(NamedTuple):
-    """A row of the tables: names of its protocol, box and surface, name and choice of its loop, and
-    whether the loop is available."""
+    """A row of the tables.
+
+    Names of its protocol, box and surface, name and choice of its loop, and whether the loop is
+    available.
+    """
 
     protocol: str
     box: str
@@ -422,8 +429,10 @@ def cell_figures(cell: GraspCell, trials: Grasps, seed: int) -> dict[str, Any]:
 
 
 def real_figure(cell: GraspCell, trials: Grasps) -> RealFigure | None:
-    """The published slip with that of the oracle's loop; None for other loops, protocols and
-    surfaces."""
+    """The published slip with that of the oracle's loop.
+
+    None for other loops, protocols and surfaces.
+    """
     published = published_of(cell)
     if published is None or cell.protocol != "as_recorded" or cell.loop != "oracle":
         return None

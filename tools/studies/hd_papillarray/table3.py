@@ -1,5 +1,7 @@
-"""Table III of the paper: the recurrent network that the paper compares with, on the published
-protocol."""
+"""Table III of the paper.
+
+The recurrent network that the paper compares with, on the published protocol.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Detectors trained on simulated grasps, in the published loop, compared with the published
-detector, an oracle and two controls."""
+"""Detectors trained on simulated grasps, in the published loop.
+
+They are compared with the published detector, an oracle and two controls.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Number of trials, and variation in them, that training needs: networks trained on parts of
-scenes/learn, scored by the benchmark."""
+"""Number of trials, and variation in them, that training needs.
+
+Networks trained on parts of scenes/learn, scored by the benchmark.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Slip of an object between two Myrmex arrays: its onset by the truth, and by the paper's rule
-(section 2.2)."""
+"""Slip of an object between two Myrmex arrays.
+
+Its onset by the truth, and by the paper's rule (section 2.2).
+"""
 
 from __future__ import annotations
 
@@ -66,8 +68,11 @@ def pad_of(trial: Trial, name: str) -> Pad:
 
 
 class Placed(NamedTuple):
-    """The object of a trial: name "cylinder", "remote" or "glass"; mass [kg]; lateral distance of
-    its centre of mass from the grip [m]."""
+    """The object of a trial.
+
+    Name "cylinder", "remote" or "glass"; mass [kg]; lateral distance of its centre of mass from the
+    grip [m].
+    """
 
     name: str
     mass: float
@@ -158,8 +163,10 @@ def backward_mean(time: ArrayLike, values: ArrayLike, window: float) -> Floats:
 
 
 class OnsetRule(NamedTuple):
-    """Free parameters of the paper's rule: "the onset of slippage is the time when the sum of
-    contacts on the third sensor started to decrease".
+    """Free parameters of the paper's rule.
+
+    "The onset of slippage is the time when the sum of contacts on the third sensor started to
+    decrease".
 
     Attributes:
         window: s, of the moving average of the sum; 0: none
@@ -183,8 +190,9 @@ def decrease_onset(
     end: float,
     least: float = 0.0,
 ) -> float:
-    """Time of the first sample after which the averaged sum stays below its threshold until the
-    end.
+    """Time from which the averaged sum stays below its threshold until the end.
+
+    That of the first sample.
 
     Args:
         time: [T] s
@@ -246,8 +254,10 @@ class SlipSpan(NamedTuple):
 
 
 def true_slip(left: Pad, right: Pad, begin: float = APART) -> SlipSpan:
-    """Onset of the object's slip: from then on, while both pads are in contact, slipping taxels
-    carry at least half of the normal force on both.
+    """Onset of the object's slip.
+
+    From then on, while both pads are in contact, slipping taxels carry at least half of the normal
+    force on both.
 
     At the friction limit this holds for translation and for rotation, whose centre sticks.
 
@@ -272,8 +282,9 @@ def true_slip(left: Pad, right: Pad, begin: float = APART) -> SlipSpan:
 
 
 class ContactGate(NamedTuple):
-    """Definition of contact, which the paper leaves open in "no more contacts were detected on the
-    sensors holding the object".
+    """Definition of contact, which the paper leaves open.
+
+    The paper: "no more contacts were detected on the sensors holding the object".
 
     Attributes:
         of_sum: True: uses an array's sum of contacts; False: its taxel with the largest decrease
@@ -287,8 +298,11 @@ class ContactGate(NamedTuple):
 
 
 def sum_end() -> ContactGate:
-    """Contact by an array's sum, averaged over 20 ms, 5 sd above its value for noise alone, since a
-    trial has some thousand independent means."""
+    """Contact by an array's sum, averaged over 20 ms.
+
+    The threshold is 5 sd above its value for noise alone, since a trial has some thousand
+    independent means.
+    """
     # A normal variable clipped above its mean has a mean deficit of sd/sqrt(2 pi), and the standard
     # deviation sqrt(1/2 - 1/(2 pi)) sd.
     cut_mean = 1.0 / math.sqrt(2.0 * math.pi)

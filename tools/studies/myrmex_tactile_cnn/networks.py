@@ -209,8 +209,9 @@ class Place(NamedTuple):
 
 
 def balanced_windows(trials: Sequence[Windows], word: str, late: bool, seed: int) -> list[Place]:
-    """Equal numbers of drawn, unturned windows of each class: all of the rarest class; the others
-    are drawn.
+    """Equal numbers of drawn, unturned windows of each class.
+
+    All of the rarest class; the others are drawn.
 
     Args:
         trials: with their windows
@@ -370,8 +371,10 @@ def share(counts: NDArray[np.int64], label: int, called: int) -> float:
 
 
 def accuracy(counts: NDArray[np.int64]) -> float:
-    """Mean recall of the classes that occur; NaN if there are none. `counts`: [true, called]
-    windows."""
+    """Mean recall of the classes that occur; NaN if there are none.
+
+    `counts`: [true, called] windows.
+    """
     recalls = np.array([share(counts, kind, kind) for kind in range(len(KINDS))])
     return mean_sd(recalls[~np.isnan(recalls)])[0]
 

@@ -1,5 +1,7 @@
-"""Section 2.2 of the Myrmex paper: the onset of slip by a third sensor on the object, compared with
-the true onset."""
+"""Section 2.2 of the Myrmex paper.
+
+The onset of slip by a third sensor on the object, compared with the true onset.
+"""
 
 from __future__ import annotations
 
@@ -37,8 +39,10 @@ STILL = APART - SETTLED
 
 
 class Rule(NamedTuple):
-    """Parameters for the paper's rule: its text; average and threshold; True to use the counts,
-    False to use the true noise-free force."""
+    """Parameters for the paper's rule: its text; average and threshold.
+
+    True to use the counts, False to use the true noise-free force.
+    """
 
     text: str
     rule: OnsetRule

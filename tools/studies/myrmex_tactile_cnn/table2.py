@@ -1,5 +1,8 @@
-"""Table 2 of the Myrmex paper: nets 1 to 3 by its split, by trial and by object, compared with the
-information in the static image or a clock."""
+"""Table 2 of the Myrmex paper.
+
+Nets 1 to 3 by its split, by trial and by object, compared with the information in the static image
+or a clock.
+"""
 
 from __future__ import annotations
 
@@ -87,7 +90,7 @@ def forward_ms(row: Row) -> float:
 
 
 def figures_of(judged: Judged) -> dict[str, Any]:
-    """accuracy of all folds together and of each fold, and windows [true, called]."""
+    """Accuracy of all folds together and of each fold, and windows [true, called]."""
     return {
         "accuracy": accuracy(judged.all),
         "folds": [accuracy(fold) for fold in judged.folds],

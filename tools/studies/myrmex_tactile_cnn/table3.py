@@ -1,5 +1,7 @@
-"""Table 3 of the Myrmex paper: confusion of nets 1 to 3 from 62.5 Hz, with ten folds by window, and
-by trial."""
+"""Table 3 of the Myrmex paper.
+
+Confusion of nets 1 to 3 from 62.5 Hz, with ten folds by window, and by trial.
+"""
 
 from __future__ import annotations
 

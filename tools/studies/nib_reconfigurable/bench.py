@@ -1,5 +1,7 @@
-"""The nib pad's lever bench (scenes/nib_pad): traces of a recorded trial, and the origin of signals
-below 8 Hz."""
+"""The nib pad's lever bench (scenes/nib_pad).
+
+Traces of a recorded trial, and the origin of signals below 8 Hz.
+"""
 
 from __future__ import annotations
 
@@ -48,13 +50,17 @@ class Trace:
         )
 
     def at(self, time: float) -> int:
-        """Index of the first sample at or after `time` [s]; the number of samples if there is
-        none."""
+        """Index of the first sample at or after `time` [s].
+
+        The number of samples if there is none.
+        """
         return int(np.searchsorted(self.time, time))
 
     def moved(self, begun: int, way: float) -> int | None:
-        """First sample from `begun` at which the lever has moved by `way` [m] since; None if it
-        never has."""
+        """First sample from `begun` at which the lever has moved by `way` [m] since.
+
+        None if it never has.
+        """
         if begun >= len(self.lever):
             return None
         there = np.flatnonzero(self.lever[begun:] - self.lever[begun] >= way)
@@ -81,15 +87,18 @@ class Trace:
         return states, dict(zip(names, values.T, strict=True))
 
     def detection(self, detector: str, parameters: dict[str, str]) -> int | None:
-        """First sample in which a detector reports gross slip; None if there is none. Arguments and
-        errors as for estimates()."""
+        """First sample in which a detector reports gross slip; None if there is none.
+
+        Arguments and errors as for estimates().
+        """
         found = np.flatnonzero(self.estimates(detector, parameters)[0] == State.GROSS)
         return int(found[0]) if found.size else None
 
 
 def spectra(signal: ArrayLike, window: int = WINDOW, hop: int = HOP) -> Doubles:
-    """Magnitude spectra of a signal's windows, as in the nib pad's slip detection
-    (detectors/nib/features.h).
+    """Magnitude spectra of a signal's windows.
+
+    As in the nib pad's slip detection (detectors/nib/features.h).
 
     Each window minus its least-squares line, times the Hamming window of that period, without
     normalisation.
@@ -134,8 +143,9 @@ class Signature:
 
 
 def signature_of(trace: Trace, start: float, wavy: bool) -> Signature | None:
-    """Energy from the time at which the lever has moved 0.3 mm since the detector began to count,
-    to 10 mm.
+    """Energy from a motion of the lever of 0.3 mm to 10 mm.
+
+    The motion counts from the time at which the detector began to count.
 
     White noise of variance v has v sum w^2 in every bin, sum w^2 = (0.54^2 + 0.46^2/2) N; there are
     N/2 bins.

@@ -1,5 +1,7 @@
-"""Table I of the nib pad's paper: forces and moments from the 36 capacitances, under uniform and
-partial loads."""
+"""Table I of the nib pad's paper.
+
+Forces and moments from the 36 capacitances, under uniform and partial loads.
+"""
 
 from __future__ import annotations
 
@@ -82,8 +84,9 @@ SPLITS = {
 
 
 def wrench_on_pad(tips: ArrayLike, force: ArrayLike, displacement: ArrayLike) -> Doubles:
-    """Load of the object on the pad, in the pad's frame P and about its origin; compression is
-    positive.
+    """Load of the object on the pad, in the pad's frame P and about its origin.
+
+    Compression is positive.
 
     Args:
         tips: [N, 3] m, of the unloaded units
@@ -125,8 +128,10 @@ def joined(recordings: Iterable[Recording]) -> Recording:
 
 
 def running_mean(rows: Doubles, count: int) -> Doubles:
-    """Running mean of rows [n, ...] over each row and the rows before it, `count` in all, or as
-    many as there are."""
+    """Running mean of rows [n, ...] over each row and the rows before it.
+
+    It is over `count` rows in all, or as many as there are.
+    """
     sums = np.cumsum(np.concatenate([np.zeros((1, *rows.shape[1:])), rows]), axis=0)
     n = np.arange(1, len(rows) + 1)
     first = np.maximum(n - count, 0)
@@ -241,8 +246,9 @@ def split_of(sizes: Sequence[int], in_time: bool, stream: RandomStream) -> Split
 
 
 class QuadraticFit:
-    """Least-squares fit with a ridge of y = b + sum a_i x_i + sum_{i<=j} a_ij x_i x_j for every
-    component.
+    """Least-squares fit with a ridge of a polynomial of degree 2, for every component.
+
+    y = b + sum a_i x_i + sum_{i<=j} a_ij x_i x_j.
 
     Columns are first scaled to mean 0 and standard deviation 1; b is not penalised. With 36 inputs
     there are 703 coefficients per component, which 3,000 rows hardly determine: the ridge is the
@@ -273,8 +279,10 @@ class QuadraticFit:
             self._coefficients[:, best == k] = solved(RIDGES[k])[:, best == k]
 
     def _learn(self, x: Doubles, y: Doubles) -> Any:
-        """Scales the columns of these rows; returns a function from a ridge to the coefficients
-        [columns, components]."""
+        """Scales the columns of these rows.
+
+        Returns a function from a ridge to the coefficients [columns, components].
+        """
         self._columns = make_pipeline(
             StandardScaler(), PolynomialFeatures(2, include_bias=False), StandardScaler()
         )
@@ -326,8 +334,10 @@ def _figures(values: Iterable[float]) -> dict[str, Any]:
 
 
 def record_loads(options: Options) -> dict[str, dict[str, Recording]]:
-    """The recordings of each variant and load. Raises InputError and KeyboardInterrupt as
-    run_grid()."""
+    """The recordings of each variant and load.
+
+    Raises InputError and KeyboardInterrupt as run_grid().
+    """
     start = next(
         parse_quantity(one["default"])
         for one in describe("wander")[0]["parameters"]

@@ -1,5 +1,7 @@
-"""Table II of the nib pad's paper: Algorithm 1 under a slowly falling normal force, and the causes
-of its figures."""
+"""Table II of the nib pad's paper.
+
+Algorithm 1 under a slowly falling normal force, and the causes of its figures.
+"""
 
 from __future__ import annotations
 
@@ -43,8 +45,10 @@ READINGS: dict[str, tuple[str, dict[str, str]]] = {
 
 
 class Surface(NamedTuple):
-    """A published row: text, errors of all and of gross detections [N], number of safe runs, number
-    of runs."""
+    """A published row.
+
+    Text, errors of all and of gross detections [N], number of safe runs, number of runs.
+    """
 
     text: str
     all: float
@@ -191,8 +195,9 @@ def _surfaces_row(text: str, runs: pd.DataFrame) -> list[str]:
 def signature_rows(
     law: str, found: list[Signature | None]
 ) -> tuple[list[list[str]], list[dict[str, Any]]]:
-    """Medians of the signatures under one law: rows of the table and their figures, flat plates
-    first.
+    """Medians of the signatures under one law.
+
+    Rows of the table and their figures, flat plates first.
 
     Args:
         law: text of the law

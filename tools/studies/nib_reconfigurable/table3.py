@@ -1,5 +1,7 @@
-"""Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights,
-centres of mass and surfaces."""
+"""Table III of the nib pad's paper.
+
+A box turned up by rotational slip and released, over weights, centres of mass and surfaces.
+"""
 
 from __future__ import annotations
 
@@ -124,8 +126,11 @@ def tilt_of(pose: ArrayLike) -> NDArray[np.float64]:
 
 
 class Turn(NamedTuple):
-    """Outcome of a trial: a key of ENDS, and tilt [rad] and grip force [N] at the start of the
-    release, NaN without a release."""
+    """Outcome of a trial.
+
+    A key of ENDS, and tilt [rad] and grip force [N] at the start of the release, NaN without a
+    release.
+    """
 
     end: str
     tilt: float

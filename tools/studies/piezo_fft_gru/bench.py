@@ -75,8 +75,10 @@ class Recording:
 
 
 def tip_of(params: Mapping[str, Any]) -> str:
-    """Describes the swept values except the motion, as "friction.static=0.6 ...". `params`: of a
-    trial."""
+    """Describes the swept values except the motion, as "friction.static=0.6 ...".
+
+    `params`: of a trial.
+    """
     return " ".join(
         f"{path}={json.dumps(value, separators=(',', ':'), ensure_ascii=False)}"
         for path, value in params.items()

@@ -1,5 +1,7 @@
-"""Section V.E of the piezo paper: the delay of the FFT-GRU, relative to the position label and to
-the true first slip."""
+"""Section V.E of the piezo paper.
+
+The delay of the FFT-GRU, relative to the position label and to the true first slip.
+"""
 
 from __future__ import annotations
 
@@ -32,8 +34,9 @@ NAME = "piezo-fft-gru/delay"
 
 
 def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
-    """Time from `onset` to the start of the alarm that is active at the onset, else of the next
-    alarm.
+    """Time from `onset` to the start of the alarm.
+
+    This is the alarm that is active at the onset, else the next one.
 
     It is negative for an active alarm. The paper's mean of 8.5 ms is computed this way: its delays
     may be negative.
@@ -59,8 +62,9 @@ def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
 
 @dataclass
 class Alarms:
-    """Alarms over recordings. In `delay`, the first alarm of a recording decides, and an early one
-    has no delay.
+    """Alarms over recordings.
+
+    In `delay`, the first alarm of a recording decides, and an early one has no delay.
 
     Attributes:
         delay: s, of the recordings whose first alarm is at or after the onset

@@ -329,8 +329,9 @@ class _Plan(NamedTuple):
 
 
 class Validations:
-    """Cross-validations of rows: queued first, then trained together, each network in its own
-    process.
+    """Cross-validations of rows.
+
+    They are queued first, then trained together, each network in its own process.
 
     Args:
         options: seed, jobs, output, resume
@@ -371,8 +372,10 @@ class Validations:
     def queue_folds(
         self, recordings: Sequence[Recording], row: Row, rule: str, slip_alone: bool = False
     ) -> int:
-        """As queue() with FOLDS folds, over which recordings with contact and of motors only are
-        distributed separately."""
+        """As queue() with FOLDS folds.
+
+        Recordings with contact and of motors only are distributed separately over them.
+        """
         return self.queue(
             recordings,
             folds(groups_of(recordings), FOLDS, self._options.draws_seed),
@@ -410,8 +413,10 @@ class Validations:
         return found
 
     def calls(self, validation: int) -> list[Labels]:
-        """Each recording's frames [T] as classified by the network that was not trained on it, 1:
-        slip; call after run()."""
+        """Each recording's frames [T] as classified by the network that was not trained on it.
+
+        1 is slip. Call after run().
+        """
         fold_of = self._plans[validation].fold_of
         called: list[Labels] = [np.zeros(0, np.uint8)] * len(fold_of)
         for (number, fold), of_fold in zip(self._tasks, self._called, strict=True):

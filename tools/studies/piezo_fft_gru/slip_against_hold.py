@@ -1,5 +1,7 @@
-"""Slip against hold by the power of one frame, by the motors' level: the area under the curve,
-and the frames that are confused."""
+"""Slip against hold by the power of one frame, by the motors' level.
+
+The area under the curve, and the frames that are confused.
+"""
 
 from __future__ import annotations
 

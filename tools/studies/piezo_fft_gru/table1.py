@@ -1,5 +1,7 @@
-"""Table I of the piezo paper: architectures, compared with shortcuts that need no signal of
-slip."""
+"""Table I of the piezo paper.
+
+Architectures, compared with shortcuts that need no signal of slip.
+"""
 
 from __future__ import annotations
 

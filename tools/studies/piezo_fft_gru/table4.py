@@ -1,5 +1,7 @@
-"""Table IV of the piezo paper: training with and without recordings of motors only, by the motors'
-vibration."""
+"""Table IV of the piezo paper.
+
+Training with and without recordings of motors only, by the motors' vibration.
+"""
 
 from __future__ import annotations
 
@@ -39,8 +41,10 @@ Levels = Mapping[str, list[Recording]]
 
 
 def level_name(level: float) -> str:
-    """Name of a level in the tables: 2.0 is "2"; a negative level means a dataset without
-    levels."""
+    """Name of a level in the tables: 2.0 is "2".
+
+    A negative level means a dataset without levels.
+    """
     return NO_LEVEL if level < 0.0 else repr(level).removesuffix(".0")
 
 

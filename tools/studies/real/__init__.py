@@ -152,8 +152,10 @@ def judged(answers: Sequence[Answer], groups: Sequence[str]) -> dict[str, Any]:
 
 
 def evaluated(recordings: Recordings, detector: str, yardstick: bool) -> list[Row]:
-    """Runs a detector on a set. Recordings that are slower than a network reads are interpolated, as
-    with `--resample`, and long gaps for every detector.
+    """Runs a detector on a set.
+
+    Recordings that are slower than a network reads are interpolated, as with `--resample`, and long
+    gaps for every detector.
 
     Args:
         recordings: the set
@@ -510,7 +512,7 @@ def chart_of(recordings: Recordings, rows: Sequence[Row]) -> list[Chart]:
 
 
 def study(options: Options) -> Result:
-    """real.
+    """The study real.
 
     Args:
         options: recordings: the folder; only: names of sets

@@ -82,8 +82,10 @@ def answers_of(detected: Mapping[str, Any]) -> list[Answer]:
 
 
 def steady(answer: Answer) -> Answer:
-    """The answer with labels only where the label has been the same for STEADY: a detector that
-    reads a window of this length then has read a single state."""
+    """The answer with labels only where the label has been the same for STEADY.
+
+    A detector that reads a window of this length then has read a single state.
+    """
     first = np.append(True, np.diff(answer.labels) != 0)
     since = answer.time[np.maximum.accumulate(np.where(first, np.arange(len(first)), 0))]
     return replace(
@@ -95,8 +97,11 @@ def steady(answer: Answer) -> Answer:
 
 
 def best_threshold(answers: Sequence[Answer]) -> float:
-    """The probability from which slip is reported with the greatest balanced accuracy of slip and no
-    slip on these answers: the middle between the two values next to it; NaN if a class is missing."""
+    """The probability from which slip is reported with the greatest balanced accuracy.
+
+    The accuracy is that of slip and no slip on these answers; the probability is the middle between
+    the two values next to it. NaN if a class is missing.
+    """
     values = np.concatenate([one.probability[one.known] for one in answers] or [np.empty(0)])
     slips = np.concatenate([one.slips[one.known] for one in answers] or [np.empty(0, bool)])
     slips, values = slips[~np.isnan(values)], values[~np.isnan(values)]

@@ -1,5 +1,7 @@
-"""The public sets of recordings that the study knows: how their files are found and imported, and
-what is known of slip in them."""
+"""The public sets of recordings that the study knows.
+
+How their files are found and imported, and what is known of slip in them.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,10 @@ def _first_line(path: Path) -> str:
 
 
 def _folders_with(folder: Path, pattern: str, title: str, every: Sequence[str] = ()) -> list[Path]:
-    """Folders below `folder`, or itself, with a file that matches `pattern` and whose first line has
-    `title`, and with the files or folders `every`."""
+    """Folders below `folder`, or itself, with a file that matches `pattern`.
+
+    The file's first line has `title`, and the folders have the files or folders `every`.
+    """
     found = sorted(
         {
             path.parent

@@ -153,7 +153,7 @@ def _text(value: float) -> str:
 
 
 def study(options: Options) -> Result:
-    """realism.
+    """The study realism.
 
     Args:
         options: real, trials, only, full, seed, jobs

@@ -1,5 +1,7 @@
-"""The PapillArray's published recordings on a hexapod, compared with
-scenes/papillarray/hexapod.yaml."""
+"""The PapillArray's published recordings on a hexapod.
+
+They are compared with scenes/papillarray/hexapod.yaml.
+"""
 
 from __future__ import annotations
 
@@ -113,8 +115,9 @@ def sums_of(trial: Trial) -> Sums:
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """Published figures of the PapillArray's recordings, with ours: from the paper, and statistics
-    of their forces (scenes/papillarray/README.md).
+    """Published figures of the PapillArray's recordings, with ours.
+
+    From the paper, and statistics of their forces (scenes/papillarray/README.md).
 
     Args:
         options: seed (default: hexapod.yaml's own), jobs

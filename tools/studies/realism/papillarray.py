@@ -1,5 +1,7 @@
-"""Force against displacement of a real PapillArray, and the filter before its converter, compared
-with the electronics `typical`."""
+"""Force against displacement of a real PapillArray, and the filter before its converter.
+
+Both are compared with the electronics `typical`.
+"""
 
 from __future__ import annotations
 
@@ -156,8 +158,9 @@ def device_summaries(options: Options) -> Floats:
 
 
 def vibration_amplitude(options: Options) -> float:
-    """Transmission of the filter for a shear of VIBRATION, sampled at 1 kHz: sticking strokes of 10
-    um, 8 mm/s back and forth.
+    """Transmission of the filter for a shear of VIBRATION, sampled at 1 kHz.
+
+    Sticking strokes of 10 um, 8 mm/s back and forth.
 
     Args:
         options: jobs
@@ -209,8 +212,9 @@ def half_time(after: Sequence[float], read: Sequence[float], level: float) -> fl
 
 
 def step_half(options: Options) -> float:
-    """Time at which a step of normal force is at half, sampled at 1 kHz: ten presses of 0.2 mm at
-    10 m/s, each 0.1 ms later, combined.
+    """Time at which a step of normal force is at half, sampled at 1 kHz.
+
+    Ten presses of 0.2 mm at 10 m/s, each 0.1 ms later, combined.
 
     Args:
         options: jobs
@@ -250,8 +254,10 @@ def step_half(options: Options) -> float:
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """Coupling between the axes of a PapillArray's pillars, scatter of their stiffness, and the
-    filter before its converter, with ours.
+    """Properties of a PapillArray, with ours.
+
+    Coupling between the axes of its pillars, scatter of their stiffness, and the filter before its
+    converter.
 
     Args:
         options: seed of the first device (default: 1), jobs

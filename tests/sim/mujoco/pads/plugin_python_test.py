@@ -1,5 +1,8 @@
-"""plugin_python_test.py LIBRARY ANOTHER_MUJOCO_VERSION [PLUGIN_TRACE]: the plugin as Python and, where there is one of this MuJoCo, another C program
-load it. Runs in every release of MuJoCo for which the plugin is built."""
+"""plugin_python_test.py LIBRARY ANOTHER_MUJOCO_VERSION [PLUGIN_TRACE].
+
+The plugin as Python and, where there is one of this MuJoCo, another C program load it. Runs in
+every release of MuJoCo for which the plugin is built.
+"""
 
 import copy
 import gc
@@ -34,8 +37,10 @@ def rows(n=3, pitch=0.007, k_n=1000, k_t=200):
 
 
 def grip(left=None, right=None, integrator="implicitfast"):
-    """A box of 100 g, moved and turned a little, between a fixed pad and one that ctrl[0]
-    closes."""
+    """A box of 100 g between a fixed pad and one that ctrl[0] closes.
+
+    It is moved and turned a little.
+    """
 
     def instance(name, attributes):
         every = {
@@ -65,8 +70,9 @@ def grip(left=None, right=None, integrator="implicitfast"):
 
 
 def control(tick):
-    """The grip [N] of plugin_trace.cc: across the threshold of 0.98 N and back every 0.4 s, so that
-    the box moves down in steps.
+    """The grip [N] of plugin_trace.cc.
+
+    Across the threshold of 0.98 N and back every 0.4 s, so that the box moves down in steps.
     """
     phase = tick % 400
     return 0.4 + 0.01 * (phase if phase < 200 else 400 - phase)
@@ -168,8 +174,9 @@ def run_scene(name, keyframe, seconds):
 
 
 class Scenes(unittest.TestCase):
-    """The scenes of scenes/mujoco, unchanged. A PapillArray's sensordata: 27 forces, 27
-    displacements, then nine unit states (pad_readout.h).
+    """The scenes of scenes/mujoco, unchanged.
+
+    A PapillArray's sensordata: 27 forces, 27 displacements, then nine unit states (pad_readout.h).
     """
 
     def test_two_pads_hold_a_box(self):
@@ -205,8 +212,9 @@ def touching(
     start=0.001,
     collide="contype='0' conaffinity='0'",
 ):
-    """A block of 1 kg on a vertical slider, with a pad of 3 x 3 elements of 1 kN/m below it, over a
-    plate with its top at z = 0.
+    """A block of 1 kg on a vertical slider, with a pad below it, over a plate.
+
+    The pad has 3 x 3 elements of 1 kN/m; the plate's top is at z = 0.
     """
     return f"""<mujoco><option timestep="0.001" gravity="0 0 -9.81" {option}/>
       <extension><plugin plugin="slipbench.field"><instance name="left"><config key="pad" value="pad"/><config key="touch" value="plate"/>
@@ -372,8 +380,9 @@ class Pickle(unittest.TestCase):
 
 
 class Unloaded(unittest.TestCase):
-    """Learners' inputs are finite: margin and stuck_fraction without contact are 1. After 9 x 6
-    readings and 9 x 4 of the truth come nine margins; stuck_fraction is the last value.
+    """Learners' inputs are finite: margin and stuck_fraction without contact are 1.
+
+    After 9 x 6 readings and 9 x 4 of the truth come nine margins; stuck_fraction is the last value.
     """
 
     def test_all_is_finite_before_and_without_contact(self):

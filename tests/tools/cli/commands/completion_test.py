@@ -1,5 +1,7 @@
-"""Completion scripts in the shells that they are for, and the manual page under its checkers. A shell or checker that is not installed is left out.
-Argument: the program."""
+"""Completion scripts in the shells that they are for, and the manual page under its checkers.
+
+A shell or checker that is not installed is left out. Argument: the program.
+"""
 
 import contextlib
 import os

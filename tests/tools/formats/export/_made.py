@@ -68,8 +68,9 @@ def make(scene):
 
 
 def import_table(folder, text, about):
-    """Imports a table by a map, with blanks in both names, and a command as by a user of another
-    machine; returns the dataset's path.
+    """Imports a table by a map, with blanks in both names; returns the dataset's path.
+
+    The command is as by a user of another machine.
     """
     logs = folder / "my logs"
     logs.mkdir()

@@ -131,8 +131,9 @@ class Formats(ExportTest):
         self.same(found["actions"][:], ((acted - offset) / scale).astype("f4"), "actions")
 
     def test_a_rate_takes_the_same_rows_in_every_format(self):
-        """SI of a nib_pad is read at a ninth of its rate and begins later: it is held, and the rows
-        begin with it.
+        """SI of a nib_pad is read at a ninth of its rate and begins later.
+
+        It is held, and the rows begin with it.
         """
         dataset = make("nib_pad/linear.yaml")
         words = ("--rate", "100 Hz", "--trial", "1", "--sensors", "pad")

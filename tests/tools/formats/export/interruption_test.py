@@ -66,8 +66,9 @@ class Interruption(ExportTest):
         )
 
     def interrupt(self, format, out, holds, *numbers, ignored=()):
-        """Sends the signals once `holds` of the process and `out`. If both signals are equal,
-        repeats the second until the process ends.
+        """Sends the signals once `holds` of the process and `out`.
+
+        If both signals are equal, repeats the second until the process ends.
 
         Until then the export's stderr is a full pipe, so that the export waits with the line after
         the first trial, however slow this process is. Returns the exit status and the output
@@ -104,8 +105,9 @@ class Interruption(ExportTest):
                 )
 
     def test_a_signal_keeps_the_files_of_finished_trials_alone(self):
-        """The signal comes while the first trial is written, or while the program waits after it;
-        then the next check follows the second trial.
+        """The signal comes while the first trial is written, or while the program waits after it.
+
+        Then the next check follows the second trial.
         """
         for (format, name), number in zip(FILES_OF_TRIALS.items(), SIGNALS, strict=True):
             with self.subTest(format=format, signal=number.name):
@@ -195,8 +197,9 @@ class Interruption(ExportTest):
                 self.assertEqual(contents(out), contents(whole))
 
     def test_a_full_disk_is_told_and_leaves_nothing(self):
-        """A limit on a file's size emulates a full disk: the write fails half-way in the same
-        place.
+        """A limit on a file's size emulates a full disk.
+
+        The write fails half-way in the same place.
         """
         for format in FORMATS:
             with self.subTest(format=format):

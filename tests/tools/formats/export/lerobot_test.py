@@ -26,8 +26,9 @@ QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 
 
 def read(folder):
-    """Returns what a reader finds by meta/info.json alone: info, the table of frames, the table of
-    episodes.
+    """Returns what a reader finds by meta/info.json alone.
+
+    Info, the table of frames, the table of episodes.
     """
     info = json.loads((folder / "meta/info.json").read_text())
     episodes = pandas.read_parquet(folder / "meta/episodes/chunk-000/file-000.parquet")
@@ -59,8 +60,9 @@ def values_of(table, info, feature):
 
 
 def arrays(demo, sensors):
-    """Yields (feature, times, values) of the dataset: every channel, label, body and array of the
-    loop.
+    """Yields (feature, times, values) of the dataset.
+
+    Every channel, label, body and array of the loop.
     """
     for sensor in sensors:
         group = demo["sensors"][sensor]

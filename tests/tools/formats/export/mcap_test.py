@@ -21,8 +21,9 @@ LAYOUT, CARDS = "foxglove-layout.json", ("README.md", "croissant.json")
 
 
 def read(path):
-    """Returns {topic: (log times in ns, decoded messages)} and the topics' channels; checks every
-    sum, and the order in the file.
+    """Returns {topic: (log times in ns, decoded messages)} and the topics' channels.
+
+    Checks every sum, and the order in the file.
     """
     topics, channels, last = {}, {}, 0
     with open(path, "rb") as file:
@@ -65,8 +66,9 @@ class Mcap(ExportTest):
         )
 
     def check_own(self, topics, channels, topic, times, arrays):
-        """Checks that a topic of our own type has these arrays as fields with their units and
-        shapes.
+        """Checks that a topic of our own type has these arrays as fields.
+
+        Compares their units and shapes.
         """
         found, messages = topics.pop(topic)
         self.assertEqual(found, nanoseconds(times), topic)
@@ -131,8 +133,9 @@ class Mcap(ExportTest):
             self.check_own(topics, channels, f"/sensors/{sensor}", group["t"], together)
 
     def check_places(self, grid, shape, places):
-        """Returns the middle of cell (row, column) after the pose's half turn about x: x stays, y
-        changes its sign.
+        """Returns the middle of cell (row, column) after the pose's half turn about x.
+
+        X stays, y changes its sign.
         """
         self.assertEqual([getattr(grid.pose.orientation, axis) for axis in "xyzw"], [1, 0, 0, 0])
         row, column = np.indices(shape).reshape(2, -1)

@@ -22,8 +22,9 @@ def same(found, expected, what):
 
 
 def check_sensor(out, name, number, demo):
-    """Compares the files' values for a trial and sensor with the dataset; returns the names of the
-    columns and files compared.
+    """Compares the files' values for a trial and sensor with the dataset.
+
+    Returns the names of the columns and files compared.
     """
     table = pandas.read_parquet(out / f"{name}.parquet").query("trial == @number")
     sensor, seen, files = (

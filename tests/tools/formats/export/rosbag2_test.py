@@ -25,8 +25,9 @@ DRIVER = {
 
 
 def read(folder):
-    """Returns {topic: (times in ns, decoded messages, their raw bytes)}, the topics' types, and the
-    store of those types.
+    """Returns the messages of each topic, the topics' types, and the store of those types.
+
+    The messages are {topic: (times in ns, decoded messages, their raw bytes)}.
     """
     topics, types = {}, {}
     with AnyReader([folder]) as reader:
@@ -78,8 +79,10 @@ class Rosbag2(ExportTest):
                 self.assertEqual(getattr(messages[0], f"{name}_{word}".upper()), code)
 
     def check_papillarray(self, topics, number, demo, sensor):
-        """Compares the driver's message with the dataset, with each rule implemented
-        independently."""
+        """Compares the driver's message with the dataset.
+
+        Each rule is implemented independently.
+        """
         group, labels = demo["sensors"][sensor], demo["labels"][sensor]
         found, messages, _ = topics.pop(f"/hub_0/sensor_{number}")
         self.assertEqual(found, nanoseconds(group["t"]))
@@ -221,8 +224,10 @@ class Rosbag2(ExportTest):
                 self.check_package(out, types, store)
 
     def check_driver(self, name, store):
-        """The type has the hash of the driver's, which ROS 2 compares before it delivers a
-        message."""
+        """The type has the hash of the driver's.
+
+        ROS 2 compares it before it delivers a message.
+        """
         self.assertEqual(name, "papillarray_interfaces/msg/SensorState")
         driver = get_typestore(Stores.ROS2_HUMBLE)
         for kind, text in DRIVER.items():
@@ -230,8 +235,9 @@ class Rosbag2(ExportTest):
         self.assertEqual(store.hash_rihs01(name), driver.hash_rihs01(name))
 
     def check_package(self, out, types, store):
-        """slipbench_msgs holds the definitions of the bag; those of ROS 2 itself have ROS 2's
-        hashes.
+        """slipbench_msgs holds the definitions of the bag.
+
+        Those of ROS 2 itself have ROS 2's hashes.
         """
         package = get_typestore(Stores.ROS2_HUMBLE)
         for path in (out / "slipbench_msgs/msg").glob("*.msg"):

@@ -17,8 +17,9 @@ SCENES = Path(sys.argv.pop(1)).resolve() / "scenes"
 
 class ChangedFilesTest(unittest.TestCase):
     def changed(self, scene, named, other, *settings):
-        """Returns the sweep's error when the scene's file `named` becomes `other` after the first
-        trial; the folder is a copy of the scene's.
+        """Returns the sweep's error when the scene's file `named` becomes `other`.
+
+        This happens after the first trial; the folder is a copy of the scene's.
         """
         with tempfile.TemporaryDirectory() as made:
             folder = Path(made)

@@ -1,5 +1,6 @@
-"""Kills sweeps at random instants: batches stay readable, and --resume gives the undisturbed
-digest.
+"""Kills sweeps at random instants.
+
+Batches stay readable, and --resume gives the undisturbed digest.
 
 usage: kill_test.py ROOT SLIPBENCH PLUGIN KIND ENDS SEED [TRIALS]
 
@@ -28,8 +29,9 @@ SLOW = 5.0  # s more on a busy machine, where a trial or a sync takes longer
 
 
 def kinds(root, plugin, trials):
-    """Returns scene and words of each kind of sweep. Each takes some seconds and so has more than
-    one batch.
+    """Returns scene and words of each kind of sweep.
+
+    Each takes some seconds and so has more than one batch.
     """
     some = ["--trials", trials]
     return {

@@ -1,5 +1,6 @@
-"""The sweep shared by tests of killed and divided sweeps: three speeds times `trials`, some 10 ms
-each.
+"""The sweep shared by tests of killed and divided sweeps.
+
+Three speeds times `trials`, some 10 ms each.
 """
 
 

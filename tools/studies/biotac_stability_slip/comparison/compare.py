@@ -133,8 +133,10 @@ def of_group(recordings, group):
 
 
 def scatter(kind, how, real, synthetic, random):
-    """Standard error of the (log) ratio or difference, from 200 bootstrap samples of the
-    recordings."""
+    """Standard error of the (log) ratio or difference.
+
+    From 200 bootstrap samples of the recordings.
+    """
     found = []
     for _ in range(200):
         a, b = (how(random.choice(values, len(values))) for values in (synthetic, real))
@@ -143,8 +145,10 @@ def scatter(kind, how, real, synthetic, random):
 
 
 def compared(real, synthetic):
-    """One row per figure and group: name, group, kind, real, synthetic, distance, its standard
-    error, distance of the dry run."""
+    """One row per figure and group.
+
+    Name, group, kind, real, synthetic, distance, its standard error, distance of the dry run.
+    """
     random = np.random.default_rng(1)
     rows = []
     for name, kind, how, figure, dry_run in FIGURES:
@@ -170,7 +174,9 @@ def compared(real, synthetic):
 
 def bars(rows):
     """By figure: the dry run's worst distance, but at least the rounding of its table's two digits.
-    NaN: not given."""
+
+    NaN: not given.
+    """
     return {
         row["name"]: max(
             [r["dry"] for r in rows if r["name"] == row["name"]]

@@ -97,8 +97,10 @@ def time_series(real, synthetic):
 
 
 def by_group(real, synthetic, figure, places, middle, settings, caption):
-    """One plot of `figure` per group at `places`: thick lines are medians over its recordings, thin
-    ones the quartiles."""
+    """One plot of `figure` per group at `places`.
+
+    Thick lines are medians over its recordings, thin ones the quartiles.
+    """
     parts = []
     for group in GROUPS:
         plot = axes(**settings)

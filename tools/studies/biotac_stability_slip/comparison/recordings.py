@@ -108,8 +108,10 @@ def most_active(counts):
 
 
 def active_spectrum(recording):
-    """Welch's one-sided density [counts^2/Hz] of the most active electrode: Hann windows of 256
-    rows with half overlap. Returns frequencies [Hz] and density."""
+    """Welch's one-sided density [counts^2/Hz] of the most active electrode.
+
+    Hann windows of 256 rows with half overlap. Returns frequencies [Hz] and density.
+    """
     return signal.welch(
         detrended(recording.counts)[:, most_active(recording.counts)],
         RATE,
@@ -144,22 +146,29 @@ def components(recording):
 
 
 def net_change(recording, least=20.0):
-    """Numbers of electrodes whose last 0.2 s are higher, and lower, than their first by more than
-    `least` counts."""
+    """Numbers of electrodes whose last 0.2 s are higher, and lower, than their first.
+
+    They differ by more than `least` counts.
+    """
     change = recording.counts[-20:].mean(0) - recording.counts[:20].mean(0)
     return [int((change > least).sum()), int((change < -least).sum())]
 
 
 def step_figures(recording):
-    """Median over electrodes of the standard deviation of steps between rows [counts], and the
-    share of rows that repeat the previous one."""
+    """Noise of the steps between rows [counts], and the share of repeated rows.
+
+    The noise is the median over electrodes of the standard deviation; a repeated row is equal to
+    the previous one.
+    """
     steps = np.diff(recording.counts, axis=0)
     return [np.median(steps.std(0)), (steps == 0).mean()]
 
 
 def spreads(recording):
-    """Detrended standard deviation [counts]: median over electrodes, and that of the most active
-    one."""
+    """Detrended standard deviation [counts].
+
+    Median over electrodes, and that of the most active one.
+    """
     sd = detrended(recording.counts).std(0)
     return [np.median(sd), sd.max()]
 
@@ -171,8 +180,10 @@ def levels(recording):
 
 
 def extremes(recording):
-    """Largest peak-to-peak value of an electrode [counts], and largest slope of a smoothed one
-    [counts/s]."""
+    """Largest peak-to-peak value of an electrode [counts], and largest slope [counts/s].
+
+    The slope is that of a smoothed electrode.
+    """
     slope = np.abs(np.gradient(smoothed(recording.counts), axis=0)).max() * RATE
     return [np.ptp(recording.counts, axis=0).max(), slope]
 
