@@ -605,15 +605,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             [channels] if isinstance(channels, str) else list(channels),
         )
         self._arguments = (dataset, length, stride, sensor, self._channels, labels, part, trials)
-        self._trials = dataset.mask(part) if part else list(dataset.trials)
-        if trials is not None:
-            if unknown := sorted(set(trials) - set(self._trials)):
-                raise _core.InputError(
-                    f"trials: {', '.join(map(str, unknown))}; allowed: the numbers of the {part or 'dataset'}'s trials"
-                )
-            self._trials = sorted(set(trials))
-        if not self._trials:
-            raise _core.InputError(self._empty_text(part, trials))
+        self._trials = self._chosen_trials(part, trials)
         self._kept: dict[
             int, tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]
         ] = {}
@@ -624,24 +616,45 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             for trial, count in zip(self._trials, samples, strict=True)
         ]
         self._ends = np.cumsum([0] + [len(starts) for starts in self._starts]).tolist()
+        self._check_lengths(samples)
+
+    def _chosen_trials(self, part: str, trials: Sequence[int] | None) -> list[int]:
+        """The trials of a part, or those of it that are in `trials`, ascending."""
+        chosen = self._dataset.mask(part) if part else list(self._dataset.trials)
+        if trials is not None:
+            if unknown := sorted(set(trials) - set(chosen)):
+                raise _core.InputError(
+                    f"trials: {', '.join(map(str, unknown))}; allowed: the numbers of the {part or 'dataset'}'s trials"
+                )
+            chosen = sorted(set(trials))
+        if not chosen:
+            raise _core.InputError(self._empty_text(part, trials))
+        return chosen
+
+    def _check_lengths(self, samples: list[int]) -> None:
+        """Warns of trials without a window; raises InputError if there is none at all.
+
+        `samples`: number of samples of each trial.
+        """
+        length = self._length
         short = [
             trial for trial, count in zip(self._trials, samples, strict=True) if count < length
         ]
-        if short and len(short) == len(samples):
+        if len(short) == len(samples):
             longest = int(np.argmax(samples))
             raise _core.InputError(
                 f"length {length}: the longest trial, {self._trials[longest]}, has {counted(samples[longest], 'sample')}; allowed: 1 to {samples[longest]}"
             )
         if not self._ends[-1]:
             raise _core.InputError(
-                f"labels {labels!r}: the label of each window of {counted(len(samples), 'trial')} is unknown; "
+                f"labels {self._rule!r}: the label of each window of {counted(len(samples), 'trial')} is unknown; "
                 "use recordings in which hold or slip is known"
             )
         if short:
             warnings.warn(
                 f"{len(short)} of {counted(len(samples), 'trial')} {'has' if len(short) == 1 else 'have'} fewer than {length} samples and no window: "
                 f"{', '.join(map(str, short[:10]))}{' ...' if len(short) > 10 else ''}",
-                stacklevel=3,
+                stacklevel=4,
             )
 
     def _empty_text(self, part: str, trials: Sequence[int] | None) -> str:
@@ -712,56 +725,60 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
 
         They differ if a sample has another meaning.
         """
-        first: tuple[int, float, list[tuple[str, tuple[int, ...], str]]] | None = None
+        first = self._trials[0]
+        first_rate, first_values = self._rate(first), self._values(first)
         for number in self._trials:
-            trial = self._dataset[number]
-            name = self._name(trial)
-            sensor, samples = trial.sensors[name], self._samples(number)
-            channels = self._chosen_channels(sensor)
-            for channel in channels:
-                if channel not in sensor or len(sensor[channel]) != samples:
-                    at_rate = [
-                        one for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples
-                    ]
-                    raise _core.InputError(
-                        f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
-                        f"allowed: channels={[str(one) for one in at_rate]}"
-                    )
-            rate = float(sensor.attrs["rate_hz"])
-            alike = [
-                (channel, sensor[channel].shape[1:], str(sensor[channel].attrs["unit"]))
-                for channel in channels
-            ]
-            if first is None:
-                first = number, rate, alike
-            if abs(rate - first[1]) > 0.01 * first[1]:
-                same = [
-                    one
-                    for one in self._trials
-                    if abs(
-                        float(
-                            self._dataset[one]
-                            .sensors[self._name(self._dataset[one])]
-                            .attrs["rate_hz"]
-                        )
-                        - rate
-                    )
-                    <= 0.01 * rate
-                ]
+            name, rate, values = (
+                self._name(self._dataset[number]),
+                self._rate(number),
+                self._values(number),
+            )
+            if abs(rate - first_rate) > 0.01 * first_rate:
+                same = [one for one in self._trials if abs(self._rate(one) - rate) <= 0.01 * rate]
                 raise _core.InputError(
-                    f"trial {number}: sensor {name!r} has {rate:g} Hz, but {first[1]:g} Hz in trial {first[0]}, so that windows of {self._length} samples "
+                    f"trial {number}: sensor {name!r} has {rate:g} Hz, but {first_rate:g} Hz in trial {first}, so that windows of {self._length} samples "
                     f"differ in time; choose trials of one rate, such as trials={same[:10]}{' ...' if len(same) > 10 else ''}"
                 )
-            if alike != first[2]:
+            if values != first_values:
                 texts = [
                     ", ".join(
                         f"{channel} {shape_text(shape, unit)}" for channel, shape, unit in one
                     )
-                    for one in (alike, first[2])
+                    for one in (values, first_values)
                 ]
                 raise _core.InputError(
-                    f"trial {number}: sensor {name!r} has {texts[0]} per sample, but {texts[1]} in trial {first[0]}; choose alike trials by trials=[...]"
+                    f"trial {number}: sensor {name!r} has {texts[0]} per sample, but {texts[1]} in trial {first}; choose alike trials by trials=[...]"
                 )
+
+    def _sensor_of(self, number: int) -> StoredSensor:
+        trial = self._dataset[number]
+        return trial.sensors[self._name(trial)]
+
+    def _rate(self, number: int) -> float:
+        """Rate of a trial's sensor [Hz]."""
+        return float(self._sensor_of(number).attrs["rate_hz"])
+
+    def _values(self, number: int) -> list[tuple[str, tuple[int, ...], str]]:
+        """Name, shape of a sample and unit of each channel of a trial.
+
+        Raises InputError for a channel that the trial lacks, or that has another rate than the
+        labels.
+        """
+        sensor, samples = self._sensor_of(number), self._samples(number)
+        channels = self._chosen_channels(sensor)
+        for channel in channels:
+            if channel not in sensor or len(sensor[channel]) != samples:
+                at_rate = [
+                    str(one) for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples
+                ]
+                raise _core.InputError(
+                    f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
+                    f"allowed: channels={at_rate}"
+                )
+        return [
+            (channel, sensor[channel].shape[1:], str(sensor[channel].attrs["unit"]))
+            for channel in channels
+        ]
 
     def __reduce__(self) -> Any:
         return Windows, self._arguments

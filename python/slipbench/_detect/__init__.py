@@ -13,6 +13,9 @@ from slipbench._output import NewFiles
 from slipbench._scene import overrides_of
 from slipbench.bin import _core
 
+_KEY = {b"slipbench_detect": b"1"}  # metadata of tables that this command has written
+_PLACE = ("recording", "trial", "object")
+
 
 def detect(
     detector: str,
@@ -81,79 +84,95 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
     Raises:
         InputError: a file cannot be written, or exists and is not a table of this command
     """
-    import pyarrow as pa
     from pyarrow import parquet as pq
 
-    text, number, key = pa.string(), pa.float64(), {b"slipbench_detect": b"1"}
-    place = [("recording", text), ("trial", pa.int64()), ("object", text)]
-    alarms = pa.schema(
-        [
-            *place,
-            ("alarm", pa.int64()),
-            ("begin_s", number),
-            ("end_s", number),
-            ("probability", number),
-        ],
-        metadata=key,
-    )
-    samples = pa.schema(
-        [
-            *place,
-            ("time_s", number),
-            ("state", text),
-            ("slip", pa.bool_()),
-            ("probability", number),
-            ("label", text),
-        ],
-        metadata=key,
-    )
-    targets = {path: alarms, samples_path(path): samples}
+    alarms, samples = _schemas()
+    targets = [path, samples_path(path)]
     for name in targets:
-        if Path(name).is_symlink():
-            raise _core.InputError(
-                f"cannot write {name}: it is a symbolic link, which would be replaced, not followed; give a file or a new name"
-            )
-        if Path(name).exists():
-            try:
-                with open(name, "rb") as file:
-                    earlier = key.items() <= (pq.read_schema(file).metadata or {}).items()
-            except (OSError, pa.ArrowInvalid):
-                earlier = False
-            if not earlier:
-                raise _core.InputError(
-                    f"cannot write {name}: it exists and is not a table of slipbench detect; choose another -o"
-                )
+        _check_target(name)
     try:
         # File objects: pyarrow takes some names, such as a:b.parquet, for addresses.
         with (
             NewFiles() as files,
-            pq.ParquetWriter(files.create(Path(path)), alarms) as alarm_file,
-            pq.ParquetWriter(files.create(Path(samples_path(path))), samples) as sample_file,
+            pq.ParquetWriter(files.create(Path(targets[0])), alarms) as alarm_file,
+            pq.ParquetWriter(files.create(Path(targets[1])), samples) as sample_file,
         ):
             for trial in result["trials"]:
-                where = {name: trial[name] for name in ("recording", "trial", "object")}
-                rows = [
-                    {**where, "alarm": k + 1, **alarm} for k, alarm in enumerate(trial["alarms"])
-                ]
-                alarm_file.write_table(pa.Table.from_pylist(rows, alarms))
-                columns = trial["samples"]
-                count = len(columns["time_s"])
-                sample_file.write_table(
-                    pa.table(
-                        {
-                            **{name: [value] * count for name, value in where.items()},
-                            "time_s": columns["time_s"],
-                            "state": columns["state"],
-                            "slip": [state in ("incipient", "gross") for state in columns["state"]],
-                            "probability": columns["probability"],
-                            "label": columns["label"] or [None] * count,
-                        },
-                        schema=samples,
-                    )
-                )
+                alarm_file.write_table(_alarms_of(trial, alarms))
+                sample_file.write_table(_samples_of(trial, samples))
             alarm_file.close()
             sample_file.close()
             files.publish()
     except OSError as error:
         raise _core.InputError(f"cannot write {path}: {error.strerror or error}") from error
-    return list(targets)
+    return targets
+
+
+def _schemas() -> tuple[Any, Any]:
+    """The schemas of the alarms and of the samples."""
+    import pyarrow as pa
+
+    text, number = pa.string(), pa.float64()
+    place = list(zip(_PLACE, (text, pa.int64(), text), strict=True))
+    alarms = [
+        ("alarm", pa.int64()),
+        ("begin_s", number),
+        ("end_s", number),
+        ("probability", number),
+    ]
+    samples = [
+        ("time_s", number),
+        ("state", text),
+        ("slip", pa.bool_()),
+        ("probability", number),
+        ("label", text),
+    ]
+    return tuple(pa.schema([*place, *own], metadata=_KEY) for own in (alarms, samples))
+
+
+def _check_target(name: str) -> None:
+    """Raises InputError for a link, and for a file that is not a table of this command."""
+    import pyarrow as pa
+    from pyarrow import parquet as pq
+
+    if Path(name).is_symlink():
+        raise _core.InputError(
+            f"cannot write {name}: it is a symbolic link, which would be replaced, not followed; give a file or a new name"
+        )
+    if not Path(name).exists():
+        return
+    try:
+        with open(name, "rb") as file:
+            earlier = _KEY.items() <= (pq.read_schema(file).metadata or {}).items()
+    except (OSError, pa.ArrowInvalid):
+        earlier = False
+    if not earlier:
+        raise _core.InputError(
+            f"cannot write {name}: it exists and is not a table of slipbench detect; choose another -o"
+        )
+
+
+def _alarms_of(trial: Mapping[str, Any], schema: Any) -> Any:
+    import pyarrow as pa
+
+    where = {name: trial[name] for name in _PLACE}
+    rows = [{**where, "alarm": k + 1, **alarm} for k, alarm in enumerate(trial["alarms"])]
+    return pa.Table.from_pylist(rows, schema)
+
+
+def _samples_of(trial: Mapping[str, Any], schema: Any) -> Any:
+    import pyarrow as pa
+
+    columns = trial["samples"]
+    count = len(columns["time_s"])
+    return pa.table(
+        {
+            **{name: [trial[name]] * count for name in _PLACE},
+            "time_s": columns["time_s"],
+            "state": columns["state"],
+            "slip": [state in ("incipient", "gross") for state in columns["state"]],
+            "probability": columns["probability"],
+            "label": columns["label"] or [None] * count,
+        },
+        schema=schema,
+    )

@@ -28,6 +28,8 @@ from slipbench.bin import _core
 CELL = 1e-3  # m, cell size of an image whose units have unknown positions
 LAYOUT = "foxglove-layout.json"
 MAGIC = b"\x89MCAP0\r\n"
+# Arrays of states, which a viewer draws over time.
+STATES = ("state", "state_micro", "state_paper", "state_recorded", "detector_class")
 CHUNK = 1 << 20  # approximate number of bytes before compression that a viewer reads at once
 
 Rows = NDArray[np.uint8]  # [messages, bytes]: protobuf, with equal length of all messages
@@ -461,74 +463,67 @@ def _layout(topics: list[Topic]) -> str:
     states = []
     for topic in topics:
         if topic.type == "slipbench.Labels" or topic.name == "/control":
-            states += [
-                f"{topic.name}.{name}"
-                for name in topic.about
-                if name
-                in ("state", "state_micro", "state_paper", "state_recorded", "detector_class")
-            ]
+            states += [f"{topic.name}.{name}" for name in topic.about if name in STATES]
         elif topic.name.startswith("/sensors/") and not topic.type.startswith("foxglove."):
-            paths = []
-            for name, text in topic.about.items():
-                if text.startswith('{"unit"'):
-                    about = json.loads(text)
-                    paths += [
-                        {
-                            "value": f"{topic.name}.{name}" + (f"[{i}]" if about["shape"] else ""),
-                            "label": about["names"][i],
-                            "enabled": True,
-                            "timestampMethod": "receiveTime",
-                        }
-                        for i in range(min(3, len(about["names"])))
-                    ]
-            panels[f"Plot!{topic.name.removeprefix('/sensors/')}"] = {
-                "title": topic.name,
-                "paths": paths,
-                "xAxisVal": "timestamp",
-                "isSynced": True,
-                "showLegend": True,
-                "showXAxisLabels": True,
-                "showYAxisLabels": True,
-                "legendDisplay": "floating",
-                "showPlotValuesInLegend": False,
-                "sidebarDimension": 240,
-            }
+            panels[f"Plot!{topic.name.removeprefix('/sensors/')}"] = _plot(topic)
     if states:
         panels["StateTransitions!states"] = {
             "isSynced": True,
             "paths": [{"value": path, "timestampMethod": "receiveTime"} for path in states],
         }
+    about = {
+        "configById": panels,
+        "globalVariables": {},
+        "userNodes": {},
+        "playbackConfig": {"speed": 1},
+        "layout": _arranged(list(panels)),
+    }
+    return json.dumps(about, indent=1) + "\n"
+
+
+def _plot(topic: Topic) -> dict[str, Any]:
+    """The panel of a sensor's topic, with the first three values of each array."""
+    paths = []
+    for name, text in topic.about.items():
+        if text.startswith('{"unit"'):
+            about = json.loads(text)
+            paths += [
+                {
+                    "value": f"{topic.name}.{name}" + (f"[{i}]" if about["shape"] else ""),
+                    "label": about["names"][i],
+                    "enabled": True,
+                    "timestampMethod": "receiveTime",
+                }
+                for i in range(min(3, len(about["names"])))
+            ]
+    return {
+        "title": topic.name,
+        "paths": paths,
+        "xAxisVal": "timestamp",
+        "isSynced": True,
+        "showLegend": True,
+        "showXAxisLabels": True,
+        "showYAxisLabels": True,
+        "legendDisplay": "floating",
+        "showPlotValuesInLegend": False,
+        "sidebarDimension": 240,
+    }
+
+
+def _arranged(panels: list[str]) -> Any:
+    """The first panel on the left, the others below each other on the right, of equal heights."""
     first, *others = panels
-    column: Any = None
-    for number, panel in enumerate(reversed(others)):
-        column = (
-            panel
-            if column is None
-            else {
-                "direction": "column",
-                "first": panel,
-                "second": column,
-                "splitPercentage": 100 / (number + 1),
-            }
-        )
-    layout = (
-        first
-        if column is None
-        else {"direction": "row", "first": first, "second": column, "splitPercentage": 40}
-    )
-    return (
-        json.dumps(
-            {
-                "configById": panels,
-                "globalVariables": {},
-                "userNodes": {},
-                "playbackConfig": {"speed": 1},
-                "layout": layout,
-            },
-            indent=1,
-        )
-        + "\n"
-    )
+    if not others:
+        return first
+    column: Any = others[-1]
+    for number, panel in enumerate(reversed(others[:-1]), 2):
+        column = {
+            "direction": "column",
+            "first": panel,
+            "second": column,
+            "splitPercentage": 100 / number,
+        }
+    return {"direction": "row", "first": first, "second": column, "splitPercentage": 40}
 
 
 def _write_messages(

@@ -211,6 +211,22 @@ def quoted(text: str) -> str:
     )
 
 
+def _channel_lines(table: TextTable, wanted: Wanted, group: Group) -> list[str]:
+    """The lines of the map for a channel."""
+    components = (
+        f"components: {len(group.patterns)}, "
+        if group.axes and not any("*" in pattern for pattern in group.patterns)
+        else ""
+    )
+    columns = ", ".join(quoted(pattern) for pattern in group.patterns)
+    units = counted(group.units, "unit" if group.axes else "value")
+    keys = wanted.measured if wanted.measured and has_fractions(table, group) else wanted.keys
+    return [
+        *([f"  # Check: {wanted.check}"] if wanted.check else []),
+        f"  {wanted.name}: {{{keys}, {components}columns: [{columns}]}}  # {units}",
+    ]
+
+
 def drafted(table: TextTable, type: str) -> str:
     """The text of a map for the table.
 
@@ -241,17 +257,7 @@ def drafted(table: TextTable, type: str) -> str:
         "channels:",
     ]
     for wanted, group in channels:
-        if wanted.check:
-            lines.append(f"  # Check: {wanted.check}")
-        components = (
-            f"components: {len(group.patterns)}, "
-            if group.axes and not any("*" in pattern for pattern in group.patterns)
-            else ""
-        )
-        columns = ", ".join(quoted(pattern) for pattern in group.patterns)
-        units = counted(group.units, "unit" if group.axes else "value")
-        keys = wanted.measured if wanted.measured and has_fractions(table, group) else wanted.keys
-        lines.append(f"  {wanted.name}: {{{keys}, {components}columns: [{columns}]}}  # {units}")
+        lines += _channel_lines(table, wanted, group)
     rest = [
         pattern
         for group in groups

@@ -534,6 +534,30 @@ def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str
     return f"{len(rows)} of {counted(len(times), 'sample')} {have} missing values and {are} {done}: {'; '.join(texts)}{more}"
 
 
+def _check_times(source: Source, sensor: Sensor, times: np.ndarray, kept: np.ndarray) -> None:
+    """Raises InputError for times that do not ascend, or that seem to have another unit.
+
+    Args:
+        source: columns of the file
+        sensor: block of the map
+        times: times of the samples [s]
+        kept: their rows in the file
+    """
+    steps = np.diff(times)
+    late = np.flatnonzero(~(steps > 0))
+    if late.size:
+        raise InputError(_order_error(source, sensor, times, kept, int(late[0]) + 1))
+    if steps.size and steps.min() < SHORTEST:
+        raise InputError(
+            f"{source.place(int(kept[int(steps.argmin()) + 1]))}: time: {steps.min():g} s after the sample before; "
+            f"expected at least {SHORTEST:g} s; set time.unit"
+        )
+    if np.abs(times).max() > 1e10:
+        raise InputError(
+            f"{source.place(0)}: time: {np.abs(times).max():g} s; expected at most 1e10 s; set time.unit"
+        )
+
+
 class Importer:
     """Reads files by a map and passes their recordings to the writer."""
 
@@ -574,19 +598,7 @@ class Importer:
             raise InputError(
                 f"{file.path}: has {counted(len(times), 'sample')}; at least two are needed to determine the rate"
             )
-        late = np.flatnonzero(~(np.diff(times) > 0))
-        if late.size:
-            raise InputError(_order_error(source, sensor, times, kept, int(late[0]) + 1))
-        steps = np.diff(times)
-        if steps.size and steps.min() < SHORTEST:
-            raise InputError(
-                f"{source.place(int(kept[int(steps.argmin()) + 1]))}: time: {steps.min():g} s after the sample before; "
-                f"expected at least {SHORTEST:g} s; set time.unit"
-            )
-        if np.abs(times).max() > 1e10:
-            raise InputError(
-                f"{source.place(0)}: time: {np.abs(times).max():g} s; expected at most 1e10 s; set time.unit"
-            )
+        _check_times(source, sensor, times, kept)
         states = sensor.states.of_rows(file, source, kept) if sensor.states else None
         self._writer.add_sensor(
             name,

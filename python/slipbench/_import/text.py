@@ -356,18 +356,27 @@ class TextTable(Source):
             raise InputError(
                 f"{self.place(row)}: has {counted(widths[row], 'cell')}; expected {count}: with blanks as separators the missing cell is unknown"
             )
-        order = range(width)
         wanted = {title: k for k, title in enumerate(self.titles) if title in set(titles)}
         places = {title: k for title, k in wanted.items() if k < width}
-        kinds = {k: str for k in order if k >= count or self.titles[k] in texts}
-        used = sorted([*places.values(), *(k for k in order if k >= count)])
+        beyond = range(count, width)  # columns without a title, which must be empty
+        kinds = {k: str for k in range(width) if k in beyond or self.titles[k] in texts}
+        frame = self._read(width, sorted([*places.values(), *beyond]), kinds)
+        for k in beyond:
+            for row in np.flatnonzero((frame[k].astype(str).str.strip() != "").to_numpy())[:1]:
+                self._refuse_cells(int(row))
+        self._frame = frame.rename(columns={k: title for title, k in places.items()})
+        for title in wanted.keys() - places.keys():  # no row is long enough
+            self._frame[title] = ""
+
+    def _read(self, width: int, used: list[int], kinds: dict[int, type[str]]) -> pd.DataFrame:
+        """Reads the columns `used` of a table of `width` columns; `kinds`: those that are texts."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 frame = pd.read_csv(
                     io.StringIO("\n".join(self._lines) + "\n"),
                     header=None,
-                    names=list(order),
+                    names=list(range(width)),
                     index_col=False,
                     usecols=used,
                     sep=r"\s+" if self._separator == " " else self._separator or "\0",
@@ -394,14 +403,7 @@ class TextTable(Source):
                 f"{self.path}: the table has {counted(len(self._lines), 'line')} and {counted(len(frame), 'row')}; expected one row per line, "
                 f"without line breaks inside quotes"
             )
-        for k in used:
-            if k < count:
-                continue
-            for row in np.flatnonzero((frame[k].astype(str).str.strip() != "").to_numpy())[:1]:
-                self._refuse_cells(int(row))
-        self._frame = frame.rename(columns={k: title for title, k in places.items()})
-        for title in wanted.keys() - places.keys():  # no row is long enough
-            self._frame[title] = ""
+        return frame
 
     def _width(self, line: str) -> int:
         if '"' in line or not self._separator:

@@ -413,36 +413,67 @@ def _read(
         progress=reading,
     )
     own_split = any(one.own_part for one in examples.all) and not request.every_trial
-    if own_split and (request.split, request.held_out) != (None, None):
-        divided = request.paths[next(one.dataset for one in examples.all if one.own_part)]
-        asked = (
-            named("split", request.split)
-            if request.split is not None
-            else named("held_out", request.held_out)
-        )
-        raise _core.InputError(
-            f"{divided}: the split of the dataset determines the trials for training and test; with {asked} also give "
-            f"{named('every_trial', True)}, "
-            "which divides all trials anew"
-        )
+    if own_split:
+        _check_undivided(request, examples)
     learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
     if not learns:
         raise _core.InputError(
             f"{', '.join(request.paths)}: the part train of the dataset's own split has no trial; {named('every_trial', True)} divides all trials anew"
         )
     if rule.by_score:
-        no_alarm = [_scored_series(np.zeros(len(one.labels)), one, 0) for one in validates]
-        if _core.counts_at(no_alarm, chosen.input.period, 1.0, 1, 1, 1)["slips"] == 0:
-            raise _core.InputError(
-                f"{named('by_score', True)}: no validation trial of the first dataset slips by 0.05 mm or more with a known slipped distance; use "
-                f"{named('alarms')}"
-            )
+        _check_scored(validates, chosen.input.period)
     offset, scale = scale_of([one.features for one in learns], chosen.scaling)
     scaled = [
         [((one.features - offset) * scale, one.labels) for one in part]
         for part in (learns, validates, judges)
     ]
     return _Data(examples, learns, validates, judges, offset, scale, scaled, own_split)
+
+
+def _check_undivided(request: _Request, examples: Examples) -> None:
+    """Raises InputError if another split is asked for than that of the dataset."""
+    if (request.split, request.held_out) == (None, None):
+        return
+    divided = request.paths[next(one.dataset for one in examples.all if one.own_part)]
+    asked = (
+        named("split", request.split)
+        if request.split is not None
+        else named("held_out", request.held_out)
+    )
+    raise _core.InputError(
+        f"{divided}: the split of the dataset determines the trials for training and test; with {asked} also give "
+        f"{named('every_trial', True)}, "
+        "which divides all trials anew"
+    )
+
+
+def _check_scored(validates: list[Example], period: float) -> None:
+    """Raises InputError unless a validation trial has a slip that counts in the score."""
+    no_alarm = [_scored_series(np.zeros(len(one.labels)), one, 0) for one in validates]
+    if _core.counts_at(no_alarm, period, 1.0, 1, 1, 1)["slips"] == 0:
+        raise _core.InputError(
+            f"{named('by_score', True)}: no validation trial of the first dataset slips by 0.05 mm or more with a known slipped distance; use "
+            f"{named('alarms')}"
+        )
+
+
+def _new_module(chosen: Recipe, examples: Examples, seed: int) -> nn.Module:
+    """A network of the recipe, whose first weights follow from the seed."""
+    with reproducible(seed):
+        module = chosen.network(examples.inputs, len(examples.classes))
+    if not isinstance(module, nn.Module):
+        raise _core.InputError(
+            f"network: expected a function that returns a torch.nn.Module, but it returned {type(module).__name__}"
+        )
+    return module
+
+
+def _check_first(request: _Request, data: _Data, module: nn.Module) -> None:
+    """Raises InputError if the frames lack a class, or if the network does not fit them."""
+    examples = data.examples
+    for part, name in ((data.learns, "to learn from"), (data.validates, "that choose the state")):
+        _check_classes(request.paths, name, part, examples.classes, history_of(module))
+    _check_module(module, examples.inputs, len(examples.classes))
 
 
 def _fit_members(
@@ -460,19 +491,9 @@ def _fit_members(
     members, fitted_steps = [], []
     for member in range(chosen.members):
         own_seed = (request.seed + member) % 2**64
-        with reproducible(own_seed):
-            module = chosen.network(examples.inputs, len(examples.classes))
-        if not isinstance(module, nn.Module):
-            raise _core.InputError(
-                f"network: expected a function that returns a torch.nn.Module, but it returned {type(module).__name__}"
-            )
+        module = _new_module(chosen, examples, own_seed)
         if member == 0:
-            for part, name in (
-                (data.learns, "to learn from"),
-                (data.validates, "that choose the state"),
-            ):
-                _check_classes(request.paths, name, part, examples.classes, history_of(module))
-            _check_module(module, examples.inputs, len(examples.classes))
+            _check_first(request, data, module)
         checkpoint = Checkpoint(
             f"{request.path}.checkpoint-{member}",
             _identity(
@@ -554,6 +575,18 @@ def _choose_point(
     )
 
 
+def _judged(counts: dict[str, Any], accuracy: float) -> dict[str, Any]:
+    """The figures of the test trials; `accuracy`: balanced accuracy of all classes."""
+    cells = ("slip_called_slip", "slip_called_hold", "hold_called_slip", "hold_called_hold")
+    return {
+        "balanced_accuracy": _or_none(counts["balanced_accuracy"]),
+        "f1": _or_none(counts["f1"]),
+        **{key: counts[key] for key in cells},
+        "alarms_per_minute": _or_none(counts["alarms_per_minute"]),
+        "all_classes_balanced_accuracy": _or_none(accuracy),
+    }
+
+
 def _record_of(
     request: _Request,
     chosen: Recipe,
@@ -597,16 +630,8 @@ def _record_of(
     }
     if data.own_split:
         record["dataset_split"] = True
-    counts = judgement.counts
-    if counts is not None:
-        cells = ("slip_called_slip", "slip_called_hold", "hold_called_slip", "hold_called_hold")
-        record["judged"] = {
-            "balanced_accuracy": _or_none(counts["balanced_accuracy"]),
-            "f1": _or_none(counts["f1"]),
-            **{key: counts[key] for key in cells},
-            "alarms_per_minute": _or_none(counts["alarms_per_minute"]),
-            "all_classes_balanced_accuracy": _or_none(judgement.accuracy[1]),
-        }
+    if judgement.counts is not None:
+        record["judged"] = _judged(judgement.counts, judgement.accuracy[1])
     return record
 
 
