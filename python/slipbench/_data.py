@@ -470,9 +470,16 @@ class Dataset(Mapping[int, StoredTrial]):
         return len(self.trials)
 
     def mask(self, part: str) -> list[int]:
-        """Numbers of the trials of `part`: "train", "valid" or "test".
+        """Numbers of the trials of a part of the split.
 
-        Empty if the run was killed.
+        Args:
+            part: "train", "valid" or "test"
+
+        Returns:
+            The numbers; empty if the run was killed.
+
+        Raises:
+            InputError: another part
         """
         if part not in ("train", "valid", "test"):
             raise _core.InputError(f"part {part!r}; allowed: 'train', 'valid', 'test'")
@@ -898,12 +905,18 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
 
 
 def open(path: str | os.PathLike[str], *, check: bool = True) -> Dataset:
-    """Opens a dataset by the `path` of its first file.
+    """Opens a dataset.
 
-    The dataset was written by `slipbench run`, `sweep`, `import` or `Scene.write()`.
+    Args:
+        path: path of the first file, written by `slipbench run`, `sweep`, `import` or
+            `Scene.write()`
+        check: first compares the whole content of the files with their digests, which reads them
+            once; False: opens at once, for data checked before
 
-    Raises `InputError`, as the command line does, if a file is damaged, missing or of another
-    dataset. `check`: first compare the whole content of the files with their digests, which reads
-    them once; False: open at once, for data checked before.
+    Returns:
+        The dataset.
+
+    Raises:
+        InputError: as the command line, if a file is damaged, missing or of another dataset
     """
     return Dataset(path, check)

@@ -129,9 +129,13 @@ class Detector(Protocol):
     """Interface of classes for `detector()`."""
 
     def update(self, frame: Frame) -> Estimate | State | int:
-        """Called with each `frame` of the sensor; returns the state of the pad.
+        """Called with each sample of the sensor.
 
-        An int is the code of a `State`.
+        Args:
+            frame: the sample
+
+        Returns:
+            The state of the pad; an int is the code of a `State`.
         """
 
 
@@ -139,9 +143,14 @@ class Controller(Protocol):
     """Interface of classes for `controller()`."""
 
     def act(self, frame: Frame, slip: Slip) -> Command | int:
-        """Called at each read of the gripper; returns the command.
+        """Called at each read of the gripper.
 
-        It gets the sensor's latest `frame` and the state of `slip`. An int is a position.
+        Args:
+            frame: the latest sample of the sensor
+            slip: state of the slip
+
+        Returns:
+            The command; an int is a position.
         """
 
 
@@ -199,9 +208,13 @@ class OwnSensor(Protocol):
     def measure(self, frame: Frame) -> dict[str, ArrayLike] | ArrayLike:
         """Called at each sample.
 
-        Returns the reading of each channel, or an array if there is only one channel. With U units
-        and E points the contact `frame` has "force" [U, 3] N, "displacement" [U, 3] m, "depth" [E]
-        m of the undeformed point in the surface, and "shear" [3, E] m along the surface.
+        Args:
+            frame: the contact of U units and E points: "force" [U, 3] N, "displacement" [U, 3] m,
+                "depth" [E] m of the undeformed point in the surface, and "shear" [3, E] m along the
+                surface
+
+        Returns:
+            The reading of each channel, or an array if there is only one channel.
         """
 
 
@@ -310,12 +323,16 @@ def _registering(register: Callable[..., None], name: str) -> Callable[[Any], An
 
 
 def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
-    """Registers a class as a sensor of `type: NAME`, where NAME is `name`, like `detector()`.
+    """Registers a class as a sensor for the scenes of this process, like `detector()`.
 
-    The class has the methods of `OwnSensor`.
+    The class has the methods of `OwnSensor`. It is created as `cls(source, **parameters)` with a
+    `SensorSource`, once for each trial and when the program examines the scene.
 
-    It is created as `cls(source, **parameters)` with a `SensorSource`, once for each trial and when
-    the program examines the scene.
+    Args:
+        name: the NAME in a scene's `type: NAME`
+
+    Returns:
+        The decorator.
     """
     return _registering(_core.register_sensor, name)
 
@@ -323,19 +340,32 @@ def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
 def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
     """Registers a class as a detector for the scenes of this process.
 
-    `@slipbench.detector("mine")` gives the class the name of `detector: {type: mine}`.
-
     The class has the method of `Detector`. It is created for each trial as `cls(source,
     **parameters)`. Its attribute `parameters`, a dict, declares names and defaults of the
     parameters in a scene: numbers, or texts with a unit such as "5 mm", which the class receives in
-    SI. Raises InputError for a name of slipbench; a registered custom name is replaced.
+    SI. A registered custom name is replaced.
+
+    Args:
+        name: the NAME in a scene's `detector: {type: NAME}`: `@slipbench.detector("mine")`
+
+    Returns:
+        The decorator.
+
+    Raises:
+        InputError: a name of slipbench
     """
     return _registering(_core.register_detector, name)
 
 
 def controller(name: str) -> Callable[[ControllerClass], ControllerClass]:
-    """Registers a class as `controller: {type: NAME}`, where NAME is `name`, like `detector()`.
+    """Registers a class as a controller for the scenes of this process, like `detector()`.
 
     The class has the method of `Controller`.
+
+    Args:
+        name: the NAME in a scene's `controller: {type: NAME}`
+
+    Returns:
+        The decorator.
     """
     return _registering(_core.register_controller, name)

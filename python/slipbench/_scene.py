@@ -262,12 +262,17 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
-        """Reads the scene at `path`.
+        """Reads a scene.
 
-        This is a file, or one of the package's scenes: `Scene.load("papillarray/stage.yaml")`.
+        Args:
+            path: a file, or one of the package's scenes: `Scene.load("papillarray/stage.yaml")`
 
-        Raises InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'?
-        allowed: ...".
+        Returns:
+            The scene.
+
+        Raises:
+            InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'? allowed:
+                ..."
         """
         return cls(located(path), [])
 
@@ -322,11 +327,20 @@ class Scene:
     def set(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
         """Returns the scene with other values, by dotted path.
 
-        Example: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI.
+        Example: `set({"motion.speed": "8 mm/s"}, seed=3)`. Sweeps of a set path, or of paths below
+        it, are removed.
 
-        Numbers, arrays and ranges may be numpy's, paths Path objects, which start from the current
-        folder. None removes a key. `values` allows any path, `more` only single words. Sweeps of a set path, or of paths below it, are removed. Raises
-        InputError, naming the key, for an invalid value.
+        Args:
+            values: values by dotted path. Text is YAML, other values are SI. Numbers, arrays and
+                ranges may be numpy's, paths Path objects, which start from the current folder. None
+                removes a key
+            more: likewise, by single words
+
+        Returns:
+            The new scene.
+
+        Raises:
+            InputError: an invalid value; the message names the key
         """
         return Scene(
             self.path,
@@ -346,21 +360,34 @@ class Scene:
         return self._core.seed
 
     def trials(self, draws: int = 0) -> int:
-        """Number of trials of the scene's sweep with `draws` draws of each cell of its grid.
+        """Number of trials of the scene's sweep.
 
-        0: as in the scene.
+        Args:
+            draws: draws of each cell of its grid; 0: as in the scene
+
+        Returns:
+            The number.
         """
         with self._naming_keys():
             return self._core.trials(draws)
 
     def run(self, trial: int = 0, *, seed: int | None = None, record: str = "full") -> Trial:
-        """Simulates trial number `trial`.
+        """Simulates a trial.
 
-        The trial equals that of `slipbench run SCENE --trials N` with the least N that includes it.
+        It equals that of `slipbench run SCENE --trials N` with the least N that includes it. Other
+        threads of the interpreter keep running; Ctrl-C ends the trial.
 
-        `seed`: replaces the scene's. `record`: "full"; "outcome" omits the arrays; "contact" adds
-        `Trial.contacts`, the force and displacement of units in the pad frame. The interpreter's
-        other threads keep running; Ctrl-C ends the trial.
+        Args:
+            trial: number of the trial
+            seed: replaces the scene's; None: the scene's own
+            record: "full"; "outcome" omits the arrays; "contact" adds `Trial.contacts`, the force
+                and displacement of units in the pad frame
+
+        Returns:
+            The trial.
+
+        Raises:
+            InputError: the trial fails, or an argument is out of range
         """
         trial = index(trial, "trial")
         if trial < 0:
@@ -402,8 +429,14 @@ class Scene:
     ) -> Sweep:
         """Iterates over all trials of the scene's sweep, in order: `for trial in scene.sweep()`.
 
-        `draws`: draws per cell of the grid; 0: as in the scene. `seed`, `record`: as for `run()`.
-        `jobs`: threads; 0: one per core.
+        Args:
+            draws: draws of each cell of the grid; 0: as in the scene
+            seed: as for `run()`
+            jobs: number of threads; 0: one per core
+            record: as for `run()`
+
+        Returns:
+            An iterator over the trials.
         """
         check_counts(draws=draws, seed=seed, jobs=jobs)
         chosen = self.seed if seed is None else index(seed, "seed")
@@ -430,20 +463,32 @@ class Scene:
         isolate: bool | None = None,
         trial_limit: float | None = None,
     ) -> dict[str, Any]:
-        """Runs the sweep and writes it as a dataset to `path`.
+        """Runs the sweep and writes it as a dataset.
 
         The content is that of `slipbench sweep`, or with `trials` that of `slipbench run --trials`.
 
-        `draws`, `seed`, `jobs`: as for `sweep()`. `record`: "full" or "outcome". `resume`:
-        continues with a file that an interrupted call left. Returns the summary that `--json`
-        prints. `progress(done, total)` is called from time to time, and at the end. Raises
-        KeyboardInterrupt after Ctrl-C, with the finished trials kept for `resume=True`.
+        Args:
+            path: file to write
+            draws: draws of each cell of the grid; 0: as in the scene
+            trials: as `slipbench run --trials`; 0: all trials of the sweep
+            seed: replaces the scene's; None: the scene's own
+            jobs: number of threads; 0: one per core
+            record: "full" or "outcome"
+            resume: continues with a file that an interrupted call left
+            progress: `progress(done, total)` is called from time to time, and at the end
+            isolate: runs each trial in its own process, a copy of this one. If a class crashes,
+                ends the process or never returns, only its trial fails. State that a class keeps
+                outside of its objects is not visible to other trials. None: isolates if several
+                trials run a user class or a plugin, unless torch or a notebook is loaded, whose
+                threads a copied process lacks
+            trial_limit: time after which a trial fails [s]; this implies `isolate`. None: no limit
 
-        `isolate`: runs each trial in its own process, a copy of this one. If a class crashes, ends
-        the process or never returns, only its trial fails. State that a class keeps outside of its
-        objects is not visible to other trials. None: isolates if several trials run a user class or
-        a plugin, unless torch or a notebook is loaded, whose threads a copied process lacks. A
-        trial that takes more than `trial_limit` s fails; this implies `isolate`.
+        Returns:
+            The summary that `--json` prints.
+
+        Raises:
+            InputError: the program's own message
+            KeyboardInterrupt: after Ctrl-C, with the finished trials kept for `resume=True`
         """
         check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
@@ -484,9 +529,19 @@ class Scene:
     ) -> Check:
         """Compares the scene's `expect` with its trials, like `slipbench check`.
 
-        `draws`, `seed`, `jobs`: as for `sweep()`; `isolate`, `trial_limit`: as for `write()`.
-        `folder`: for the files of a failed check; empty: none. Raises InputError for a scene
-        without a file.
+        Args:
+            draws: as for `sweep()`
+            seed: as for `sweep()`
+            jobs: as for `sweep()`
+            folder: for the files of a failed check; empty: none
+            isolate: as for `write()`
+            trial_limit: as for `write()`
+
+        Returns:
+            What held, and what did not.
+
+        Raises:
+            InputError: the scene has no file, or the program's own message
         """
         if self._text is not None:
             raise _core.InputError(
@@ -571,7 +626,14 @@ def scenes() -> Path:
 def describe(name: str) -> list[dict[str, Any]]:
     """Output of `slipbench describe NAME --json`.
 
-    Law, source, parameters with unit, default and allowed values, of everything called `name`.
+    Args:
+        name: name of a sensor, effect, detector or another part
+
+    Returns:
+        Law, source, parameters with unit, default and allowed values, of everything of this name.
+
+    Raises:
+        InputError: an unknown name; the message has the nearest one
     """
     described: list[dict[str, Any]] = json.loads(_core.describe(name))
     return described
@@ -597,18 +659,27 @@ def evaluate(
     all_trials: bool = False,
     resample: bool = False,
 ) -> dict[str, Any]:
-    """Evaluates a detector on the trials of the file `dataset`.
+    """Evaluates a detector on the trials of a dataset.
 
-    Returns the output of `slipbench eval DETECTOR DATASET --json`.
+    The recordings are read, and the detector run, in a child process.
 
-    `detector`: a name in a scene, including custom ones, FILE.onnx, or a folder of memories.
-    `parameters`: parameters of the detector, by name. `labels`: rule of the truth for
-    evaluation (docs/concepts/labels.md); empty: recorded for recordings, else the rule of a
-    network's training, or strict. `sensor`: the one that it reads;
-    empty: the only one. `split`: "train", "valid" or "test" of the dataset's masks; empty: all
-    trials. `all_trials`: includes trials that the detector was trained on. `resample`: interpolates
-    recordings that are slower than the detector reads, and across gaps of more than 0.1 s. The
-    recording is read, and the detector run, in a child process.
+    Args:
+        detector: a name in a scene, including custom ones, FILE.onnx, or a folder of memories
+        dataset: path of the dataset's first file
+        parameters: parameters of the detector, by name
+        labels: rule of the truth for evaluation (docs/concepts/labels.md); empty: recorded for
+            recordings, else the rule of a network's training, or strict
+        sensor: the one that the detector reads; empty: the only one
+        split: "train", "valid" or "test" of the dataset's masks; empty: all trials
+        all_trials: includes trials that the detector was trained on
+        resample: interpolates recordings that are slower than the detector reads, and across gaps
+            of more than 0.1 s
+
+    Returns:
+        The output of `slipbench eval DETECTOR DATASET --json`.
+
+    Raises:
+        InputError: the program's own message
     """
     pairs = overrides_of(parameters)
     result: dict[str, Any] = json.loads(

@@ -221,11 +221,13 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Starts the next episode of the seed, and runs it to the first read of the gripper.
 
-        With `seed`: the first episode of that seed. Without a seed now or before, a seed is drawn
-        from the operating system's entropy. `options` is ignored.
+        Args:
+            seed: starts the first episode of this seed; None: the seed goes on. Without a seed now
+                or before, a seed is drawn from the operating system's entropy
+            options: ignored
 
-        Returns the observation [len(observation_names)], and `info`: the truth before the first
-        step.
+        Returns:
+            The observation [len(observation_names)], and `info`: the truth before the first step.
         """
         super().reset(seed=_seed(seed))
         self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
@@ -235,14 +237,19 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         return observation / self.observation_scale, _info(truth, self._grasp.params)
 
     def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Sends `action` [1], -1 to 1, and runs to the next read.
+        """Sends a command, and runs to the next read.
 
-        Returns observation, reward, terminated, truncated, info.
+        Args:
+            action: the command [1], -1 to 1
 
-        `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial
-        began, lifting, the draws (`params`), and after the last step the trial's `outcome`. Raises
-        gymnasium.error.ResetNeeded before the first reset() and after the episode's end, InputError
-        for an action of another shape.
+        Returns:
+            Observation, reward, terminated, truncated, info. `info` holds the truth: time s,
+            grip_force N, ideal_force N, slip_distance m since the trial began, lifting, the draws
+            (`params`), and after the last step the trial's `outcome`.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset(), and after the episode's end
+            InputError: an action of another shape
         """
         _begun(self._episode)
         if self._over:
@@ -369,11 +376,17 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Starts an episode in each environment.
 
-        Environment i starts with `seed` + i, or with its seed in a list. Without a seed now or
-        before, each environment draws its own from the operating system's entropy. `options` is
-        ignored, except that the key `reset_mask`, which requests a partial reset, raises an error.
+        Args:
+            seed: environment i starts with `seed` + i, or with its seed in a list. Without a seed
+                now or before, each environment draws its own from the operating system's entropy
+            options: ignored, except that the key `reset_mask`, which requests a partial reset, is
+                refused
 
-        Returns the observations [num_envs, values], and `info`.
+        Returns:
+            The observations [num_envs, values], and `info`.
+
+        Raises:
+            InputError: another number of seeds than environments, or `reset_mask`
         """
         first = seed if seed is None or not isinstance(seed, (list, tuple)) else None
         super().reset(seed=_seed(first))
@@ -407,11 +420,19 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
     ) -> tuple[
         Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
     ]:
-        """Sends each environment its row of `actions` [num_envs, 1].
+        """Sends a command to each environment, and runs it to its next read.
 
-        An environment whose episode has ended starts its next one instead and ignores the action.
-        Raises gymnasium.error.ResetNeeded before the first reset(), InputError for actions of
-        another shape.
+        An environment whose episode has ended starts its next one instead and ignores the command.
+
+        Args:
+            actions: a row for each environment [num_envs, 1], -1 to 1
+
+        Returns:
+            Observations [num_envs, values], and [num_envs] rewards, terminated, truncated; info.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset()
+            InputError: actions of another shape
         """
         _begun(min(self._episodes))
         commands: list[float] = (
@@ -531,10 +552,15 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Simulates the next recording of the seed; with `seed`, the first one of that seed.
+        """Simulates the next recording of the seed.
 
-        Without a seed now or before, a seed is drawn from the operating system's entropy. `options`
-        is ignored.
+        Args:
+            seed: simulates the first recording of this seed; None: the seed goes on. Without a seed
+                now or before, a seed is drawn from the operating system's entropy
+            options: ignored
+
+        Returns:
+            The first sample, and `info`.
         """
         super().reset(seed=_seed(seed))
         self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
@@ -542,10 +568,17 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         return self._values[0].copy(), self._info()
 
     def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Judges `action` for the sample shown last, and shows the next sample.
+        """Judges an action for the sample shown last, and shows the next sample.
 
-        `action` is the code of a `State`. Raises gymnasium.error.ResetNeeded before the first
-        reset() and after the recording's end.
+        Args:
+            action: the code of a `State`
+
+        Returns:
+            Observation, reward, terminated, truncated, info.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset(), and after the recording's end
+            InputError: an action that is no code
         """
         _begun(self._episode)
         if not self.action_space.contains(np.int64(action)):

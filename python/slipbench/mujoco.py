@@ -56,9 +56,16 @@ def builds() -> list[str]:
 
 
 def plugin_path(version: str | None = None) -> str:
-    """Path of the plugin's library for a version of MuJoCo; default: that of the package `mujoco`.
+    """Path of the plugin's library for a version of MuJoCo.
 
-    Raises InputError if there is no build.
+    Args:
+        version: the version; None: that of the package `mujoco`
+
+    Returns:
+        The path.
+
+    Raises:
+        InputError: there is no build for this version
     """
     try:
         return str(_FOLDER / _core.plugin_build(version or _mujoco.__version__))
@@ -191,9 +198,16 @@ class Pad:
         self._parts: list[tuple[str, str, tuple[int, ...]]] = []
 
     def read(self, data: Any) -> Reading:
-        """The pad's values in `data`, an MjData.
+        """Returns the pad's values.
 
-        Raises InputError if its model has no such pad, or no sensor reads it.
+        Args:
+            data: an MjData
+
+        Returns:
+            The values, in SI units.
+
+        Raises:
+            InputError: the data's model has no such pad, or no sensor reads it
         """
         if self._model is not data.model:
             self._find(data.model)
@@ -262,17 +276,28 @@ def _described(model: Any) -> dict[str, tuple[int, list[tuple[str, str, tuple[in
 
 
 def pads(model: Any) -> dict[str, Pad]:
-    """All pads of `model`, an MjModel, by name."""
+    """All pads of a model.
+
+    Args:
+        model: an MjModel
+
+    Returns:
+        The pads by name.
+    """
     return {name: Pad(name) for name in _described(model)}
 
 
 def max_timestep(model: Any, data: Any = None) -> float:
-    """The longest stable `model.opt.timestep` [s] of explicit pads.
+    """The longest stable time step of explicit pads with all their elements in contact at once.
 
-    All their elements may be in contact at once.
+    It depends on the poses of the bodies.
 
-    It depends on the poses of the bodies: those in `data`, by default the model's initial ones.
-    Infinite if no pad is explicit.
+    Args:
+        model: an MjModel
+        data: an MjData with the poses; None: the model's initial ones
+
+    Returns:
+        The longest `model.opt.timestep` [s]; infinite if no pad is explicit.
     """
     scratch = _mujoco.MjData(model)
     if data is not None:
@@ -419,11 +444,14 @@ def _add_instance(spec: Any, name: str, config: dict[str, str]) -> None:
 
 
 def complete(spec: Any) -> None:
-    """Adds to `spec`, an MjSpec, the elements that its pads need.
+    """Adds to a spec the elements that its pads need.
 
-    Excludes between bodies that move with a pad and those that it touches, and for implicit pads
-    options and tendons. `attach_pad()` calls it; call it again on a spec to which a spec with pads
-    was attached. Names that the spec lacks are reported by `spec.compile()`.
+    These are excludes between bodies that move with a pad and those that it touches, and for
+    implicit pads options and tendons. `attach_pad()` calls it; call it again on a spec to which a
+    spec with pads was attached. Names that the spec lacks are reported by `spec.compile()`.
+
+    Args:
+        spec: an MjSpec
     """
     known = {frozenset((exclude.bodyname1, exclude.bodyname2)) for exclude in spec.excludes}
     joined = {tendon.name for tendon in spec.tendons}
