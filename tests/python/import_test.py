@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 import unittest
+import warnings
 import zipfile
 from pathlib import Path
 from unittest import mock
@@ -281,12 +282,13 @@ class Tables(ImportTest):
         rows[3][1] = ""
         output = self.folder / "resampled.h5"
         self.write("map.yaml", MAP % ", missing: nan")
-        slipbench.import_recordings(
-            self.write("a.csv", table(rows=rows)),
-            output,
-            map=self.folder / "map.yaml",
-            rate="10 Hz",
-        )
+        with self.assertWarnsRegex(UserWarning, "1 of 6 samples has missing values"):
+            slipbench.import_recordings(
+                self.write("a.csv", table(rows=rows)),
+                output,
+                map=self.folder / "map.yaml",
+                rate="10 Hz",
+            )
         with slipbench.open(output) as data:
             np.testing.assert_array_equal(
                 np.asarray(data[0].sensors["pad"].force)[:, 0], [0, 1, 2, np.nan, 4, 5]
@@ -1591,7 +1593,9 @@ class PublicSets(ImportTest):
         for name, text in files.items():
             (folder / f"{name}.csv").write_text(text, encoding="utf-8")
         output = self.folder / f"{map}.h5"
-        slipbench.import_recordings(folder, output, map=map)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # notes of the maps
+            slipbench.import_recordings(folder, output, map=map)
         with slipbench.open(output) as data:
             return [self.copied(data[trial]) for trial in data.trials]
 
@@ -2301,10 +2305,10 @@ class Bags(ImportTest):
                     connection, 10_000_000 * row, store.serialize_cdr(message, stream.__msgtype__)
                 )
         output = self.folder / "xela.h5"
-        summary = slipbench.import_recordings(self.folder / "xela", output, map="xela_ros")
-        self.assertIn(
-            "1 count is taken as 0.601 uT along x and y and 0.968 uT along z", str(summary)
-        )
+        scale = "1 count is taken as 0.601 uT along x and y and 0.968 uT along z"
+        with self.assertWarnsRegex(UserWarning, scale):
+            summary = slipbench.import_recordings(self.folder / "xela", output, map="xela_ros")
+        self.assertIn(scale, str(summary))
         with slipbench.open(output) as data:
             sensors = data[0].sensors
             self.assertEqual(
