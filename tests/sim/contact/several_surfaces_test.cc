@@ -239,7 +239,7 @@ TEST(SeveralSurfaces, ManyWaysUpAndDownASlopeLoseNoForce) {
 }
 
 TEST(SeveralSurfaces, EffectsRememberAnElementOverASeam) {
-  for (const char* name : {"ageing", "viscous_friction", "viscoelastic"}) {
+  for (const char* name : {"ageing", "stribeck", "viscous_friction", "viscoelastic"}) {
     SCOPED_TRACE(name);
     expect_as_on_a_plane(pillars(), halves(0.0), {testing_bench::named(effect_catalogue(), name)}, 1e-11);
   }
@@ -316,6 +316,22 @@ TEST(SeveralSurfaces, TrialsAheadGiveAnElementToOneSurface) {
   for (Field& field : rig.fields) field.step(ahead, 1e-3);  // one at a time, as the implicit solver does
   EXPECT_EQ(rig.fields[0].touching(), 1U);
   EXPECT_EQ(rig.fields[1].touching(), 0U);
+}
+
+TEST(SeveralSurfaces, TrialsAheadMeetTheHigherFace) {
+  // Tops at 0 and 0.1 mm, a trial down to -0.02 mm: 0.12 mm deep in the higher one alone.
+  const Placed low{wide, {0.0, 0.0, -10e-3}}, high{wide, {0.0, 0.0, -9.9e-3}};
+  for (const std::size_t higher : {0U, 1U}) {
+    const std::vector<Placed> surfaces = higher == 0 ? std::vector{high, low} : std::vector{low, high};
+    Rig rig(pillars(1, 0.0), surfaces);
+    rig.step(at(0.0, 0.0, 0.2e-3));
+    std::vector<Pose> ahead;
+    for (const Placed& surface : surfaces) ahead.push_back(at(0.0, 0.0, -0.02e-3 - surface.place.z()));
+    exclude_all_but_first(rig.fields, ahead);
+    for (std::size_t k = 0; k < 2; ++k) rig.fields[k].step(ahead[k], 1e-3);
+    EXPECT_NEAR(rig.fields[higher].normal_force(0), k_n * 0.12e-3, 1e-9) << higher;
+    EXPECT_EQ(rig.fields[1 - higher].touching(), 0U) << higher;
+  }
 }
 
 }  // namespace

@@ -231,6 +231,37 @@ TEST(SparseField, LooksChangeNoLabel) {
   }
 }
 
+// The labels of a pad that touches nothing are zeros whose signs depend on its pose alone, not on
+// when its sleeping elements were last computed: saving the state computes them all.
+TEST(SparseField, SavingTheStateChangesNoLabelOfALiftedPad) {
+  PadLayout pad = part_of_pad(0, rows);
+  pad.units.clear();
+  for (std::size_t r = 0; r < rows; ++r) pad.units.push_back({r * columns, columns});
+  const Target met = target(Shape::sphere);
+  Bench saved(pad, met.surface, {0.5, 0.4}), other(pad, met.surface, {0.5, 0.4});
+  std::vector<double> state(saved.field.state_size());
+  std::size_t negative = 0;
+  for (int tick = 0; tick < 2000; ++tick) {
+    // Round the sphere and round itself, 65 mm from its surface, by less than 2 mm a tick.
+    const auto turned = [tick](double x, double y) {
+      return Eigen::Matrix3d(Eigen::AngleAxisd(x * tick, Eigen::Vector3d::UnitX()) *
+                             Eigen::AngleAxisd(y * tick, Eigen::Vector3d::UnitY()));
+    };
+    const Pose pose{turned(0.010, 0.017), turned(0.009, 0.004).col(2) * 80e-3};
+    saved.field.step(pose, 1e-3);
+    saved.field.save_state(state);
+    saved.labels.update({&saved.field, 1}, 1e-3 * tick, 1e-3);
+    other.step(pose, 1e-3 * tick);
+    ASSERT_EQ(other.field.touching(), 0U);
+    const Eigen::Array3Xd &a = saved.labels.frame().contact_force, &b = other.labels.frame().contact_force;
+    for (Eigen::Index v = 0; v < b.size(); ++v) {
+      ASSERT_EQ(std::signbit(a.data()[v]), std::signbit(b.data()[v])) << "tick " << tick << ", value " << v;
+      negative += std::signbit(b.data()[v]) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(negative, 0U);
+}
+
 // A stage's vibration presses every unit alike, differently in each step.
 TEST(SparseField, IsShakenAnewInEveryStep) {
   const Target met = target(Shape::cylinder);

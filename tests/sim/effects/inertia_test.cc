@@ -130,6 +130,21 @@ TEST(InertiaLabels, EveryChangeInsideAStepIsToldInOrder) {
   EXPECT_GE(most, 3U);
 }
 
+TEST(InertiaLabels, ALiftedTipSlipsBeforeItSeparates) {
+  // Lifted from d deep to d above in one step, k_n (d - 2 d s) at its share s, a tip that holds F =
+  // k_t u slips where mu_s f_n = F, at s = (1 - F/(mu_s k_n d))/2, and separates at 1/2.
+  const double mu = 0.5, u = 0.5e-3, dt = 1e-3;
+  Field field = field_with(one_unit(k_n, k_t), {mu, mu}, {{"inertia", {{"damping", 0.0}}}});
+  for (const double x : {0.0, u, u}) field.step(at(x, 0.0, -depth), dt);
+  ASSERT_EQ(field.state(0), ElementState::stick);
+  field.step(at(u, 0.0, depth), dt);
+  ASSERT_EQ(field.events().size(), 2U);
+  EXPECT_EQ(field.events()[0].to, ElementState::slip);
+  EXPECT_NEAR(field.events()[0].fraction, 0.5 * (1.0 - k_t * u / (mu * k_n * depth)), 1e-12);
+  EXPECT_EQ(field.events()[1].to, ElementState::detached);
+  EXPECT_NEAR(field.events()[1].fraction, 0.5, 1e-12);
+}
+
 TEST(InertiaRefusals, NamesWhatItCannotBeJoinedWith) {
   const auto refusal = [](const std::vector<std::string>& names, const PadLayout& pad, const Surface& surface) -> std::string {
     std::vector<Named> effects;

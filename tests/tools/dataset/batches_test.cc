@@ -1,5 +1,6 @@
 // The dataset of a sweep: batches, their state after an end at any instant, and the continuation.
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,6 +17,22 @@
 #include "tools/dataset/finished_dataset.h"
 #include "tools/dataset/reader.h"
 #include "tools/files/output_file.h"
+
+namespace slipbench::testing::batches_test {
+namespace {
+
+// Called with the path of each file and folder before it is synced.
+std::function<void(const std::string&)> before_sync;
+
+}  // namespace
+}  // namespace slipbench::testing::batches_test
+
+// Replaces the C library's in this program.
+extern "C" int fsync(int descriptor) {
+  const auto& call = slipbench::testing::batches_test::before_sync;
+  if (call) call(std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor)).string());
+  return static_cast<int>(::syscall(SYS_fsync, descriptor));
+}
 
 namespace slipbench::testing::batches_test {
 namespace {
@@ -123,6 +140,26 @@ TEST_F(BatchesTest, ALargeBatchIsFinishedByItself) {
   const std::vector<std::string> batches = writer.keep();
   EXPECT_GE(batches.size(), 3U);
   for (const std::string& name : batches) EXPECT_LE(std::filesystem::file_size(name), limit);
+}
+
+// After a power failure, a file has its content if it was synced, and its name if the folder was
+// synced afterwards.
+TEST_F(BatchesTest, ABatchIsSyncedBeforeItIsNamedAndItsFolderAfterwards) {
+  const std::string folder = std::filesystem::canonical(path("")).string() + "/out.h5.partial";
+  SweepWriter writer(path("out.h5"), header);
+  append(writer, 0, 1);
+  std::vector<std::string> synced;
+  std::vector<bool> named;
+  before_sync = [&](const std::string& name) {
+    synced.push_back(name);
+    named.push_back(std::filesystem::exists(batch(0)));
+  };
+  writer.finish_batch();
+  before_sync = nullptr;
+  ASSERT_EQ(synced.size(), 2U);
+  EXPECT_EQ(std::filesystem::path(synced[0]).parent_path(), folder);
+  EXPECT_EQ(synced[1], folder);
+  EXPECT_THAT(named, ElementsAre(false, true));
 }
 
 TEST_F(BatchesTest, NothingLeftIsNothingKept) {

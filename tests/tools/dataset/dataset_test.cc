@@ -256,6 +256,23 @@ TEST_F(DatasetTest, ShardsStayBelowTheLimit) {
   EXPECT_EQ(reader.mask("train").size(), 14U);
 }
 
+// A part of a sweep also stores the split groups of its trials, as strings of equal length: ten of
+// 500 kB need more than one file of 3 MB.
+TEST_F(DatasetTest, ShardsOfAPartStayBelowTheLimitWithTheirGroups) {
+  constexpr std::uint64_t limit = 3'000'000;
+  DatasetHeader of_part = header;
+  of_part.part = SweepShard{.number = 1, .count = 2, .trials = 20};
+  DatasetWriter writer(path("a.h5"), of_part, limit);
+  for (std::size_t k = 0; k < 10; ++k) {
+    EncodedTrial trial = make_trial(k, 10);
+    trial.material.assign(500'000, 'm');
+    writer.append(trial);
+  }
+  writer.commit();
+  ASSERT_GE(names().size(), 2U);
+  for (const std::string& name : names()) EXPECT_LE(std::filesystem::file_size(path(name)), limit) << name;
+}
+
 TEST_F(DatasetTest, RefusesAShardOfAnotherRun) {
   constexpr std::uint64_t limit = 200'000;
   const std::string first = write("a.h5", 20, 500, limit);

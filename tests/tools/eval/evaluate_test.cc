@@ -8,6 +8,7 @@
 #include "tests/expect.h"
 #include "tests/tools/train/small_dataset.h"
 #include "tools/dataset/reader.h"
+#include "tools/eval/detect.h"
 #include "tools/eval/eval_page.h"
 #include "tools/eval/replay.h"
 #include "tools/eval/yardsticks.h"
@@ -16,6 +17,7 @@ namespace slipbench::eval::evaluate_test {
 namespace {
 
 using ::slipbench::testing::SmallDatasetTest;
+using ::slipbench::testing::write_dataset;
 
 TEST(ChosenDetector, IsANameAFileOrAFolder) {
   EXPECT_EQ(chosen_detector("force_ratio", {{"ratio", "0.3"}}).parameters.number("ratio"), 0.3);
@@ -90,6 +92,44 @@ TEST_F(Evaluated, EveryTrialAndItsGroups) {
   // A trial's true first slip comes from its labels.
   const SensorRecord pad = DatasetReader(file).read_sensor(5, "pad");
   EXPECT_EQ(result.at("trials")[5].at("slip_time_s"), std::ranges::min(pad.labels.onset_time));
+}
+
+// Imported samples at 10 Hz of one unit under 1 N, with this shear [N].
+TrialRecord imported(std::size_t trial, const std::vector<float>& shear) {
+  TrialRecord record;
+  record.trial = trial;
+  record.params = "{}";
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.type = "skin";
+  sensor.rate = 10.0;
+  sensor.channel_names = {"FX", "FY", "FZ"};
+  sensor.labels.truth = false;
+  SensorColumn force{"force", "N", {1, 3}, {}};
+  for (const float each : shear) {
+    sensor.time.push_back(0.1 * static_cast<double>(sensor.time.size()));
+    force.values.insert(force.values.end(), {each, 0.0F, 1.0F});
+  }
+  sensor.channels.push_back(force);
+  record.body_time = sensor.time;
+  record.sensors.push_back(sensor);
+  return record;
+}
+
+// Trials without labels, by their alarms per minute: one alarm in 0.3 s, no alarm, and last a single
+// sample, which has no such rate.
+TEST_F(Evaluated, DetectNamesTheWorstTrials) {
+  const DatasetHeader header{.version = "1.2.3", .scene = "", .command = "slipbench import", .truth = "none: imported from csv"};
+  write_dataset(path("a.h5"), header,
+                {imported(0, {0.9F}), imported(1, {0.1F, 0.1F, 0.1F, 0.1F}), imported(2, {0.1F, 0.9F, 0.9F, 0.1F})});
+  DetectOptions chosen;
+  chosen.detector = chosen_detector("force_ratio", {{"ratio", "0.5"}});
+  chosen.recordings = {path("a.h5")};
+  const Json result = detect(chosen);
+  EXPECT_TRUE(result.at("trials")[0].at("alarms_per_minute").is_null());
+  EXPECT_EQ(result.at("trials")[1].at("alarms_per_minute"), 0.0);
+  EXPECT_NEAR(result.at("trials")[2].at("alarms_per_minute").get<double>(), 60.0 / 0.3, 1e-9);
+  EXPECT_EQ(result.at("worst"), Json({2, 1, 0}));
 }
 
 // The best yardstick stands beside the detector, with the area that it has as a detector of its own,

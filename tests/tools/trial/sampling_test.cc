@@ -1,10 +1,12 @@
-// A multiplexed sensor: several readings make a sample, and a channel may be slower than the
-// samples.
+// Parts of a trial by themselves: samples of a multiplexed sensor, the control loop, the judge, and
+// a detector's latency.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "tests/expect.h"
 #include "tests/scenes.h"
 #include "tools/registry/sensor_catalogue.h"
+#include "tools/trial/judge.h"
 #include "tools/trial/run_trial.h"
 #include "tools/trial/trial_run.h"
 
@@ -155,7 +158,7 @@ Parameters grip_defaults() { return defaults_of(std::ranges::find(grasp_catalogu
 
 class BareGripper : public HeldBox {
  public:
-  explicit BareGripper(double phase) : gripper_(grip_defaults(), 0.08, phase) {}
+  explicit BareGripper(double phase, const Parameters& grip = grip_defaults()) : gripper_(grip, 0.08, phase) {}
   Gripper& gripper() override { return gripper_; }
   [[nodiscard]] const GraspTruth& truth() const override { return truth_; }
   [[nodiscard]] double ideal_force() const override { return 1.0; }
@@ -249,6 +252,46 @@ TEST(ControlLoop, DelaysAreThoseOfTheScene) {
   EXPECT_NEAR(loop.tightening().start_time, 33.1e-3, 1e-12);
 }
 
+// With no time between read and write, the command of a read is sent at the same instant.
+TEST(ControlLoop, AReadComesBeforeTheWriteAtItsInstant) {
+  Parameters grip = grip_defaults();
+  grip.set("write_after", 0.0);
+  BareGripper box(3.1e-3, grip);
+  const int start = box.gripper().position(0.0);
+  std::vector<Handed> handed;
+  ControlLoop loop({}, 0, std::make_unique<Notes>(handed), &box);
+  run(loop, box, 20);  // to 3.8 ms
+  EXPECT_EQ(handed.size(), 1U);
+  EXPECT_EQ(loop.written().position, start + 1);
+}
+
+// Commands, one at each update, the last one again and again.
+class Sequence final : public Controller {
+ public:
+  explicit Sequence(std::vector<int> positions) : positions_(std::move(positions)) {}
+  GripCommand update(const ControlInput&) override {
+    return {.position = positions_[std::min(updates_++, positions_.size() - 1)]};
+  }
+
+ private:
+  std::vector<int> positions_;
+  std::size_t updates_ = 0;
+};
+
+// The fingers close by 10 counts of 0.374 mm, which take 0.19 s at 20 mm/s. A command of 0, followed
+// by one of 5 before they have moved, opens them less, which tightens nothing.
+TEST(ControlLoop, OpeningLessIsNotTightening) {
+  BareGripper box(3.1e-3);
+  const int start = box.gripper().position(0.0);
+  std::vector<int> positions(20, start + 10);
+  positions.insert(positions.end(), {start, start + 5});
+  ControlLoop loop({}, 0, std::make_unique<Sequence>(positions), &box);
+  run(loop, box, 2200);  // 22 reads, the last one at 423.1 ms
+  ASSERT_EQ(loop.measured_position(), start + 10);
+  ASSERT_EQ(loop.written().position, start + 5);
+  EXPECT_NEAR(loop.tightening().read_time, 3.1e-3, 1e-12);
+}
+
 TEST(ControlLoop, ADetectorIsFedByItsOwnPadAlone) {
   ControlLoop loop(DelayedDetector(std::make_unique<Late>(0.0)), 1);
   const SensorFrame frame{0.0, {}};
@@ -317,6 +360,72 @@ TEST(ControlLoop, CommandThatIsNoByteEndsTheRun) {
   std::vector<Handed> handed;
   ControlLoop loop({}, 0, std::make_unique<Notes>(handed, 256), &box);
   EXPECT_THROW(run(loop, box, 100), InputError);
+}
+
+// A box and a simulation whose truth is set by the test.
+class ToldBox final : public BareGripper {
+ public:
+  ToldBox() : BareGripper(0.0) {}
+  [[nodiscard]] const GraspTruth& truth() const override { return now; }
+  GraspTruth now;
+};
+
+class Told final : public Simulation {
+ public:
+  [[nodiscard]] std::size_t ticks(std::size_t) const override { return 10; }
+  [[nodiscard]] double time_step(std::size_t) const override { return 1e-3; }
+  [[nodiscard]] std::size_t stride(std::size_t) const override { return 1; }
+  [[nodiscard]] std::span<const std::size_t> stepped() const override { return {}; }
+  [[nodiscard]] const ContactFrame& contact(std::size_t) const override { return now; }
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const override { return bodies_; }
+  [[nodiscard]] bool rotating() const override { return false; }
+  void step() override {}
+  ContactFrame now;
+
+ private:
+  std::vector<NamedBody> bodies_;
+};
+
+struct JudgeTest : ::testing::Test {
+  void judge_tick(double time) {
+    if (!judge) {
+      sensors.push_back(make_sensor(scene.sensors.front(), scene.seed, 0));
+      result.record = new_record(scene, sensors, bench, 0);
+      judge.emplace(scene, bench, &box, result);
+    }
+    bench.now.time = box.now.time = time;
+    const Tick tick{0, time, nullptr};
+    judge->observe({&tick, 1}, loop);
+  }
+
+  Scene scene = scene_of("3 s");
+  std::vector<std::unique_ptr<Sensor>> sensors;
+  Told bench;
+  ToldBox box;
+  ControlLoop loop{DelayedDetector(std::make_unique<Late>(0.0))};
+  TrialResult result;
+  std::optional<Judge> judge;
+};
+
+// The lift begins at 1 s; a slip before that comes from closing fingers.
+TEST_F(JudgeTest, TheFirstSlipOfTheLiftIsJudged) {
+  for (const double time : {0.5, 1.2, 1.5}) {
+    bench.now.events = {{time, 0, EventKind::slip}};
+    judge_tick(time);
+  }
+  EXPECT_EQ(result.units[0][0].onset_time, 0.5);
+  EXPECT_EQ(result.record.outcome.judged_slip_time, 1.2);
+}
+
+TEST_F(JudgeTest, ATurnIsKnownByItsLeastTilt) {
+  scene.motion.name = guided_motion_name;
+  for (const double tilt : {1.5, 0.3, 0.8}) {
+    box.now.tilt = tilt;
+    judge_tick(1.0);
+  }
+  const TurnOutcome& turn = result.record.outcome.grasp->turn.value();
+  EXPECT_EQ(turn.tilt, 0.8);
+  EXPECT_EQ(turn.least_tilt, 0.3);
 }
 
 // Answers frame k with the k-th of the given latencies, the last one for all later frames; states
