@@ -6,7 +6,6 @@
 #include <initializer_list>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -124,22 +123,6 @@ class RingingEffect : public Effect {
   virtual void ring(const TipColumns& tips) = 0;
 };
 
-// Every element is a slender column: leaning by its stretch q lowers it by q^2/2L, and its load
-// pushes it over. With the springs' potential of an upright column V = k_n (d - q^2/2L)^2/2 + k_t
-// q^2/2 + k_s max(0, q - q_b)^2/2,
-//   f_n = k_n (d - q^2/2L),   f_t = k_t q - f_n q/L + k_s max(0, q - q_b):
-// beyond the buckling load k_t L it leans by itself, up to the stop at q_b. While its tip sticks, q
-// is given, so a negative stiffness needs no special treatment. The step is exact; no tangent is
-// used. Beyond f_n = (k_t + k_s) L the stop fails too.
-struct Lean {
-  double length;           // L, m
-  double stop_deflection;  // q_b, m
-  double stop_stiffness;   // k_s, N/m
-
-  // Returns how much a column is lowered by leaning by q [m].
-  [[nodiscard]] double drop(double q) const { return q * q / (2.0 * length); }
-};
-
 // Makes the pad one elastic body: a load on one element moves the surface at all others; elements
 // have no springs of their own. Arrays have one entry per element, in the element's own frame
 // (element_frame). Pressure is that of the touched surface on the pad, shear that of the pad on the
@@ -177,8 +160,7 @@ struct FieldEffects {
   std::unique_ptr<RateEffect> rate;  // at most one
   std::vector<std::unique_ptr<RheologyEffect>> rheology;
   std::unique_ptr<ConeEffect> cone;  // at most one
-  std::optional<Lean> lean;          // not together with cone
-  std::unique_ptr<TipEffect> tip;    // at most one, without rate, rheology, cone and lean
+  std::unique_ptr<TipEffect> tip;    // at most one, without rate, rheology and cone
   std::unique_ptr<SkinEffect> skin;  // at most one, without any of these
   // only with a tip
   std::vector<std::unique_ptr<RingingEffect>> ringing;

@@ -74,7 +74,7 @@ struct Columns : PlainColumns {
   VectorColumns place;        // position at which the tip reads effects (SurfaceEffect) [m]
   VectorColumns transmitted;  // force of spring and dashpot on a tip with mass [N]
   double* trial;              // size of the trial force [N]
-  double* slide;              // mu_k f_n (mu_s f_n for leaning columns) [N]
+  double* slide;              // mu_k f_n [N]
 
   // Exchanges the values of the step with those before it.
   void swap_before() { std::swap(static_cast<StepColumns&>(*this), before); }

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "sim/contact/dashpot.h"
-#include "sim/contact/lean.h"
+#include "sim/contact/effect_cone.h"
 #include "sim/contact/return_mapping.h"
 #include "sim/core/error.h"
 #include "sim/core/vectorise.h"
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t alignment = 64;
 
-const PadLayout& checked(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
+const PadLayout& checked(const PadLayout& layout, const Friction& friction) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
   if (layout.elements.empty()) refuse("a pad needs at least one element");
   if (layout.elements.size() > Field::max_elements) {
@@ -45,7 +45,6 @@ const PadLayout& checked(const PadLayout& layout, const Friction& friction, cons
     next += unit.count;
   }
   if (next != layout.elements.size()) refuse("units must tile the elements in order");
-  if (effects.cone && effects.lean) refuse("columns that lean need the circular friction cone");
   if (!(friction.mu_kinetic >= 0.0) || !(friction.mu_static >= friction.mu_kinetic) || std::isinf(friction.mu_static)) {
     refuse("friction must satisfy 0 <= mu_kinetic <= mu_static");
   }
@@ -62,17 +61,17 @@ double zero_crossing(double before, double now) {
 }  // namespace
 
 Field::Field(const PadLayout& layout, const Surface& surface, Friction friction, FieldEffects effects)
-    : FieldResults(checked(layout, friction, effects), surface, friction, std::move(effects)) {
+    : FieldResults(checked(layout, friction), surface, friction, std::move(effects)) {
   if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
-  if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
+  if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || has_memory())) {
     throw std::invalid_argument(
-        "field: tips with mass need a plane and cannot be combined with another cone, rate law, lean, rheology or dashpot");
+        "field: tips with mass need a plane and cannot be combined with another cone, rate law, rheology or dashpot");
   }
-  if (effects_.skin && (effects_.tip || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
+  if (effects_.skin && (effects_.tip || effects_.cone || effects_.rate || has_memory())) {
     throw std::invalid_argument(
-        "field: an elastic skin cannot be combined with tips with mass, another cone, rate law, lean, rheology or dashpot");
+        "field: an elastic skin cannot be combined with tips with mass, another cone, rate law, rheology or dashpot");
   }
-  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || effects_.lean || has_memory() ||
+  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || has_memory() ||
               effects_.tip || effects_.skin;
   const std::size_t columns = extended_ ? kernel::all_columns : kernel::plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
@@ -105,7 +104,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     columns_.spring.k_normal = columns_.k_normal;
     columns_.spring.k_tangential = columns_.k_tangential;
   }
-  may_update_separated_ = extended_ && !on_plane() && !effects_.cone && !effects_.lean && !effects_.tip && !effects_.skin &&
+  may_update_separated_ = extended_ && !on_plane() && !effects_.cone && !effects_.tip && !effects_.skin &&
                           !has_memory() && effects_.surface.empty() &&
                           std::ranges::all_of(effects_.friction, [](const auto& effect) { return effect->memory().empty(); });
   if (effects_.skin) skin_.emplace(*effects_.skin, layout_, columns_);
@@ -382,15 +381,10 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
 
 void Field::map_to_cone() {
   RateEffect* const rate = step_ > 0.0 ? effects_.rate.get() : nullptr;
-  const auto return_map_each = [&](const auto& cone) {
+  if (effects_.cone) {
     kernel::return_map_each(columns_, on_plane(), extended_, count_, [&](std::size_t i, const kernel::Trial& trial) {
-      return project_onto_cone(cone, rate, step_, columns_, i, trial);
+      return project_onto_cone(*effects_.cone, rate, step_, columns_, i, trial);
     });
-  };
-  if (effects_.lean) {
-    return_map_each(*effects_.lean);
-  } else if (effects_.cone) {
-    return_map_each(*effects_.cone);
   } else {
     if (rate != nullptr) {
       kernel::find_trials(columns_, on_plane(), padded_);
@@ -456,7 +450,6 @@ void Field::commit_rheology(double dt) {
   for (std::size_t i = 0; i < count_; ++i) {
     const Eigen::Vector3d u = stretch(i);
     columns_.depth[i] = penetration(i);
-    if (effects_.lean) columns_.depth[i] = std::max(0.0, columns_.depth[i] - effects_.lean->drop(u.norm()));
     columns_.stretch.set(i, u);
   }
   for (const auto& effect : effects_.rheology) {
@@ -474,13 +467,6 @@ void Field::rate_friction(double dt, const Twist* motion) {
   if (effects_.friction.empty()) return;
   const bool speeds = std::ranges::any_of(effects_.friction, [](const auto& effect) { return effect->by_speed(); });
   kernel::rate(columns_, pose_, motion, dt, has_memory(), speeds, padded_);
-  if (effects_.lean) {
-    for (std::size_t i = 0; i < count_; ++i) {
-      const double drop = effects_.lean->drop((columns_.contact.at(i) - columns_.place.at(i)).norm());
-      columns_.depth[i] = std::max(0.0, columns_.depth[i] - drop);
-      columns_.load[i] = std::max(0.0, columns_.load[i] - columns_.k_normal[i] * drop);
-    }
-  }
   if (effects_.skin) {
     for (std::size_t i = 0; i < count_; ++i) columns_.load[i] = normal_force(i);
   }
@@ -504,14 +490,9 @@ void Field::anchor_touched(std::size_t i) {
 // are linear in the step, so their difference is convex and crosses zero once.
 double Field::onset_fraction(std::size_t i) const {
   const Eigen::Vector3d start = columns_.before.force.at(i);
-  Eigen::Vector3d end = columns_.force.at(i) + columns_.k_tangential[i] * columns_.slip.at(i);
+  const Eigen::Vector3d end = columns_.force.at(i) + columns_.k_tangential[i] * columns_.slip.at(i);
   const Eigen::Vector3d n = columns_.normal.at(i);
-  const double limit_start = columns_.before.limit[i];
-  double limit_end = columns_.limit[i];
-  if (effects_.lean) {  // a slip also changes its normal force
-    end = columns_.trial[i] * columns_.slip.at(i).normalized();
-    limit_end = columns_.slide[i];
-  }
+  const double limit_start = columns_.before.limit[i], limit_end = columns_.limit[i];
   const auto inside = [&](double fraction) {
     const Eigen::Vector3d t = start + fraction * (end - start);
     const double limit = limit_start + fraction * (limit_end - limit_start);

@@ -66,8 +66,8 @@ class Field : public FieldResults {
   // Advances to the relative pose `pad_in_surface` at the end of a step of `dt` > 0 seconds. The
   // first call places the field: elements that touch stick unstrained, and dt is not used.
   // `motion`: the velocity at the end of the step, for friction laws that depend on speed; without
-  // it they use the mean velocity of the step. Throws InputError if columns lean (effect.h) and one
-  // is loaded beyond the capacity of its stop.
+  // it they use the mean velocity of the step. Throws SceneValueError if an elastic skin
+  // does not converge.
   void step(const Pose& pad_in_surface, double dt, const Twist* motion = nullptr);
 
   // The two halves of step(), for a pad that may touch several surfaces (several_surfaces.h):

@@ -131,7 +131,7 @@ class FieldResults {
   [[nodiscard]] Wrench damped_wrench_on_pad(const Twist& motion, double tau) const;
 
   // Sums over the springs of all elements: force on the pad, stored energy, and loss by slip in the
-  // last step. With a rheology or leaning columns the energy is not the stored energy.
+  // last step. With a rheology the energy is not the stored energy.
   [[nodiscard]] kernel::SpringSums spring_sums() const {
     if (effects_.skin) return skin_sums();
     return touching_ == 0 ? kernel::SpringSums{{0.0, 0.0, 0.0}, 0.0, 0.0} : kernel::sum_springs(columns_, active());
@@ -144,9 +144,6 @@ class FieldResults {
   // Number of elements that touch after the last step, and of those that slip.
   [[nodiscard]] std::size_t touching() const { return touching_; }
   [[nodiscard]] std::size_t slipping() const { return slipping_; }
-  // Largest contribution of a column's stop to the tangential stiffness of an element [N/m]; 0 if
-  // none leans.
-  [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
   // True if an effect moves the surface: an element may then touch a bump while it is outside the

@@ -9,7 +9,6 @@ const std::vector<EffectKind>& effect_catalogue() {
       asperities(),
       elastic_skin(),
       inertia(),
-      lean(),
       load_dependent_friction(),
       patchy_friction(),
       roughness(),

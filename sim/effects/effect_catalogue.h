@@ -86,7 +86,6 @@ EffectKind anisotropic_friction();
 EffectKind asperities();
 EffectKind elastic_skin();
 EffectKind inertia();
-EffectKind lean();
 EffectKind load_dependent_friction();
 EffectKind patchy_friction();
 EffectKind roughness();

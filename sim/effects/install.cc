@@ -38,7 +38,7 @@ const EffectKind& effect_kind(std::string_view name) {
 FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
                              std::uint64_t seed, std::uint64_t trial) {
   FieldEffects installed;
-  std::string moves_tips, maps_tips, sets_cone, leans, replaces_springs;  // the first effect of each kind
+  std::string moves_tips, maps_tips, replaces_springs;  // the first effect of each kind
   const EffectContext context = context_for(layout, surface, seed, trial);
   for (const bool after_tip : {false, true}) {
     for (const Named& effect : effects) {
@@ -49,9 +49,7 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
         if (is_installed && first.empty()) first = effect.name;
       };
       name_first(installed.tip != nullptr, moves_tips);
-      name_first(installed.cone || installed.rate || installed.lean || !installed.rheology.empty(), maps_tips);
-      name_first(installed.cone != nullptr, sets_cone);
-      name_first(installed.lean.has_value(), leans);
+      name_first(installed.cone || installed.rate || !installed.rheology.empty(), maps_tips);
       name_first(installed.skin != nullptr, replaces_springs);
     }
   }
@@ -62,10 +60,6 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
   if (installed.skin && (installed.tip || !maps_tips.empty())) {
     throw SceneValueError("effects", replaces_springs + " and " + (installed.tip ? moves_tips : maps_tips) +
                                          " cannot be combined: each of them sets the force of an element");
-  }
-  if (installed.lean && installed.cone) {
-    throw SceneValueError("effects",
-                          leans + " and " + sets_cone + " cannot be combined: columns that lean need a circular friction cone");
   }
   return installed;
 }

@@ -39,7 +39,7 @@ KINETIC = {
     "viscous_friction",
 }
 TIPS_WITH_MASS = {"inertia", "asperities"}
-SPRINGS = {"viscoelastic", "lean", "elastic_skin", "inertia", "asperities"}
+SPRINGS = {"viscoelastic", "elastic_skin", "inertia", "asperities"}
 HEIGHT = {"texture", "roughness"}
 
 

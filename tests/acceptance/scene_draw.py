@@ -49,7 +49,7 @@ BY_STEP = ("papillarray", "myrmex", "taxels", "gel_markers", "magnetic_skin")
 TIPS, SKINS, MAPS = (
     {"inertia", "asperities"},
     {"elastic_skin"},
-    {"viscoelastic", "viscous_friction", "anisotropic_friction", "lean"},
+    {"viscoelastic", "viscous_friction", "anisotropic_friction"},
 )
 # Effects that need a flat surface.
 FLAT = {"texture", "roughness", "patchy_friction", "anisotropic_friction"}
@@ -219,8 +219,6 @@ class Draw:
                 else self.pick(SKINS, MAPS, MAPS)
             )
             names -= (TIPS | SKINS | MAPS) - one_law
-            if one_law is MAPS:
-                names.remove(self.pick("lean", "anisotropic_friction"))
             if shape not in ("plane", "box"):
                 names -= FLAT
         chosen = self.random.sample(

@@ -78,15 +78,10 @@ void nib_step_rate_patches(benchmark::State& state) {
   nib_steps(state, {{"viscous_friction", {{"gain", 0.08}, {"speed", 0.05e-3}}}, {"patchy_friction", {}}});
 }
 
-void nib_step_rate_patches_lean(benchmark::State& state) {
-  nib_steps(state, {{"viscous_friction", {{"gain", 0.08}, {"speed", 0.05e-3}}}, {"patchy_friction", {}}, {"lean", {}}});
-}
-
 BENCHMARK(nib_step);
 BENCHMARK(nib_step_patches);
 BENCHMARK(nib_step_rate);
 BENCHMARK(nib_step_rate_patches);
-BENCHMARK(nib_step_rate_patches_lean);
 BENCHMARK(field_step_9);
 BENCHMARK(field_step_9_labelled);
 BENCHMARK(field_step_54);

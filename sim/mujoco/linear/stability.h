@@ -47,7 +47,7 @@ struct PadTangent {
 
 // Returns the tangent of a field after its last step. `surface`: surface frame in the world.
 // Includes springs and dashpots (for a slipping element those of viscous_time only along the
-// normal, as in Field), but not the stiffness that a rheology effect or a leaning column adds.
+// normal, as in Field), but not the stiffness that a rheology effect adds.
 [[nodiscard]] PadTangent field_tangent(const Field& field, const Pose& surface, const Eigen::Vector3d& point,
                                        double viscous_time);
 

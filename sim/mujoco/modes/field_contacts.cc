@@ -84,7 +84,6 @@ PadTangents FieldContacts::stuck(bool touching_only) const {
         if (field.bears(i)) layout.elements.push_back(springs.elements[i]);
       }
     }
-    for (Element& element : layout.elements) element.k_tangential += field.stop_stiffness();
     stuck.bodies.push_back({pad.body, contact.object_body, pose.position});
     stuck.tangents.push_back(stuck_tangent(layout, pose, pose.position, pad.instance->config().damping));
   }

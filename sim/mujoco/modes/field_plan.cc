@@ -61,14 +61,14 @@ FieldPlan plan_fields(const DynamicWorld& world, const FieldContacts& contacts, 
       const StepLimit of_pad = step_limit(*setup.motion, effects, reach_of(*pad));
       if (of_pad.longest < limit.longest) limit = of_pad;
     }
-    plan.stored_energy_known = plan.stored_energy_known && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
-    springs_known = springs_known && effects.rheology.empty() && !effects.lean;
+    plan.stored_energy_known = plan.stored_energy_known && effects.surface.empty() && effects.rheology.empty();
+    springs_known = springs_known && effects.rheology.empty();
     skins = skins || effects.skin != nullptr;
   }
   if (!springs_known && options.hand_solver == FieldSolver::implicit_springs) {
     throw SceneValueError(
         "field_solver",
-        "implicit springs of a grasp cannot be combined with effects that change their stiffness, such as viscoelastic and lean; allowed: auto, explicit");
+        "implicit springs of a grasp cannot be combined with effects that change their stiffness, such as viscoelastic; allowed: auto, explicit");
   }
   if (scene.implicit_fields()) {
     refuse_implicit(world, contacts);

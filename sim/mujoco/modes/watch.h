@@ -30,8 +30,8 @@
 //   gain <= energy_share (T_0 + U_0 + sum of the positive works by weight, motors, springs and
 //           contacts of the model, and by the stage)
 // An unstable pad multiplies its energy in every step or two, and one that friction keeps bounded
-// turns over many times its energy in a window. Fields with a rheology, a surface effect or leaning
-// columns are excluded: their stored energy is not f^2/(2k).
+// turns over many times its energy in a window. Fields with a rheology or a surface effect
+// are excluded: their stored energy is not f^2/(2k).
 //
 // A mode stepped by average_acceleration.h, x_n = A cos(theta), turns by 2 phi per step, tan
 // phi = z/2. At the longest step, z = 2, and in units of k A^2/2, it has U = cos^2 theta and

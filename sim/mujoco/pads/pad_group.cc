@@ -40,9 +40,7 @@ void add_touching_tangents(const mjModel* model, const mjData* data, const PadIn
     const Field& field = pad.fields()[k];
     PadLayout touching;
     for (std::size_t i = 0; i < field.size(); ++i) {
-      if (!field.bears(i)) continue;
-      touching.elements.push_back(field.layout().elements[i]);
-      touching.elements.back().k_tangential += field.stop_stiffness();
+      if (field.bears(i)) touching.elements.push_back(field.layout().elements[i]);
     }
     if (touching.elements.empty()) continue;
     pads.bodies.push_back({kinematics.pad_body(model), kinematics.touched()[k].body, pose.position});
@@ -68,10 +66,8 @@ void add_stuck_tangent(const mjModel* model, mjData* data, const PadInstance& pa
                    touched.shape);
     Pose there = pose;  // at its present distance it would have a lever that never occurs
     if (met.gap > 0.0) there.position -= met.gap * (placed.rotation * Eigen::Vector3d(met.nx, met.ny, met.nz));
-    PadLayout layout = field.layout();
-    for (Element& element : layout.elements) element.k_tangential += field.stop_stiffness();
     const PadOnBodies candidate{kinematics.pad_body(model), touched.body, there.position};
-    const PadTangent stuck = stuck_tangent(layout, there, there.position, pad.config().damping);
+    const PadTangent stuck = stuck_tangent(field.layout(), there, there.position, pad.config().damping);
     const double omega = fastest_vibration(model, data, {&candidate, 1}, {&stuck, 1}).omega;
     if (omega <= fastest) continue;
     fastest = omega;

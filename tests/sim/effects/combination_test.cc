@@ -87,7 +87,7 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     const PadLayout pad = one_unit(1000.0, 600.0, kind.about.name == "elastic_skin" ? 1 : 3);  // couples positions, not bristles
     FieldEffects effects = installed(pad, alone(kind));
     EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + effects.ringing.size() +
-                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.lean ? 1 : 0) + (effects.tip ? 1 : 0) +
+                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.tip ? 1 : 0) +
                   (effects.skin ? 1 : 0),
               alone(kind).size())
         << about.name;
@@ -108,8 +108,7 @@ TEST(EffectCatalogue, EffectWithoutStrengthChangesNothing) {
                                  {"roughness", {{"height", 0.0}}},
                                  {"viscoelastic", {{"relaxation", 0.0}}},
                                  {"viscous_friction", {{"gain", 0.0}}},
-                                 {"anisotropic_friction", {{"ratio", 1.0}}},
-                                 {"lean", {{"length", 1e12}, {"stop", 1.0}}}};
+                                 {"anisotropic_friction", {{"ratio", 1.0}}}};
   for (const Wanted& effect : idle) {
     RandomStream draw(3, 0, "idle effects");
     const PadLayout pad = testing_field::random_pad(draw, 40, false);

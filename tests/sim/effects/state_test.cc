@@ -48,22 +48,20 @@ void expect_to_go_on_alike(const std::vector<Wanted>& effects, const std::string
 }
 
 TEST(EffectState, EveryEffectGoesOnFromASavedState) {
-  // Columns do not lean on an elliptic cone; tips with mass and elastic skins exclude cone, lean,
-  // rate law, rheology and each other. So all effects together need four sets.
-  std::vector<Wanted> upright, leaning, with_mass{{"inertia", {}}}, in_one{{"elastic_skin", {{"patch", 1e-4}}}};
+  // Tips with mass and elastic skins exclude cone, rate law, rheology and each other. So all effects
+  // together need three sets.
+  std::vector<Wanted> on_springs, with_mass{{"inertia", {}}}, in_one{{"elastic_skin", {{"patch", 1e-4}}}};
   for (const EffectKind& kind : effect_catalogue()) {
     expect_to_go_on_alike(alone(kind), kind.about.name);
     const FieldEffects effects = installed(one_unit(1000.0, 600.0), alone(kind));
     const Wanted wanted{kind.about.name, {}};
     if (effects.skin) continue;
-    if (!effects.tip && !effects.lean) upright.push_back(wanted);
-    if (!effects.tip && !effects.cone) leaning.push_back(wanted);
-    const bool maps = effects.cone || effects.lean || effects.rate || !effects.rheology.empty();
+    if (!effects.tip) on_springs.push_back(wanted);
+    const bool maps = effects.cone || effects.rate || !effects.rheology.empty();
     if (!maps && kind.about.name != "inertia") with_mass.push_back(wanted);
     if (!maps && !effects.tip && !kind.after_tip) in_one.push_back(wanted);
   }
-  expect_to_go_on_alike(upright, "all that may be upright");
-  expect_to_go_on_alike(leaning, "all that may lean");
+  expect_to_go_on_alike(on_springs, "all on springs");
   expect_to_go_on_alike(with_mass, "all of tips with mass");
   expect_to_go_on_alike(in_one, "all of elastic skins");
 }

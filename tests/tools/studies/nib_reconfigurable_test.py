@@ -113,7 +113,6 @@ class Bench(unittest.TestCase):
                 "viscous_friction" in changed, not name.startswith(("no_rate", "coulomb")), name
             )
             self.assertEqual("kinetic: 0.585" in changed, name.startswith("coulomb"), name)
-            self.assertEqual("lean]" in changed, name == "lean")
             self.assertEqual(changed.count("texture"), text.count("texture"))
         self.assertIn(f"start: {table2.DETECTOR['start']}", text)
         self.assertEqual(parse_quantity(table2.DETECTOR["start"]), table2.START)

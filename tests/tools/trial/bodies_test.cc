@@ -209,24 +209,6 @@ TEST_F(BodiesRun, PillarsCompressedBeyondTheirHeightNameTheLineOfTheSensor) {
               refused_at("trial 0: " + scenes + "pressed_box.yaml:15", {"sensors.pad", "'box'", "4.2 mm"}));
 }
 
-// A pillar has k_n/k_t = 1.2/0.65, so a column of 1 mm without a stop buckles, k_n d = k_t length,
-// at 0.54 mm: within a step of MuJoCo, whose own errors are plain texts. The prescribed bench gives
-// the same error at the same line.
-TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
-  const std::string first = "slipbench: 1\nduration: 0.5 s\n",
-                    second = "effects: [{lean: {length: 1 mm, stop_stiffness: 0 N/mm}}]\n";
-  const std::string rest = "motion: {kind: stage, compression: 0.8 mm}\n";
-  const std::string bodies =
-      "bodies: {table: {shape: plane, position: [0, 0, -0.02]}, box: {shape: box, size: [40 mm, 40 mm, 20 mm], mass: 100 g, position: [0, 0, -0.01]}}\n";
-  for (const std::string& scene : {rest + "sensors: {pad: {type: papillarray}}\n",
-                                   rest + bodies + "sensors: {pad: {type: papillarray, touches: [box]}}\n"}) {
-    std::ofstream(path("scene.yaml")) << first << second << scene;
-    const SweepSummary summary = run(path("scene.yaml"), "x.h5");
-    ASSERT_EQ(summary.failed.size(), 1U) << scene;
-    EXPECT_THAT(summary.failed[0].message, refused_at("trial 0: " + path("scene.yaml") + ":3", {"effects", "lean"})) << scene;
-  }
-}
-
 // Ends a trial with an error that names no value of the scene.
 class RefusingDetector final : public Detector {
  public:

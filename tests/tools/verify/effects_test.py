@@ -60,7 +60,6 @@ class EffectsTest(unittest.TestCase):
             (cone,) = (check for check in dataset["checks"] if check["check"] == "cone")
             exempt = name not in (
                 "elastic_skin",
-                "lean",
                 "texture",
                 "roughness",
                 "viscoelastic",

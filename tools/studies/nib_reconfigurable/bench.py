@@ -199,10 +199,6 @@ def _no_rate(text: str) -> str:
     return re.sub(RATE, "", text)
 
 
-def _lean(text: str) -> str:
-    return re.sub(r"(\{viscous_friction: \{[^}]*\}\})\]", r"\1, lean]", text)
-
-
 def _kinetic(text: str) -> str:
     """Coulomb's law, mu_k 0.9 mu_s."""
     return re.sub(
@@ -227,7 +223,6 @@ class Law:
 
 LAWS = {  # by the names of the figures; the scene's own law first
     "scene": Law("as in the scene: rate law, patches 0.3", None),
-    "lean": Law("as in the scene, nibs that lean", _lean),
     "patches_0.2": Law("patches 0.2", _patches("0.2")),
     "patches_0.1": Law("patches 0.1", _patches("0.1")),
     "no_patches": Law("no patches", _no_patches),

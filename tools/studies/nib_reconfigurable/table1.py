@@ -61,7 +61,7 @@ class Variant:
     apart: int = 1
 
 
-LINEAR, LEAN = {"sensors.pad.capacitor": "linear"}, {"effects": "[lean]"}
+LINEAR = {"sensors.pad.capacitor": "linear"}
 VARIANTS = {  # unchanged scenes first
     "as it is": Variant(),
     "linear capacitor": Variant(LINEAR),
@@ -70,10 +70,8 @@ VARIANTS = {  # unchanged scenes first
     "all read at one instant": Variant({"sensors.pad.scan": "simultaneous"}),
     "k_tangential 0.4 N/mm": Variant({"sensors.pad.k_tangential": "0.4 N/mm"}),
     "reference not averaged": Variant(averaged=False),
-    "nibs that lean (P-delta)": Variant(LEAN),
     "as it is, images 0.3 s apart": Variant(apart=10),
     "linear capacitor, images 0.3 s apart": Variant(LINEAR, apart=10),
-    "nibs that lean (P-delta), images 0.3 s apart": Variant(LEAN, apart=10),
 }
 # Splits of the rows of the main table: variant, and True to divide rows in order of time.
 SPLITS = {
