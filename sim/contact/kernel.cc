@@ -82,8 +82,8 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
   const double rx = pose.rotation(2, 0), ry = pose.rotation(2, 1), rz = pose.rotation(2, 2);
   SLIPBENCH_VECTORISE
   for (std::size_t i = 0; i < count; ++i) {
-    const double looks = rx * c.axis.x[i] + ry * c.axis.y[i] + rz * c.axis.z[i];
-    c.gap[i] = looks < 0.0 ? c.gap[i] : std::abs(c.gap[i]);
+    const double upward = rx * c.axis.x[i] + ry * c.axis.y[i] + rz * c.axis.z[i];
+    c.gap[i] = upward < 0.0 ? c.gap[i] : std::abs(c.gap[i]);
   }
 }
 
@@ -100,7 +100,7 @@ SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose&
     const Lanes tip[3] = {turned(r, 0, x, y, z) + pose.position.x(), turned(r, 1, x, y, z) + pose.position.y(),
                           turned(r, 2, x, y, z) + pose.position.z()};
     const Lanes axis[3] = {turned(r, 0, u, v, w), turned(r, 1, u, v, w), turned(r, 2, u, v, w)};
-    const Met<Lanes> met = shape.template met<kThin>(tip, axis, column);
+    const NearestPoint<Lanes> met = shape.template nearest<kThin>(tip, axis, column);
     put(c.gap, i, met.gap);
     put(c.normal, i, {met.nx, met.ny, met.nz});
     put(c.contact, i, {tip[0] - met.gap * met.nx, tip[1] - met.gap * met.ny, tip[2] - met.gap * met.nz});

@@ -15,11 +15,11 @@ using kernel::at, kernel::put, kernel::Lanes, kernel::lanes, kernel::LaneVectors
 constexpr double steepest_cosine = 0.05;
 
 // Vectors of SkinColumns::Across.
-struct Ways {
+struct LanePair {
   Lanes x, y;
 };
-SLIPBENCH_INLINE Ways at(const SkinColumns::Across& columns, std::size_t i) { return {at(columns.x, i), at(columns.y, i)}; }
-SLIPBENCH_INLINE void put(const SkinColumns::Across& columns, std::size_t i, const Ways& way) {
+SLIPBENCH_INLINE LanePair at(const SkinColumns::Across& columns, std::size_t i) { return {at(columns.x, i), at(columns.y, i)}; }
+SLIPBENCH_INLINE void put(const SkinColumns::Across& columns, std::size_t i, const LanePair& way) {
   put(columns.x, i, way.x);
   put(columns.y, i, way.y);
 }
@@ -51,10 +51,10 @@ struct Frames {
     return turned(outward, v.x * at(t.x_axis, i) + v.y * at(t.y_axis, i) + v.z * at(t.z_axis, i));
   }
   // Rotates (x, y) of the tangent plane out of the element's frame.
-  [[nodiscard]] SLIPBENCH_INLINE LaneVectors out(std::size_t i, const Ways& way) const {
-    const Ways lean = at(t.lean, i);
-    const Lanes rise = lean.x * way.x + lean.y * way.y, share = rise / (1.0 + at(t.cosine, i));
-    return out(i, LaneVectors{way.x - share * lean.x, way.y - share * lean.y, -rise});
+  [[nodiscard]] SLIPBENCH_INLINE LaneVectors out(std::size_t i, const LanePair& way) const {
+    const LanePair normal = at(t.normal, i);
+    const Lanes rise = normal.x * way.x + normal.y * way.y, share = rise / (1.0 + at(t.cosine, i));
+    return out(i, LaneVectors{way.x - share * normal.x, way.y - share * normal.y, -rise});
   }
 
   SkinColumns t;
@@ -65,11 +65,11 @@ struct Frames {
 
 // Returns the displacement from a position in the element's frame, seen along the axis, to that of
 // the undeformed tip, in the tangent plane.
-SLIPBENCH_INLINE Ways way_to_root(const SkinColumns& t, std::size_t i, const Lanes& x, const Lanes& y) {
+SLIPBENCH_INLINE LanePair shift_to_root(const SkinColumns& t, std::size_t i, const Lanes& x, const Lanes& y) {
   const Lanes dx = at(t.tip.x, i) - x, dy = at(t.tip.y, i) - y, upright = at(t.cosine, i);
-  const Ways lean = at(t.lean, i);
-  const Lanes rise = (dx * lean.x + dy * lean.y) / (upright * (1.0 + upright));
-  return {dx + rise * lean.x, dy + rise * lean.y};
+  const LanePair normal = at(t.normal, i);
+  const Lanes rise = (dx * normal.x + dy * normal.y) / (upright * (1.0 + upright));
+  return {dx + rise * normal.x, dy + rise * normal.y};
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ SLIPBENCH_DISPATCHED static void place_loaded(const kernel::Columns& c, const Fr
     const auto touched = at(c.before.mode, i) != 0.0;
     const Lanes x = touched ? stuck.x : at(t.tip.x, i) - at(t.shift.x, i);
     const Lanes y = touched ? stuck.y : at(t.tip.y, i) - at(t.shift.y, i);
-    put(t.met, i, Ways{x, y});
+    put(t.loaded_tip, i, LanePair{x, y});
     put(c.tip, i, in_pad.out(i, LaneVectors{x, y, at(t.tip.z, i)}));
   }
 }
@@ -98,12 +98,12 @@ SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const
     const Lanes met = at(c.gap, i);
     const auto faces = n.z > steepest_cosine;
     put(t.cosine, i, faces ? n.z : one);
-    put(t.lean.x, i, faces ? n.x : none);
-    put(t.lean.y, i, faces ? n.y : none);
+    put(t.normal.x, i, faces ? n.x : none);
+    put(t.normal.y, i, faces ? n.y : none);
     const Lanes gap = faces ? met / n.z : (met < 0.0 ? -met : met) / steepest_cosine;
     put(t.axial_gap, i, gap);
     const LaneVectors z = frames.out(i, LaneVectors{none, none, one}), contact = at(c.contact, i);
-    const LaneVectors way = frames.out(i, way_to_root(t, i, at(t.met.x, i), at(t.met.y, i)));
+    const LaneVectors way = frames.out(i, shift_to_root(t, i, at(t.loaded_tip.x, i), at(t.loaded_tip.y, i)));
     const LaneVectors place{contact.x + met * normal.x - gap * z.x, contact.y + met * normal.y - gap * z.y,
                             (plane ? none : contact.z) + met * normal.z - gap * z.z};
     put(c.place, i, place);
@@ -126,8 +126,8 @@ SLIPBENCH_DISPATCHED static void take_pressure(const kernel::Columns& c, const S
     put(c.depth, i, w);
     // A separated element shifts across its axis; the slope of the surface below does not matter.
     put(t.cosine, i, touches ? upright : one);
-    put(t.lean.x, i, touches ? at(t.lean.x, i) : none);
-    put(t.lean.y, i, touches ? at(t.lean.y, i) : none);
+    put(t.normal.x, i, touches ? at(t.normal.x, i) : none);
+    put(t.normal.y, i, touches ? at(t.normal.y, i) : none);
   }
 }
 
@@ -139,7 +139,7 @@ SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const Frames& fra
     const auto touched = at(c.before.mode, i) != 0.0;
     const LaneVectors a = at(c.anchor, i), b = at(c.before.contact, i);
     const LaneVectors anchor = frames.place_in(i, select(touched, a, b));
-    const Ways way = way_to_root(t, i, anchor.x, anchor.y);
+    const LanePair way = shift_to_root(t, i, anchor.x, anchor.y);
     // A new contact has moved with its neighbours so far, and moves with the pad for the rest of
     // the step.
     const Lanes gap = at(c.before.gap, i), depth = at(c.gap, i);
@@ -155,8 +155,8 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Fram
   const Lanes none{}, one = none + 1.0;
   for (std::size_t i = 0; i < count; i += lanes) {
     const auto touches = at(t.pressure, i) > 0.0, touched = at(c.before.mode, i) != 0.0;
-    const Ways target = at(t.target, i), shifted = at(t.shift, i), shear = at(t.shear, i),
-               ahead{target.x - shifted.x, target.y - shifted.y};
+    const LanePair target = at(t.target, i), shifted = at(t.shift, i), shear = at(t.shear, i),
+                   ahead{target.x - shifted.x, target.y - shifted.y};
     const Lanes way = kernel::root(ahead.x * ahead.x + ahead.y * ahead.y);
     // Without friction it slips in any direction.
     const auto gives = (at(t.cap, i) == 0.0) | ((ahead.x * shear.x + ahead.y * shear.y > 0.0) & (at(t.slides, i) != 0.0));
@@ -165,12 +165,12 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Fram
     if (any(loose)) {
       // Loose elements, and new contacts, are anchored by their root's position and shift.
       const LaneVectors root = at(c.contact, i);
-      const LaneVectors behind = frames.out(i, Ways{touches ? target.x : shifted.x, touches ? target.y : shifted.y});
+      const LaneVectors behind = frames.out(i, LanePair{touches ? target.x : shifted.x, touches ? target.y : shifted.y});
       anchor = select(loose, root - behind, anchor);
     }
     LaneVectors slipped{none, none, none};
     if (any(slips)) {
-      slipped = frames.out(i, Ways{slips ? ahead.x : none, slips ? ahead.y : none});
+      slipped = frames.out(i, LanePair{slips ? ahead.x : none, slips ? ahead.y : none});
       anchor = anchor + slipped;
       put(c.path, i, at(c.path, i) + (slips ? way : none));
     }

@@ -21,10 +21,10 @@ struct SkinColumns {
   };
   kernel::VectorColumns x_axis, y_axis, z_axis;  // of the frame, in P
   kernel::VectorColumns tip;                     // undeformed, in the frame [m]
-  Across met;                                    // position of the loaded tip, in the frame [m]
+  Across loaded_tip;                             // position of the loaded tip, in the frame [m]
   double* axial_gap;                             // [m]
   double* cosine;                                // between z and the normal
-  Across lean;                                   // components of the normal
+  Across normal;                                 // components of the normal
   Across target;                                 // g of sim/effects/skin/elastic_contact.h, in the tangent plane [m]
   double* cap;                                   // its L [N]
   // SkinEffect::Solution

@@ -165,7 +165,7 @@ class Step {
     const double share = c >= 0.0 ? 0.0 : b > 0.0 ? -c / (b + root) : (root - b) / a;
     now_ = start + std::clamp(share, 0.0, 1.0) * (end - start);
     tip_.speed.setZero();
-    lets_go_ = true;
+    breaks_away_ = true;
     become(ElementState::slip);
   }
 
@@ -175,9 +175,9 @@ class Step {
     const bool begins = tip_.speed.norm() <= slow;
     if (begins) {
       tip_.speed.setZero();
-      if (!lets_go_ && holds()) return stick();
+      if (!breaks_away_ && holds()) return stick();
     }
-    lets_go_ = false;
+    breaks_away_ = false;
     const Vector drags = begins ? force_of_stick() : tip_.speed;
     const Vector along = drags.normalized();
     const double time = (end - now_) * drive_.dt;
@@ -199,7 +199,7 @@ class Step {
     if (tip_.speed.norm() > std::max(slow, friction * time * law_.oscillator.omega * law_.oscillator.omega / law_.k)) return;
     tip_.speed.setZero();
     if (holds()) return stick();
-    lets_go_ = true;
+    breaks_away_ = true;
   }
 
   void stick() {
@@ -213,8 +213,8 @@ class Step {
   Tip& tip_;
   TipTrace& trace_;
   std::vector<ElementEvent>& events_;
-  double now_ = 0.0;      // share of the step
-  bool lets_go_ = false;  // stands, but friction cannot hold it
+  double now_ = 0.0;          // share of the step
+  bool breaks_away_ = false;  // stands, but friction cannot hold it
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/contact/surface/met.h"
+#include "sim/contact/surface/nearest_point.h"
 #include "sim/contact/surface/surface_point.h"
 #include "sim/core/vectorise.h"
 
@@ -21,7 +21,8 @@ struct Box {
   // `kThin`: is_thin(column). A single long function, because its parts share ten vectors that must
   // stay in registers.
   template <bool kThin, class Real>
-  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3], double column) const {
+  [[nodiscard, gnu::always_inline]] inline NearestPoint<Real> nearest(const Real (&p)[3], const Real (&a)[3],
+                                                                      double column) const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     const Real none{}, one = none + 1.0;
     Real outside[3], sides[3], distance2 = none, beyond = none;
@@ -141,7 +142,7 @@ struct Box {
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
     const double p[3] = {x, y, z}, a[3] = {ax, ay, az};
-    const Met<double> point = is_thin(column) ? met<true>(p, a, column) : met<false>(p, a, column);
+    const NearestPoint<double> point = is_thin(column) ? nearest<true>(p, a, column) : nearest<false>(p, a, column);
     return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 

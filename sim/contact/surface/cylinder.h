@@ -6,7 +6,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "sim/contact/surface/met.h"
+#include "sim/contact/surface/nearest_point.h"
 #include "sim/contact/surface/surface_point.h"
 #include "sim/core/vectorise.h"
 
@@ -19,7 +19,8 @@ struct Cylinder {
 
   // `kThin`: is_thin(column).
   template <bool kThin, class Real>
-  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3], double column) const {
+  [[nodiscard, gnu::always_inline]] inline NearestPoint<Real> nearest(const Real (&p)[3], const Real (&a)[3],
+                                                                      double column) const {
     const Real none{}, one = none + 1.0;
     const Real r = root_of(p[0] * p[0] + p[1] * p[1]);
     const Real way = r > 0.0 ? r : one;
@@ -92,7 +93,7 @@ struct Cylinder {
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
     const double p[3] = {x, y, z}, a[3] = {ax, ay, az};
-    const Met<double> point = is_thin(column) ? met<true>(p, a, column) : met<false>(p, a, column);
+    const NearestPoint<double> point = is_thin(column) ? nearest<true>(p, a, column) : nearest<false>(p, a, column);
     return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 

@@ -32,8 +32,8 @@ struct DynamicSimulation::State {
     std::size_t index;  // into followers, else into the pads that exert forces
   };
 
-  HandedLayouts handed;            // of the model's fields
-  std::unique_ptr<Motion> motion;  // of the stage; null without a stage
+  LayoutsInMemory layouts_in_memory;  // of the model's fields
+  std::unique_ptr<Motion> motion;     // of the stage; null without a stage
   std::vector<const PadLayout*> layouts;
   std::size_t read = 0;  // number of pads that are read
   // Accelerations of the carriages of the fingers' springs.
@@ -83,7 +83,8 @@ void DynamicSimulation::State::make_articulated(const DynamicSetup& setup) {
 }
 
 void DynamicSimulation::State::make_fields(const DynamicSetup& setup) {
-  world.emplace(setup.scene, setup.motion, build_model(setup.scene, setup.layouts, setup.trial, setup.options.hand, handed));
+  world.emplace(setup.scene, setup.motion,
+                build_model(setup.scene, setup.layouts, setup.trial, setup.options.hand, layouts_in_memory));
   const FieldContacts contacts(*world, setup);
   world->measure_scale();
   FieldPlan plan = plan_fields(*world, contacts, setup);

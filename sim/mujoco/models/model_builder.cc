@@ -91,12 +91,12 @@ class Builder {
   Builder(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand)
       : scene_(scene), pads_(pads), trial_(trial), hand_(hand) {}
 
-  ModelPointer build(HandedLayouts& handed) {
+  ModelPointer build(LayoutsInMemory& layouts_in_memory) {
     // The attributes of the plugin depend on geoms that are known only after the model has been
     // read, but must be in the model when it is read. So the model is read twice.
     SpecPointer bare = parse("");
     add_all(bare.get());
-    SpecPointer spec = parse(extension(handed));
+    SpecPointer spec = parse(extension(layouts_in_memory));
     add_all(spec.get());
     return compile(spec.get());
   }
@@ -526,7 +526,7 @@ class Builder {
   }
 
   // Returns the plugin's instances, in the form in which a user would write them.
-  [[nodiscard]] std::string extension(HandedLayouts& handed) const {
+  [[nodiscard]] std::string extension(LayoutsInMemory& layouts_in_memory) const {
     std::string text = fmt::format("<extension><plugin plugin=\"{}\">", bench_plugin_name);
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const SensorScene& sensor = scene_.sensors[i];
@@ -535,7 +535,7 @@ class Builder {
       for (const std::string& geom : touched_[i]) geoms += (geoms.empty() ? "" : " ") + geom;
       text += fmt::format("<instance name=\"{}\">", sensor.name);
       text += config_element("pad", site_of(sensor)) + config_element("touch", geoms) +
-              config_element("elements", handed.add(*pads_[i])) +
+              config_element("elements", layouts_in_memory.add(*pads_[i])) +
               config_element("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(friction.static_coefficient),
                                                      format_number(friction.kinetic_coefficient))) +
               config_element("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) +
@@ -560,8 +560,8 @@ class Builder {
 }  // namespace
 
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,
-                         HandedLayouts& handed) {
-  return Builder(scene, pads, trial, hand).build(handed);
+                         LayoutsInMemory& layouts_in_memory) {
+  return Builder(scene, pads, trial, hand).build(layouts_in_memory);
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,

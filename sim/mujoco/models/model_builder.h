@@ -10,7 +10,7 @@
 //   before it has moved. It has no weight (gravcomp),
 // - with fidelity field one instance of the plugin `slipbench.field` per sensor, named as the
 //   sensor, with the attributes that a user would write, except for the elements
-//   (HandedLayouts); with fidelity articulated instead the pillars of articulated.h, as children of
+//   (LayoutsInMemory); with fidelity articulated instead the pillars of articulated.h, as children of
 //   the pad's body,
 // - for a grasp the two fingers of a hand (below),
 // - an exclusion of MuJoCo's own contact between a pad's body and every body that it touches: the
@@ -34,7 +34,7 @@
 
 namespace slipbench {
 
-class HandedLayouts;  // pad_config.h
+class LayoutsInMemory;  // pad_config.h
 
 // At the middle of the box, with its axes: the pad frame of its corners, which are elements of a
 // field on the table. So the table's friction is Coulomb's, and needs no solver.
@@ -55,7 +55,7 @@ inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
 // live as long as data is made from the model. Throws SceneValueError if the model cannot be read
 // or compiled, or if a site, geom, body or name is invalid.
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,
-                         HandedLayouts& handed);
+                         LayoutsInMemory& layouts_in_memory);
 
 // The same with articulated pads, for steps of step_for(longest) [s], where `longest` is the result
 // of longest_articulated_step() for the scene's bodies; infinite with a `contact` of the scene. The

@@ -29,7 +29,7 @@ double value_at(const std::vector<ControlScene::Point>& points, double t) {
 // The custom text in which a model names bodies without a free joint that are to be recorded.
 constexpr const char* record_text = "slipbench.record";
 
-std::vector<std::string> recorded_by_wish(const mjModel* m) {
+std::vector<std::string> bodies_to_record(const mjModel* m) {
   const int text = mj_name2id(m, mjOBJ_TEXT, record_text);
   if (text < 0) return {};
   std::istringstream words(m->text_data + m->text_adr[text]);
@@ -91,7 +91,7 @@ void DynamicWorld::record(const Scene& scene, std::span<const int> sites) {
                        std::ranges::find(scene.bodies, std::string(name), &BodyScene::name) != scene.bodies.end();
     if (is_free && !known) add(name, mjOBJ_XBODY, body, "model");
   }
-  for (const std::string& name : recorded_by_wish(m())) {
+  for (const std::string& name : bodies_to_record(m())) {
     const int body = mj_name2id(m(), mjOBJ_BODY, name.c_str());
     if (body <= 0) {
       throw SceneValueError(

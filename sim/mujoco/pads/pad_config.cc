@@ -389,22 +389,22 @@ std::vector<int> touched_geoms(const Attributes& attributes, int site) {
 }
 
 // Layouts passed in memory, by name.
-struct Handed {
+struct LayoutTable {
   std::mutex mutex;
   std::map<std::string, PadLayout> layouts;
   std::size_t count = 0;
 };
-Handed& handed() {
-  static Handed all;
+LayoutTable& table_in_memory() {
+  static LayoutTable all;
   return all;
 }
 
 // Returns the pad of the attributes elements and units.
 PadLayout table_of(const Attributes& attributes) {
   if (const std::string name = attributes.text("elements"); name.starts_with('@')) {
-    const std::lock_guard lock(handed().mutex);
-    const auto known = handed().layouts.find(name);
-    if (known == handed().layouts.end())
+    const std::lock_guard lock(table_in_memory().mutex);
+    const auto known = table_in_memory().layouts.find(name);
+    if (known == table_in_memory().layouts.end())
       attributes.refuse("elements " + quote(name) + " belongs to a model that has been deleted");
     if (attributes.has("units")) attributes.refuse("units cannot be combined with elements " + quote(name));
     return known->second;
@@ -420,19 +420,19 @@ PadLayout table_of(const Attributes& attributes) {
 
 }  // namespace
 
-std::string HandedLayouts::add(PadLayout layout) {
+std::string LayoutsInMemory::add(PadLayout layout) {
   for (Element& element : layout.elements) {
     if (element.axis != Element{}.axis) element.axis.normalize();
   }
-  const std::lock_guard lock(handed().mutex);
-  names_.push_back("@" + std::to_string(handed().count++));
-  handed().layouts.emplace(names_.back(), std::move(layout));
+  const std::lock_guard lock(table_in_memory().mutex);
+  names_.push_back("@" + std::to_string(table_in_memory().count++));
+  table_in_memory().layouts.emplace(names_.back(), std::move(layout));
   return names_.back();
 }
 
-HandedLayouts::~HandedLayouts() {
-  const std::lock_guard lock(handed().mutex);
-  for (const std::string& name : names_) handed().layouts.erase(name);
+LayoutsInMemory::~LayoutsInMemory() {
+  const std::lock_guard lock(table_in_memory().mutex);
+  for (const std::string& name : names_) table_in_memory().layouts.erase(name);
 }
 
 std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) const {

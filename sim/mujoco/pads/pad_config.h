@@ -28,7 +28,7 @@ namespace slipbench {
 //   sensor    {type: papillarray, ...} as under `sensors` in a scene, electronics included
 //   elements  [[x, y, z, k_n, k_t], ...]: tip [m] in P and stiffness [N/m] of each element, and its
 //             axis in three more columns [ax, ay, az] if it is not -Z. In models that the program
-//             builds: a name by HandedLayouts, which includes units and element_truth
+//             builds: a name by LayoutsInMemory, which includes units and element_truth
 //   units     [6, 6, ...]: number of elements of each unit of `elements`; default: one
 //   element_truth  true: the pad's contact also has each element's values
 //             (PadLayout::element_truth), for readers in C++; read: also two more channels of
@@ -75,12 +75,12 @@ struct PadConfig {
 
 // Layouts that a program passes to the pads of its own models in memory, since writing and reading
 // an element table would take longer than a trial.
-class HandedLayouts {
+class LayoutsInMemory {
  public:
-  HandedLayouts() = default;
-  HandedLayouts(const HandedLayouts&) = delete;
-  HandedLayouts& operator=(const HandedLayouts&) = delete;
-  ~HandedLayouts();
+  LayoutsInMemory() = default;
+  LayoutsInMemory(const LayoutsInMemory&) = delete;
+  LayoutsInMemory& operator=(const LayoutsInMemory&) = delete;
+  ~LayoutsInMemory();
 
   // Returns the value of the attribute `elements` for a pad of this layout, in models that are
   // compiled, and data made, while the object lives.

@@ -59,9 +59,9 @@ mjtNum* store_pose(const mjtNum* position, const mjtNum* rotation, mjtNum* to) {
 PadKinematics::PadKinematics(const mjModel* model, const PadConfig& config, const PadLayout& layout)
     : site_(config.site), watch_(layout) {
   for (const int geom : config.geoms) touched_.push_back(touched_geom(model, geom));
-  constexpr std::size_t seen_of_a_frame = 21;
-  seen_.resize(seen_of_a_frame * (1 + touched_.size()));
-  sees_.resize(seen_.size());
+  constexpr std::size_t values_of_a_frame = 21;
+  located_.resize(values_of_a_frame * (1 + touched_.size()));
+  present_.resize(located_.size());
   for (const TouchedGeom& touched : touched_) {
     if (model->body_weldid[touched.body] == model->body_weldid[pad_body(model)]) {
       throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; name a geom of another body",
@@ -90,33 +90,33 @@ bool PadKinematics::update_shapes(const mjModel* model) {
     changed = true;
   }
   if (!changed) return false;
-  std::ranges::fill(seen_, std::numeric_limits<double>::quiet_NaN());  // of no pose: the next locate() computes all
+  std::ranges::fill(located_, std::numeric_limits<double>::quiet_NaN());  // of no pose: the next locate() computes all
   clear_.reset();
   return true;
 }
 
 // True if poses and velocities are those of the last call. Cheaper than recomputing the same
 // results.
-bool PadKinematics::sees_the_same(const mjModel* model, const mjData* data) {
-  double* out = sees_.data();
-  const auto look_at_frame = [&](const mjtNum* position, const mjtNum* rotation, int body) {
+bool PadKinematics::is_unmoved(const mjModel* model, const mjData* data) {
+  double* out = present_.data();
+  const auto copy_frame = [&](const mjtNum* position, const mjtNum* rotation, int body) {
     out = std::copy_n(position, 3, out);
     out = std::copy_n(rotation, 9, out);
     out = std::copy_n(data->cvel + 6 * body, 6, out);
     // cvel's reference point
     out = std::copy_n(data->subtree_com + 3 * model->body_rootid[body], 3, out);
   };
-  look_at_frame(data->site_xpos + 3 * site_, data->site_xmat + 9 * site_, pad_body(model));
+  copy_frame(data->site_xpos + 3 * site_, data->site_xmat + 9 * site_, pad_body(model));
   for (const TouchedGeom& touched : touched_) {
-    look_at_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, touched.body);
+    copy_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, touched.body);
   }
-  if (std::memcmp(sees_.data(), seen_.data(), sees_.size() * sizeof(double)) == 0) return true;
-  seen_.swap(sees_);
+  if (std::memcmp(present_.data(), located_.data(), present_.size() * sizeof(double)) == 0) return true;
+  located_.swap(present_);
   return false;
 }
 
 bool PadKinematics::locate(const mjModel* model, const mjData* data, bool always) {
-  if (!always && sees_the_same(model, data)) return true;
+  if (!always && is_unmoved(model, data)) return true;
   clear_.reset();
   bool unmoved = true;
   const Pose pad = pad_pose(data);

@@ -89,13 +89,13 @@ class PadKinematics {
 
  private:
   [[nodiscard]] TouchedGeom touched_geom(const mjModel* model, int geom) const;
-  [[nodiscard]] bool sees_the_same(const mjModel* model, const mjData* data);
+  [[nodiscard]] bool is_unmoved(const mjModel* model, const mjData* data);
 
   int site_;
   SiteWatch watch_;  // that has seen nothing
   std::vector<TouchedGeom> touched_;
   // MuJoCo's values at the last locate(), and space for those of the next.
-  std::vector<double> seen_, sees_;
+  std::vector<double> located_, present_;
   std::optional<bool> clear_;  // is_clear() at the pose of locate(); empty: not computed
 };
 

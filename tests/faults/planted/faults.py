@@ -103,7 +103,7 @@ FAULTS = (
     ),
     (
         "sim/effects/stick_slip.cc",
-        "if (@@!lets_go_ && holds()@@holds()@@) return stick();",
+        "if (@@!breaks_away_ && holds()@@holds()@@) return stick();",
         "missing condition: a tip that was just released sticks again",
     ),
     (

@@ -123,8 +123,9 @@ TEST(PluginGrip, LayoutsAreHandedOverInMemory) {
     element.k_tangential = 500.0;
     layout.units.push_back({layout.units.size(), 1});
   }
-  HandedLayouts handed;
-  GripRun table({}), memory({.left = config("elements", handed.add(layout)), .right = config("elements", handed.add(layout))});
+  LayoutsInMemory layouts_in_memory;
+  GripRun table({}), memory({.left = config("elements", layouts_in_memory.add(layout)),
+                             .right = config("elements", layouts_in_memory.add(layout))});
   for (GripRun* run : {&table, &memory}) {
     run->hold(1.2);
     run->wait(0.5);

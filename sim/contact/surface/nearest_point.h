@@ -9,11 +9,11 @@
 
 namespace slipbench {
 
-// Result of at() for one element, or for the elements of a vector (kernel::Lanes). met() has no
+// Result of at() for one element, or for the elements of a vector (kernel::Lanes). nearest() has no
 // branches on vectors, since the elements may be different cases, unless no element needs the
 // branch; each case is computed in the order of the scalar branches.
 template <class Real>
-struct Met {
+struct NearestPoint {
   Real gap, nx, ny, nz, faces;
 };
 
