@@ -71,8 +71,8 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     throw std::invalid_argument(
         "field: an elastic skin cannot be combined with tips with mass, another cone, rate law, rheology or dashpot");
   }
-  extended_ = !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || has_memory() ||
-              effects_.tip || effects_.skin;
+  extended_ =
+      !effects_.surface.empty() || !effects_.friction.empty() || effects_.rate || has_memory() || effects_.tip || effects_.skin;
   const std::size_t columns = extended_ ? kernel::all_columns : kernel::plain_columns;
   // A stride of whole pages would put the same row of all columns into one set of the L1 cache.
   const std::size_t stride = padded_ + (padded_ % 512 == 0 ? kernel::lanes : 0);
@@ -104,8 +104,8 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     columns_.spring.k_normal = columns_.k_normal;
     columns_.spring.k_tangential = columns_.k_tangential;
   }
-  may_update_separated_ = extended_ && !on_plane() && !effects_.cone && !effects_.tip && !effects_.skin &&
-                          !has_memory() && effects_.surface.empty() &&
+  may_update_separated_ = extended_ && !on_plane() && !effects_.cone && !effects_.tip && !effects_.skin && !has_memory() &&
+                          effects_.surface.empty() &&
                           std::ranges::all_of(effects_.friction, [](const auto& effect) { return effect->memory().empty(); });
   if (effects_.skin) skin_.emplace(*effects_.skin, layout_, columns_);
   std::fill(columns_.normal.z, columns_.normal.z + padded_, 1.0);

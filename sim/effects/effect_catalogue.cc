@@ -4,18 +4,12 @@ namespace slipbench {
 
 const std::vector<EffectKind>& effect_catalogue() {
   static const std::vector<EffectKind> effects{
-      ageing(),
-      anisotropic_friction(),
-      asperities(),
-      elastic_skin(),
-      inertia(),
-      load_dependent_friction(),
-      patchy_friction(),
-      roughness(),
-      stribeck(),
-      texture(),
-      viscoelastic(),
-      viscous_friction(),
+      ageing(),          anisotropic_friction(),
+      asperities(),      elastic_skin(),
+      inertia(),         load_dependent_friction(),
+      patchy_friction(), roughness(),
+      stribeck(),        texture(),
+      viscoelastic(),    viscous_friction(),
   };
   return effects;
 }

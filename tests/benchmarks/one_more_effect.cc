@@ -22,8 +22,8 @@ EffectKind nothing() {
 
 const std::vector<EffectKind>& effect_catalogue() {
   static const std::vector<EffectKind> effects{
-      ageing(),  anisotropic_friction(), load_dependent_friction(), nothing(),          patchy_friction(),
-      stribeck(), texture(),             viscoelastic(),            viscous_friction(),
+      ageing(),  anisotropic_friction(), load_dependent_friction(), nothing(), patchy_friction(), stribeck(),
+      texture(), viscoelastic(),         viscous_friction(),
   };
   return effects;
 }

@@ -87,8 +87,7 @@ TEST(EffectCatalogue, EveryEntryIsDocumentedAndItsDefaultsWork) {
     const PadLayout pad = one_unit(1000.0, 600.0, kind.about.name == "elastic_skin" ? 1 : 3);  // couples positions, not bristles
     FieldEffects effects = installed(pad, alone(kind));
     EXPECT_EQ(effects.surface.size() + effects.friction.size() + effects.rheology.size() + effects.ringing.size() +
-                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.tip ? 1 : 0) +
-                  (effects.skin ? 1 : 0),
+                  (effects.rate ? 1 : 0) + (effects.cone ? 1 : 0) + (effects.tip ? 1 : 0) + (effects.skin ? 1 : 0),
               alone(kind).size())
         << about.name;
     Field field(pad, Plane{}, {0.5, 0.4}, std::move(effects));
