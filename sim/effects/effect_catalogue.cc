@@ -3,7 +3,7 @@
 namespace slipbench {
 
 const std::vector<EffectKind>& effect_catalogue() {
-  static const std::vector<EffectKind> effects{
+  static const std::vector<EffectKind> kinds{
       ageing(),          anisotropic_friction(),
       asperities(),      elastic_skin(),
       inertia(),         load_dependent_friction(),
@@ -11,7 +11,7 @@ const std::vector<EffectKind>& effect_catalogue() {
       stribeck(),        texture(),
       viscoelastic(),    viscous_friction(),
   };
-  return effects;
+  return kinds;
 }
 
 }  // namespace slipbench

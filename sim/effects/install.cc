@@ -1,6 +1,8 @@
 #include "sim/effects/install.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <string>
 
 #include "sim/core/error.h"
@@ -29,6 +31,12 @@ EffectContext context_for(const PadLayout& layout, const Surface& surface, std::
   return context;
 }
 
+// The parts of which a field has at most one; null: it has none.
+std::array<const void*, 4> single_parts(const FieldEffects& effects) {
+  return {effects.rate.get(), effects.cone.get(), effects.tip.get(), effects.skin.get()};
+}
+constexpr std::array<const char*, 4> single_names{"rate law", "friction cone", "law of the tips' motion", "elastic skin"};
+
 }  // namespace
 
 const EffectKind& effect_kind(std::string_view name) {
@@ -39,12 +47,23 @@ FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout&
                              std::uint64_t seed, std::uint64_t trial) {
   FieldEffects installed;
   std::string moves_tips, maps_tips, replaces_springs;  // the first effect of each kind
+  std::array<std::string, 4> owners;                    // of single_parts()
   const EffectContext context = context_for(layout, surface, seed, trial);
   for (const bool after_tip : {false, true}) {
     for (const Named& effect : effects) {
       const EffectKind& kind = effect_kind(effect.name);
       if (kind.after_tip != after_tip) continue;
+      const std::array<const void*, 4> before = single_parts(installed);
       kind.install(effect.parameters, context, installed);
+      const std::array<const void*, 4> after = single_parts(installed);
+      for (std::size_t k = 0; k < after.size(); ++k) {
+        if (after[k] == before[k]) continue;
+        if (before[k] != nullptr) {
+          throw SceneValueError("effects",
+                                owners[k] + " and " + effect.name + " cannot be combined: a pad has only one " + single_names[k]);
+        }
+        owners[k] = effect.name;
+      }
       const auto name_first = [&effect](bool is_installed, std::string& first) {
         if (is_installed && first.empty()) first = effect.name;
       };

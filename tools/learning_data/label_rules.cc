@@ -69,7 +69,7 @@ constexpr std::array rules{LabelRuleInfo{.name = "strict",
                                          .meaning = "PapillArray: a pillar whose tip was fast slips until it loses contact",
                                          .computed = &has_slipped,
                                          .of_pillars = true,
-                                         .papillarray_only = true},
+                                         .sensor = "papillarray"},
                            LabelRuleInfo{.name = "recorded",
                                          .value = LabelRule::recorded,
                                          .meaning = "the labels of imported recordings",
@@ -78,7 +78,7 @@ constexpr std::array rules{LabelRuleInfo{.name = "strict",
 bool takes(LabelUse use, const LabelRuleInfo& rule) {
   switch (use) {
     case LabelUse::pillars: return rule.of_pillars;
-    case LabelUse::training: return !rule.papillarray_only;
+    case LabelUse::training: return rule.sensor == nullptr;
     case LabelUse::evaluation: return rule.evaluated_by == rule.value;
   }
   return false;
@@ -141,7 +141,7 @@ LabelRule parse_label_rule(const std::string& name, std::optional<LabelUse> use)
 std::string rules_of_truth(LabelUse use) {
   std::vector<std::string> names;
   for (const LabelRuleInfo& rule : rules_for(use)) {
-    if (rule.value != LabelRule::recorded && !rule.papillarray_only) names.emplace_back(rule.name);
+    if (rule.value != LabelRule::recorded && rule.sensor == nullptr) names.emplace_back(rule.name);
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
@@ -165,9 +165,9 @@ std::vector<PadState> states_by(const SensorRecord& sensor, LabelRule rule, bool
         "labels/{}: the recording has no labels; use `slipbench detect`, which needs none, or import it with the key state in the map",
         sensor.name);
   }
-  if (about.papillarray_only && sensor.type != "papillarray") {
-    reject("sensor {}: is a {}, but the rule {} needs a PapillArray; allowed: --labels {}", sensor.name, sensor.type, about.name,
-           rules_of_truth(use));
+  if (about.sensor != nullptr && sensor.type != about.sensor) {
+    reject("sensor {}: is a {}, but the rule {} needs a {}; allowed: --labels {}", sensor.name, sensor.type, about.name,
+           about.sensor, rules_of_truth(use));
   }
   return about.stored != nullptr ? checked_states(sensor, labels.*about.stored, rule) : about.computed(sensor, turning);
 }

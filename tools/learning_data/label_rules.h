@@ -46,7 +46,7 @@ struct LabelRuleInfo {
   bool least_distance = false;
   bool whole_unit = false;         // slip begins when a first unit slips as a whole, else when a first part of one slips
   bool of_pillars = false;         // decides for each pillar (PapillarraySamples::slipping)
-  bool papillarray_only = false;   // other sensors do not have it, nor do networks
+  const char* sensor = nullptr;    // type of the only sensor that has it, not for networks; null: any sensor
   LabelRule evaluated_by = value;  // rule by which `eval` judges detectors that were trained with this one
 };
 

@@ -1,10 +1,11 @@
-// Composes the program's sensors: the only place that names them all.
+// Makes the sensors of the program and of an embedding application.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sim/api/sensor.h"
 #include "sim/api/sensor_kind.h"

@@ -27,6 +27,7 @@ from slipbench._export.series import (
     sensor_series,
 )
 from slipbench._program import counted, printable
+from slipbench.bin import _core
 
 BEGINNING = "---\n# Written by slipbench export.\n"
 CARDS = (
@@ -225,10 +226,13 @@ def _array_rows(data: Dataset, request: Request) -> str:
         )
         unit = "code" if one.codes else "dimensionless" if one.unit in ("", "1") else one.unit
         of = f"{PLACES[one.kind]} {_code(one.owner)}" if one.owner else PLACES[one.kind]
+        is_image = one.kind == "sensors" and _core.is_image(
+            str(first[one.owner].sensors[one.owner].attrs["type"]), one.name
+        )
         rows += _row(
             of,
             _code(one.name),
-            str(LAYOUTS[request.format].shape(one)),
+            str(LAYOUTS[request.format].shape(one, is_image)),
             _text(unit),
             _text(_meaning(one) + rule),
         )

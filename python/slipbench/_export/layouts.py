@@ -49,19 +49,14 @@ def _none(_: Series) -> bool:
     return False
 
 
-def _own_shape(one: Series) -> list[int]:
+def _own_shape(one: Series, _: bool) -> list[int]:
     return list(one.shape)
 
 
-def _rotated_shape(one: Series) -> list[int]:
+def _rotated_shape(one: Series, is_image: bool) -> list[int]:
     """Shape of the augmented images: rotation, row, column."""
-    is_image = (
-        one.kind == "sensors"
-        and one.name == "taxels"
-        and len(one.shape) == 2
-        and min(one.shape) >= ROTATED
-    )
-    return [ROTATED] * 3 if is_image else list(one.shape)
+    is_rotated = is_image and len(one.shape) == 2 and min(one.shape) >= ROTATED
+    return [ROTATED] * 3 if is_rotated else list(one.shape)
 
 
 @dataclass(frozen=True)
@@ -74,7 +69,7 @@ class Layout:
         sensor: the only supported type of sensor; empty: any
         columns: columns of formats with other values
         has_labels: True if these columns or the file names state slip
-        shape: shape of a sample of an array
+        shape: shape of a sample of an array; the second argument: True for a sensor's image
         table: regular expression of the names of tables with a header, with the groups `table`,
             which distinguishes tables with different columns, and optionally `trial` and `class`;
             empty: no such tables, or Parquet
@@ -85,7 +80,7 @@ class Layout:
     sensor: str = ""
     columns: Callable[[Request], list[Column]] = _no_columns
     has_labels: bool = False
-    shape: Callable[[Series], list[int]] = _own_shape
+    shape: Callable[[Series, bool], list[int]] = _own_shape
     table: str = ""
 
 

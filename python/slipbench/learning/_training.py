@@ -169,7 +169,7 @@ def train(
         every_trial: True: divide all trials, ignoring a dataset's own split
         seed: seed of weights and draws, 0 to 2^64 - 1
         steps: number of training steps, 1 or more; None: the recipe's
-        turned: copies of each trial of a myrmex with turned images, 0 or more; None: the recipe's
+        turned: copies of each trial of an image sensor with turned images, 0 or more; None: the recipe's
         rates: Hz, range of the rates of the sensors for which the network is trained: the rate of each
             trial is drawn from it, up to that of the dataset; the file then reads recordings from
             the lower rate on; None: the recipe's rate alone
@@ -741,9 +741,10 @@ def _recipe(
         chosen = replace(
             chosen, training=replace(chosen.training, steps=steps, validate_every=every)
         )
-    if turned and chosen.input.sensor != "myrmex":
+    channels = list(chosen.input.channels)  # empty: all, whose first the core checks
+    if turned and channels and not _core.is_image(chosen.input.sensor, channels[0]):
         raise _core.InputError(
-            f"{named('turned', turned)}: is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0"
+            f"{named('turned', turned)}: is for images, and {chosen.name} reads none of a {chosen.input.sensor}; allowed: 0"
         )
     return replace(
         chosen,

@@ -68,7 +68,7 @@ FieldPlan plan_fields(const DynamicWorld& world, const FieldContacts& contacts, 
   if (!springs_known && options.hand_solver == FieldSolver::implicit_springs) {
     throw SceneValueError(
         "field_solver",
-        "implicit springs of a grasp cannot be combined with effects that change their stiffness, such as viscoelastic; allowed: auto, explicit");
+        "implicit springs of a grasp cannot be combined with effects that change their stiffness; allowed: auto, explicit");
   }
   if (scene.implicit_fields()) {
     refuse_implicit(world, contacts);

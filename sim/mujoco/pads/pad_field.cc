@@ -30,12 +30,12 @@ Field make_pad_field(const mjModel* model, const PadConfig& config, const PadLay
   // Bodies that move by forces accelerate below the tips, and are solved with springs that have no
   // state of their own.
   if (effects.tip) {
-    throw InputError(
-        fmt::format("plugin '{}': effects: inertia works only for pads with a prescribed motion; leave it out", config.name));
+    throw InputError(fmt::format(
+        "plugin '{}': effects: tips with mass work only for pads with a prescribed motion; leave that effect out", config.name));
   }
   if (effects.skin && config.implicit) {
     throw InputError(fmt::format(
-        "plugin '{}': effects: elastic_skin does not work with the implicit solver; use solver='explicit'", config.name));
+        "plugin '{}': effects: an elastic skin does not work with the implicit solver; use solver='explicit'", config.name));
   }
   return {layout, surface, config.friction, std::move(effects)};
 }

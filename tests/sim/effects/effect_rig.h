@@ -8,8 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "sim/contact/field.h"
 #include "sim/effects/effect_catalogue.h"
+#include "tests/sim/contact/random_case.h"
 
 namespace slipbench::testing_effects {
 
@@ -78,6 +81,24 @@ inline PadLayout one_unit(double k_n, double k_t, std::size_t bristles = 1) {
   pad.elements.assign(bristles, element);
   pad.units = {{0, bristles}};
   return pad;
+}
+
+// Expects that an effect whose parameters give its law no influence changes nothing: a field with it
+// has the states and forces of one without, under the same random motion.
+inline void expect_no_influence(const Wanted& effect) {
+  RandomStream draw(3, 0, "idle effects");
+  const PadLayout pad = testing_field::random_pad(draw, 40, false);
+  const testing_field::RandomMotion motion(draw, Pose{});
+  Field plain(pad, Plane{}, {0.6, 0.5}), with = field_with(pad, {0.6, 0.5}, {effect});
+  for (int tick = 0; tick < 300; ++tick) {
+    plain.step(motion.at(tick * 1e-3), 1e-3);
+    with.step(motion.at(tick * 1e-3), 1e-3);
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+      ASSERT_EQ(plain.state(i), with.state(i)) << effect.name << ", tick " << tick;
+      ASSERT_NEAR((plain.tangential_force(i) - with.tangential_force(i)).norm(), 0.0, 1e-10) << effect.name << ", tick " << tick;
+      ASSERT_NEAR(plain.normal_force(i), with.normal_force(i), 1e-12) << effect.name;
+    }
+  }
 }
 
 }  // namespace slipbench::testing_effects

@@ -73,7 +73,7 @@ TEST(StatesBy, RefuseWhatDoesNotFit) {
   const auto refusal = [](const SensorRecord& sensor, LabelRule rule) {
     return refusal_of([&] { states_by(sensor, rule, false, LabelUse::evaluation); });
   };
-  EXPECT_THAT(refusal(skin(), LabelRule::has_slipped), mentions({"myrmex", "has_slipped", "PapillArray", "masked"}));
+  EXPECT_THAT(refusal(skin(), LabelRule::has_slipped), mentions({"myrmex", "has_slipped", "papillarray", "masked"}));
   EXPECT_THAT(refusal(skin(), LabelRule::recorded), mentions({"simulated", "recorded", "strict, micro, paper"}));
   // `eval` does not take the rules that are for training only.
   EXPECT_THAT(refusal(skin(), LabelRule::recorded), Not(HasSubstr("moved")));

@@ -63,7 +63,8 @@ missed by more than twice its interval.
 
 --snapshots needs no scene: REAL are recordings with force and displacement of each unit, in any
 order. It fits a stiffness matrix to each unit by least squares, and prints k_normal, k_tangential
-and, for a PapillArray, limits of coupling and scales of gain and noise, with standard errors.
+and, for a sensor that declares its disturbances, limits of coupling and scales of gain and noise,
+with standard errors.
 
 Formats:
 {}
