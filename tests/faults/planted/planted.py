@@ -241,6 +241,8 @@ def main():
     if options.check:
         return
     copy_tree(ROOT, options.tree, texts)
+    # A shell starts jobs in the background with SIGINT ignored; tests would inherit that and fail.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     for step in (["cmake", "--preset", "release"], ["cmake", "--build", "--preset", "release"]):
         subprocess.run(step, cwd=options.tree, check=True, stdout=sys.stderr)
     suite = Suite(options.tree)
