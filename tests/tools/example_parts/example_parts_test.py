@@ -1,6 +1,8 @@
-"""Every command on effects and a sensor that no folder can know by name: example_effects.cc and
-example_sensor.cc, in the catalogues of a program of its own. Arguments: that program and the shipped
-program."""
+"""Every command on effects and a sensor that no folder can know by name.
+
+They are those of example_effects.cc and example_sensor.cc, in the catalogues of a program of its own.
+Arguments: that program and the shipped program.
+"""
 
 import json
 import re
@@ -9,6 +11,8 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+import h5py
 
 PROGRAM, SHIPPED = (str(Path(word).resolve()) for word in sys.argv[1:3])
 del sys.argv[1:3]
@@ -50,7 +54,7 @@ def run(*words, status=0, program=PROGRAM):
 
 def printed(*words, status=0):
     """What the program prints with --json."""
-    text = run(*words, "--json", "--quiet", status=status)
+    text = run(*words, "--json", status=status)
     return json.loads(text[text.index("{") :])
 
 
@@ -77,7 +81,9 @@ class ExampleParts(unittest.TestCase):
     def test_verify_finds_what_an_effect_does_not_declare(self):
         path = self.place / "undeclared.h5"
         self.recorded(path, "[undeclared_cone]")
-        self.assertRegex(run("verify", path, status=1), "slips at f_t = .* more than mu_kinetic")
+        self.assertRegex(
+            run("verify", path, status=1), r"labels/pad/margin.* but 1 - f_t/\(mu_static f_n\)"
+        )
 
     def test_a_pad_has_one_cone(self):
         refused = run(
@@ -119,13 +125,17 @@ class ExampleParts(unittest.TestCase):
             "Example vibration",
             "Example spectrum",
             "Example picture.",
-            "Example Reader",
-            "FFTW",
-            "user's library",
             "shear_modulus",
         ):
             with self.subTest(word):
                 self.assertIn(word, text)
+
+    def test_a_dataset_names_the_libraries(self):
+        with h5py.File(self.data["body"]) as file:
+            libraries = file["data/demo_0"].attrs["libraries"]
+        for name in ("FFTW", "Example Reader", "user's library"):
+            with self.subTest(name):
+                self.assertIn(name, libraries)
 
     def test_every_general_format_takes_it(self):
         text = run("export", "--help")

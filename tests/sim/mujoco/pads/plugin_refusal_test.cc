@@ -107,7 +107,7 @@ TEST(PluginRefusal, TipsWithMassNeedAPrescribedMotion) {
 
 TEST(PluginRefusal, SkinsGoWithTheExplicitSolver) {
   const std::string skin = config("effects", "[elastic_skin]") + config("solver", "implicit");
-  EXPECT_THAT(refusal_of(site + plate + nine_pillars() + skin), mentions({"elastic_skin", "implicit", "explicit"}));
+  EXPECT_THAT(refusal_of(site + plate + nine_pillars() + skin), mentions({"elastic skin", "implicit", "explicit"}));
 }
 
 TEST(PluginRefusal, MessageOfALongTableKeepsItsEnd) {
