@@ -145,8 +145,7 @@ void refuse_two_contacts(std::span<const Field> fields) {
   if (fields.front().has_skin()) {
     // Each field would solve for a skin that only its own surface presses.
     if (std::ranges::count_if(fields, [](const Field& field) { return field.touching() > 0; }) > 1) {
-      throw InputError(
-          "effects: elastic_skin: the pad touches two surfaces at once, but its skin is solved for one surface only");
+      throw InputError("effects: the pad touches two surfaces at once, but its elastic skin is solved for one surface only");
     }
     return;
   }
