@@ -1,6 +1,6 @@
 """Content of a trial as numpy arrays, the same for simulated and stored trials.
 
-The simulated trial.
+Also the simulated trial itself.
 """
 
 from __future__ import annotations

@@ -145,9 +145,9 @@ Eigen::Vector3d ContactPoints::normal_at(const Eigen::Vector3d& contact, const E
 bool ContactPoints::has_come_through(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, unsigned faces, double depth,
                                      const SurfacePoint& met) const {
   constexpr double far_side = 0.5;  // cosine between axis and normal
-  const double looks_away = met.nx * axis.x() + met.ny * axis.y() + met.nz * axis.z();
+  const double along_normal = met.nx * axis.x() + met.ny * axis.y() + met.nz * axis.z();
   const auto round = [&] {  // it faces the far side, or is deep inside and faces outwards
-    return looks_away > far_side || (looks_away >= 0.0 && met.gap > 0.5 * depth && is_inside(tip));
+    return along_normal > far_side || (along_normal >= 0.0 && met.gap > 0.5 * depth && is_inside(tip));
   };
   if (const Box* box = std::get_if<Box>(&surface_)) return box->is_behind(faces, tip, axis);
   if (const Cylinder* cylinder = std::get_if<Cylinder>(&surface_)) {
@@ -155,7 +155,7 @@ bool ContactPoints::has_come_through(const Eigen::Vector3d& tip, const Eigen::Ve
     constexpr unsigned side = 2;
     return (met.faces & ~side) == 0 && round();
   }
-  if (on_grid()) return looks_away > far_side;  // a grid does not tell edges from sides
+  if (on_grid()) return along_normal > far_side;  // a grid does not tell edges from sides
   return !on_plane() && round();
 }
 
@@ -181,7 +181,7 @@ bool ContactPoints::is_outside(const Eigen::Vector3d& p) const {
 void ContactPoints::find(const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const {
   if (on_plane()) {
     kernel::plane_gap(columns, pose, groups.count * kernel::lanes);
-    if (!flat_pad_ || !looks_at_plane(pose)) kernel::turn_away(columns, pose, groups.count * kernel::lanes);
+    if (!flat_pad_ || !faces_plane(pose)) kernel::turn_away(columns, pose, groups.count * kernel::lanes);
   } else if (const Box* box = std::get_if<Box>(&surface_)) {
     kernel::meet_box(columns, *box, pose, groups, column_);
   } else if (const Cylinder* cylinder = std::get_if<Cylinder>(&surface_)) {

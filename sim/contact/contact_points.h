@@ -28,7 +28,7 @@ class ContactPoints {
   // True if all elements have the same axis.
   [[nodiscard]] bool flat_pad() const { return flat_pad_; }
   // True if the axes of a flat pad point towards the plane.
-  [[nodiscard]] bool looks_at_plane(const Pose& pose) const { return pose.rotation.row(2).dot(axis_) < 0.0; }
+  [[nodiscard]] bool faces_plane(const Pose& pose) const { return pose.rotation.row(2).dot(axis_) < 0.0; }
   // Returns the contact of an element with the tip `tip` [m] and the unit vector `axis`, both in S.
   [[nodiscard]] SurfacePoint at(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis) const;
   // True if a column may stick out of both sides of the surface. The gap of a tip beyond the far

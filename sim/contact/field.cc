@@ -229,7 +229,7 @@ SLIPBENCH_INLINE void Field::end_step() {
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
   begin_step(pad_in_surface, dt);
-  if (plain_ && touching_ == count_ && excluded_.empty() && contacts_.looks_at_plane(pose_)) {
+  if (plain_ && touching_ == count_ && excluded_.empty() && contacts_.faces_plane(pose_)) {
     kernel::slide_on_plane(columns_, pose_, padded_);
   } else {
     find_contacts();

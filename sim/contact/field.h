@@ -88,8 +88,8 @@ class Field : public FieldResults {
   // offset.
   [[nodiscard]] bool is_inside(std::size_t i) const { return columns_.gap[i] < 0.0; }
   // True if element i, after approach(), points at the face nearest to it.
-  [[nodiscard]] bool looks_in(std::size_t i) const { return normal(i).dot(pose_.rotation * layout_.elements[i].axis) < 0.0; }
-  // Returns how far the tip of an element that looks_in() has come along its axis since it entered,
+  [[nodiscard]] bool faces_surface(std::size_t i) const { return normal(i).dot(pose_.rotation * layout_.elements[i].axis) < 0.0; }
+  // Returns how far the tip of an element that faces_surface() has come along its axis since it entered,
   // to first order [m]; negative while it is outside.
   [[nodiscard]] double way_inside(std::size_t i) const;
   // True if element i, after approach(), is inside and meets the face that it met in the last step.

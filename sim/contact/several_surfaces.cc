@@ -77,7 +77,7 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
     if (column == 0.0 || std::ranges::none_of(fields, in_grid)) {
       if (!fields.front().has_bumps()) return none;
       return first_surface(
-          fields.size(), [&](std::size_t k) { return fields[k].looks_in(i); },
+          fields.size(), [&](std::size_t k) { return fields[k].faces_surface(i); },
           [&](std::size_t k) { return fields[k].way_inside(i); });
     }
   }

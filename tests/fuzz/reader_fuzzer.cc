@@ -74,10 +74,10 @@ void read_dataset_texts(const Texts&, const Texts& texts) {
 void read_submission(const Texts&, const Texts& texts) {
   using namespace benchmark;
   const Json submitted = parse_submission(texts[0], "fuzz.json");
-  const Json asked = asked_json(parse_asked(submitted.at("asked"), "fuzz.json"));
+  const Json request = request_json(parse_request(submitted.at("asked"), "fuzz.json"));
   // Accepted text is written again and must be equal.
-  if (asked_json(parse_asked(asked, "fuzz.json")) != asked) throw std::logic_error(asked.dump());
-  static_cast<void>(difference(texts[0], submitted, {{"asked", asked}, {"sets", {{1, 2.5}, "three"}}}));
+  if (request_json(parse_request(request, "fuzz.json")) != request) throw std::logic_error(request.dump());
+  static_cast<void>(difference(texts[0], submitted, {{"asked", request}, {"sets", {{1, 2.5}, "three"}}}));
   static_cast<void>(difference(texts[0], submitted, submitted));
 }
 

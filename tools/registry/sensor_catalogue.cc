@@ -28,6 +28,7 @@ void register_sensor(SensorKind kind, SensorMaker make) {
   std::vector<Entry> own;
   for (const SensorKind& known : sensor_catalogue()) own.push_back(known.about);
   const Entry about = kind.about;
+  kind.users_code = true;
   registered_sensors().put("sensor", about, {std::move(kind), std::move(make)}, own);
 }
 

@@ -37,12 +37,12 @@ struct Box {
     Real n[3] = {none, none, none}, gap = none, faces = none;
     const auto is_outside = distance2 > 0.0;
     if (any_of(!is_outside)) {
-      Real looks[3], way_back = none, way_ahead = none, entry = none, exit = none;
+      Real facing[3], way_back = none, way_ahead = none, entry = none, exit = none;
       for (int k = 0; k < 3; ++k) {
-        looks[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that faces the element
+        facing[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that faces the element
         const Real slope = a[k] < 0.0 ? -a[k] : a[k];
-        const Real back = slope == 0.0 ? none + infinite : (half[k] - looks[k] * p[k]) / slope;
-        const Real ahead = slope == 0.0 ? none + infinite : (half[k] + looks[k] * p[k]) / slope;
+        const Real back = slope == 0.0 ? none + infinite : (half[k] - facing[k] * p[k]) / slope;
+        const Real ahead = slope == 0.0 ? none + infinite : (half[k] + facing[k] * p[k]) / slope;
         if (k == 0) {
           way_back = back;
           way_ahead = ahead;
@@ -54,17 +54,17 @@ struct Box {
         way_ahead = ahead < way_ahead ? ahead : way_ahead;
       }
       // Otherwise it points out through a face nearer than the one by which it could have entered.
-      const auto looks_in = (way_back <= way_ahead) | (way_back <= column);
-      const Real face = looks_in ? entry : exit;
+      const auto by_entry = (way_back <= way_ahead) | (way_back <= column);
+      const Real face = by_entry ? entry : exit;
       for (int k = 0; k < 3; ++k) {
         const auto here = face == static_cast<double>(k);
-        const Real side = looks_in ? looks[k] : -looks[k];
+        const Real side = by_entry ? facing[k] : -facing[k];
         gap = here ? half[k] - side * p[k] : gap;
         faces = here ? face_bit(k, side) : faces;
         n[k] = here ? side : none;
       }
-      gap = looks_in ? -gap : gap;
-      faces = looks_in ? faces : none;
+      gap = by_entry ? -gap : gap;
+      faces = by_entry ? faces : none;
     }
     if (any_of(is_outside)) {
       const Real distance = root_of(distance2);
@@ -74,14 +74,14 @@ struct Box {
       if constexpr (kThin) {
         // the tip is beyond the face opposite to the one by which its column entered
         for (int k = 0; k < 3; ++k) {
-          const Real looks = a[k] < 0.0 ? one : -one, slope = a[k] < 0.0 ? -a[k] : a[k], depth = half[k] - looks * p[k];
+          const Real facing = a[k] < 0.0 ? one : -one, slope = a[k] < 0.0 ? -a[k] : a[k], depth = half[k] - facing * p[k];
           const Real lateral = distance2 - outside[k] * outside[k];
           const double thickness = 2.0 * half[k];
           const auto entered = enters_by(k, p, a, depth / slope);
           const auto through = (slope >= upright) & (lateral == 0.0) & (depth > thickness) & (depth <= column * slope) & entered;
           gap = through ? -depth : gap;
-          for (int j = 0; j < 3; ++j) n[j] = through ? (j == k ? looks : none) : n[j];
-          faces = through ? face_bit(k, looks) : faces;
+          for (int j = 0; j < 3; ++j) n[j] = through ? (j == k ? facing : none) : n[j];
+          faces = through ? face_bit(k, facing) : faces;
         }
       }
     }
@@ -114,15 +114,15 @@ struct Box {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     Passage passage{-infinite, infinite, Eigen::Vector3d::Zero(), 0};
     for (int k = 0; k < 3; ++k) {
-      const double looks = a[k] < 0.0 ? 1.0 : -1.0, slope = std::abs(a[k]);
+      const double facing = a[k] < 0.0 ? 1.0 : -1.0, slope = std::abs(a[k]);
       if (slope == 0.0) {
         if (std::abs(p[k]) > half[k]) passage.from = infinite;
         continue;
       }
-      passage.from = std::max(passage.from, (-half[k] - looks * p[k]) / slope);
-      const double way = (half[k] - looks * p[k]) / slope;
+      passage.from = std::max(passage.from, (-half[k] - facing * p[k]) / slope);
+      const double way = (half[k] - facing * p[k]) / slope;
       if (way < passage.way)
-        passage = {passage.from, way, looks * Eigen::Vector3d::Unit(k), static_cast<unsigned>(face_bit(k, looks))};
+        passage = {passage.from, way, facing * Eigen::Vector3d::Unit(k), static_cast<unsigned>(face_bit(k, facing))};
     }
     return passage;
   }

@@ -29,10 +29,10 @@ struct Cylinder {
     const Real side = r - radius, cap = height - half_length;
     const auto beside = side > 0.0, beyond = cap > 0.0;
     const Real end = p[2] < 0.0 ? -one : one,
-               looks = a[2] < 0.0 ? one : -one;  // the nearer cap; the cap that faces the element
+               facing = a[2] < 0.0 ? one : -one;  // the nearer cap; the cap that faces the element
 
     const Real towards_side = -(nx * a[0] + ny * a[1]), towards_cap = a[2] < 0.0 ? -a[2] : a[2];
-    const Real depth = half_length - looks * p[2], ahead = 2.0 * half_length - depth;  // to the other cap
+    const Real depth = half_length - facing * p[2], ahead = 2.0 * half_length - depth;  // to the other cap
     // It entered through the side or the cap, unless it points out through the other cap (or, if
     // through the cap, through the side) and leaves there sooner.
     const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side) &
@@ -44,7 +44,7 @@ struct Cylinder {
       const auto by_cap = ((depth * -towards_side <= -side * towards_cap) & (depth <= ahead)) | (depth <= column * towards_cap);
       const auto by_end = ahead * -towards_side <= -side * towards_cap;  // where it leaves, if it has not entered
       const Real behind_gap = by_cap ? -depth : (by_end ? ahead : -side);
-      const Real behind_z = by_cap ? looks : (by_end ? -looks : none), behind_faces = by_cap ? cap_bit(looks) : none;
+      const Real behind_z = by_cap ? facing : (by_end ? -facing : none), behind_faces = by_cap ? cap_bit(facing) : none;
       past_gap = beyond ? cap : (by_side ? side : behind_gap);
       past_z = beyond ? end : (by_side ? none : behind_z);
       past_faces = beyond ? cap_bit(end) : (by_side ? past_faces : behind_faces);
@@ -66,8 +66,8 @@ struct Cylinder {
                            (depth <= column * towards_cap) & enters_by_cap(p, a, depth / towards_cap);
       gap = through ? -depth : gap;
       share = through ? none : share;
-      nz = through ? looks : nz;
-      faces = through ? cap_bit(looks) : faces;
+      nz = through ? facing : nz;
+      faces = through ? cap_bit(facing) : faces;
     }
     return {gap, share * nx, share * ny, nz, faces};
   }

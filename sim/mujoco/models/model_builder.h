@@ -51,7 +51,7 @@ inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
 // discrete, and impratio 1e4 replaces noslip. `pads`: one layout per sensor. `hand`: null without
 // a hand. With one, all forces are those of pads and of the fingers' springs, explicit for MuJoCo:
 // the integrator is Euler without implicit damping, and MuJoCo's contacts and solver are off, which
-// halves the time of a step. The time step is the model's own, or MuJoCo's default. `handed` must
+// halves the time of a step. The time step is the model's own, or MuJoCo's default. `layouts_in_memory` must
 // live as long as data is made from the model. Throws SceneValueError if the model cannot be read
 // or compiled, or if a site, geom, body or name is invalid.
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,

@@ -24,13 +24,13 @@ namespace {
 // given by the scene is chosen for accuracy and therefore implicit: its error falls with the square
 // of the step, while the error of an explicit step, whose dashpots use the velocity of half a step
 // ago, falls linearly. `longest`: the longest step for the effects.
-bool choose_implicit(const Scene& scene, FieldSolver wished, std::span<const double> rates, double longest,
+bool choose_implicit(const Scene& scene, FieldSolver requested, std::span<const double> rates, double longest,
                      const Vibration& fastest) {
   const auto steps = [&](double bearable) {
     const double sampling_time = 1.0 / *std::ranges::max_element(rates);
     return std::ceil(sampling_time / std::min({sampling_time, longest, bearable}));
   };
-  if (wished != FieldSolver::automatic) return wished == FieldSolver::implicit_springs;
+  if (requested != FieldSolver::automatic) return requested == FieldSolver::implicit_springs;
   const double explicit_step = rounded_down(longest_explicit_step(fastest));
   if (!scene.integrator.empty()) return false;
   if (scene.time_step) return true;

@@ -187,7 +187,7 @@ std::string PadKinematics::site_mistake(const mjModel* model, std::span<const Fi
       first = fmt::format("tips of the pad at site '{}' are {} the touched geom '{}'{}", mj_id2name(model, mjOBJ_SITE, site_),
                           where, name_of_geom(model, touched.geom), what);
     };
-    if (touched.watch.looks_out(touched.shape, touched.pad_in_surface, touching)) {
+    if (touched.watch.points_outwards(touched.shape, touched.pad_in_surface, touching)) {
       mistake(
           "inside",
           " and point out of it: the site points the wrong way or lies inside; its +Z must point from the touched object into the pad");

@@ -109,8 +109,8 @@ SiteWatch::SiteWatch(const PadLayout& layout) {
   }
   radius_ = farthest->tip.norm();
   const std::size_t stride = layout.elements.size() / most + 1;
-  for (std::size_t i = 0; i < layout.elements.size(); i += stride) looked_at_.push_back(layout.elements[i]);
-  looked_at_.push_back(*farthest);
+  for (std::size_t i = 0; i < layout.elements.size(); i += stride) tips_.push_back(layout.elements[i]);
+  tips_.push_back(*farthest);
   deepest_start_ = std::min(layout.unit_height, radius_ > 0.0 ? radius_ : std::numeric_limits<double>::infinity());
 }
 
@@ -123,7 +123,7 @@ double SiteWatch::clearance(const Surface& shape, const Pose& pad) const {
   return std::min(gap_of(shape, pad.position, ahead), gap_of(shape, pad.position, back)) - radius_ - inside_by - rounded_by;
 }
 
-bool SiteWatch::looks_out(const Surface& shape, const Pose& pad, std::size_t touching) {
+bool SiteWatch::points_outwards(const Surface& shape, const Pose& pad, std::size_t touching) {
   sure_ = sure_ || touching > 0;
   if (sure_ || (pad.position - clear_at_).norm() < clear_) return false;
   const double clear = clearance(shape, pad);
@@ -133,7 +133,7 @@ bool SiteWatch::looks_out(const Surface& shape, const Pose& pad, std::size_t tou
     return false;
   }
   clear_ = -1.0;
-  return std::ranges::any_of(looked_at_, [&](const Element& element) {
+  return std::ranges::any_of(tips_, [&](const Element& element) {
     const Eigen::Vector3d tip = pad * element.tip, axis = pad.rotation * element.axis;
     return gap_of(shape, tip, axis) >= 0.0 && gap_of(shape, tip, -axis) < -inside_by;
   });

@@ -31,7 +31,7 @@ class SiteWatch {
 
   // True if a tip is inside the surface by more than 10 um and points outwards. `touching`: number
   // of the pad's touching elements.
-  [[nodiscard]] bool looks_out(const Surface& shape, const Pose& pad_in_surface, std::size_t touching);
+  [[nodiscard]] bool points_outwards(const Surface& shape, const Pose& pad_in_surface, std::size_t touching);
   // Returns a lower bound of the pad's distance from the surface [m] at any rotation about its
   // origin; negative: it may touch.
   [[nodiscard]] double clearance(const Surface& shape, const Pose& pad_in_surface) const;
@@ -41,7 +41,7 @@ class SiteWatch {
   [[nodiscard]] double deepest_start() const { return deepest_start_; }
 
  private:
-  std::vector<Element> looked_at_;
+  std::vector<Element> tips_;
   double radius_ = 0.0;  // m, of the pad about its origin
   double deepest_start_;
   bool sure_ = false;  // it has touched

@@ -29,7 +29,7 @@ inline const EffectKind& kind_named(std::string_view name) {
 
 // An effect with its defaults, after the effect that it needs.
 inline std::vector<Wanted> alone(const EffectKind& kind) {
-  if (kind.about.name == "elastic_skin") return {{kind.about.name, {{"patch", 3e-4}}}};  // for pads without a grid
+  if (kind.body != nullptr) return {{kind.about.name, {{"patch", 3e-4}}}};  // for pads without a grid
   if (kind.after_tip) return {{"inertia", {}}, {kind.about.name, {}}};
   return {{kind.about.name, {}}};
 }

@@ -27,7 +27,7 @@ TEST(LabelRules, AreInTheOrderOfTheirValuesAndNamed) {
   }
 }
 
-// The tables of tools/train, tools/train/network and tools/eval.
+// The lists of docs/concepts/labels.md.
 TEST(LabelRules, EachUseTakesItsOwn) {
   EXPECT_THAT(label_rule_names(LabelUse::pillars), ElementsAre("strict", "micro", "paper", "has_slipped"));
   EXPECT_THAT(label_rule_names(LabelUse::training),
