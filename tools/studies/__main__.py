@@ -17,7 +17,7 @@ from slipbench._program import (
     write_result,
 )
 from slipbench_studies.catalogue import STUDIES, check_options, find_study
-from slipbench_studies.kept import remove_kept
+from slipbench_studies.kept import interrupted_text, remove_kept
 from slipbench_studies.result import Options, Result, result_object, say_nothing
 
 
@@ -93,6 +93,7 @@ def main(request: dict[str, Any]) -> int:
         needs=f"reproduce: {name}",
         install=install,
         target=options.output,
+        interrupted=lambda: interrupted_text(options.output),
     )
 
 

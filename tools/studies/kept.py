@@ -25,6 +25,11 @@ def kept_path(output: str) -> Path:
     return Path(output).with_suffix(".networks")
 
 
+def _count(folder: Path) -> int:
+    """Number of networks in the folder."""
+    return len(list(folder.glob("*.json")))
+
+
 class KeptNetworks:
     """Results of a study's networks, one file each.
 
@@ -76,7 +81,7 @@ class KeptNetworks:
     @property
     def size(self) -> int:
         """Number of saved networks."""
-        return len(list(self.path.glob("*.json")))
+        return _count(self.path)
 
     def find(self, index: int) -> Any:
         """The result of network `index`; None if it is not saved.
@@ -109,6 +114,19 @@ class KeptNetworks:
         """Removes the folder if it holds no network."""
         if not self.size:
             remove_kept(str(self.path))
+
+
+def interrupted_text(output: str) -> str:
+    """States what an interrupted study has kept.
+
+    Args:
+        output: FILE.html; empty: the study writes no page and keeps nothing
+    """
+    path = kept_path(output) if output else None
+    if path is None or not (path / IDENTITY).is_file() or not (count := _count(path)):
+        return "interrupted; nothing is kept"
+    verb = "is" if count == 1 else "are"
+    return f"interrupted; {counted(count, 'network')} {verb} kept in {path}; continue by the same command with --resume"
 
 
 def remove_kept(output: str) -> None:

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from slipbench import RandomStream
-from slipbench._program import counted
 from slipbench.learning import Recipe, Trained, Training, fit, scale_of, train
 from slipbench.learning._fit import answers_to_all, reproducible
 from slipbench_studies.grid import jobs_of
@@ -177,7 +176,7 @@ def train_all(
 
     Raises:
         InputError: a network fails, or as KeptNetworks
-        KeyboardInterrupt: after Ctrl-C; its text states what is saved
+        KeyboardInterrupt: after Ctrl-C; interrupted_text() states what is saved
     """
     kept = KeptNetworks(options, name) if options.output else None
     results: list[Any] = [
@@ -195,12 +194,6 @@ def train_all(
                 _collect(processes, results, kept)
         while processes:
             _collect(processes, results, kept)
-    except KeyboardInterrupt:
-        if kept is not None and kept.size:
-            raise KeyboardInterrupt(
-                f"interrupted; {counted(kept.size, 'network')} kept in {kept.path}; continue by the same command with --resume"
-            ) from None
-        raise
     finally:
         processes.end()
         if kept is not None:

@@ -10,12 +10,16 @@ import sys
 import tempfile
 import time
 import unittest
-from dataclasses import replace
+from contextlib import redirect_stderr
+from dataclasses import asdict, replace
+from io import StringIO
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from slipbench import InputError
 from slipbench.learning import Training
+from slipbench_studies import __main__ as program
 from slipbench_studies.kept import KeptNetworks, kept_path, remove_kept
 from slipbench_studies.network_training import folds, train_all, train_and_answer
 from slipbench_studies.result import Options
@@ -102,6 +106,34 @@ class Kept(unittest.TestCase):
             KeptNetworks(self.options, NAME)
         remove_kept(self.options.output)
         self.assertEqual((kept / "letter.txt").read_text(), "dear")
+
+    def test_an_interrupt_states_what_is_kept(self):
+        request = asdict(self.options) | {"name": NAME, "json": True, "quiet": True, "install": ""}
+        del request["say"]
+
+        def interrupted(study):
+            """Returns the message of `reproduce` with this study."""
+            with (
+                mock.patch.object(program, "catch_signals"),
+                mock.patch.object(program, "run", study),
+                redirect_stderr(StringIO()) as said,
+            ):
+                self.assertEqual(program.main(dict(request)), 130)
+            return said.getvalue()
+
+        def train(networks):
+            def study(_, options):
+                train_all(NAME, ["a"] * networks, options, lambda index: index)
+                raise KeyboardInterrupt
+
+            return study
+
+        self.assertEqual(interrupted(train(0)), "slipbench: interrupted; nothing is kept\n")
+        kept = kept_path(self.options.output)
+        self.assertEqual(
+            interrupted(train(2)),
+            f"slipbench: interrupted; 2 networks are kept in {kept}; continue by the same command with --resume\n",
+        )
 
     def test_an_error_ends_the_others_which_remove_their_files(self):
         with tempfile.TemporaryDirectory() as folder:
