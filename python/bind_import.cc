@@ -15,6 +15,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "detectors/channel.h"
+#include "python/library_call.h"
 #include "python/module.h"
 #include "sim/core/counted.h"
 #include "sim/scene/parser.h"
@@ -60,7 +61,16 @@ std::vector<std::pair<std::string, std::string>> sources_of(const std::vector<st
 // Builds one recording from Python at a time, and writes it.
 class MappedImport {
  public:
-  MappedImport(ImportOptions options, const std::string& split_by) : options_(std::move(options)), writer_(options_, split_by) {}
+  MappedImport(ImportOptions options, const std::string& split_by) : options_(std::move(options)) {
+    const Hdf5Use alone;
+    writer_.emplace(options_, split_by);
+  }
+  MappedImport(const MappedImport&) = delete;
+  MappedImport& operator=(const MappedImport&) = delete;
+  ~MappedImport() {
+    const Hdf5Use alone;
+    writer_.reset();
+  }
 
   // `rate` [Hz]: of samples without stamps; empty: from the stamps, with `resolution` [s], read in
   // `unit` [s]; 0: dates.
@@ -93,10 +103,14 @@ class MappedImport {
     TrialRecord record = make_recording(Json::parse(params), object);
     record.sensors = std::exchange(sensors_, {});
     record.body_time = record.sensors.front().time;
-    writer_.add(std::move(record), path, 0, std::exchange(time_units_, {}));
+    const Hdf5Use alone;
+    writer_->add(std::move(record), path, 0, std::exchange(time_units_, {}));
   }
-  void warn(const std::string& path, const std::string& text) { writer_.warn(path, text); }
-  void finish(std::size_t sources) { summary_ = writer_.finish(sources); }
+  void warn(const std::string& path, const std::string& text) { writer_->warn(path, text); }
+  void finish(std::size_t sources) {
+    const Hdf5Use alone;
+    summary_ = writer_->finish(sources);
+  }
   // The summary of the finished import as JSON.
   [[nodiscard]] std::string summary() const { return printed_json(import_json(summary_)); }
   // Prints the summary of the finished import as the program does. Raises OSError if stdout cannot
@@ -107,7 +121,7 @@ class MappedImport {
 
  private:
   ImportOptions options_;
-  RecordingWriter writer_;
+  std::optional<RecordingWriter> writer_;  // empty only while the import is created or destroyed
   ImportSummary summary_;
   std::vector<SensorRecord> sensors_;
   std::vector<double> time_units_;  // of each sensor

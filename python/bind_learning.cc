@@ -25,6 +25,7 @@
 #include "detectors/network/engine.h"
 #include "detectors/network/frames.h"
 #include "python/arrays.h"
+#include "python/library_call.h"
 #include "python/module.h"
 #include "sim/api/pad_state_names.h"
 #include "sim/core/choice.h"
@@ -198,7 +199,7 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
   train::Examples read;
   std::vector<train::Part> parts;
   {
-    const nb::gil_scoped_release released;
+    const Hdf5Use alone;
     if (progress) {
       options.read = [&](std::size_t done, std::size_t trials) {
         const nb::gil_scoped_acquire held;

@@ -205,8 +205,7 @@ class Scene {
       const nb::gil_scoped_acquire acquire;
       progress(at.done, at.total);
     };
-    const nb::gil_scoped_release release;
-    const std::lock_guard alone(hdf5_in_use);
+    const Hdf5Use alone;
     const std::uint64_t chosen = seed.value_or(seed_);
     const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
     const SweepSummary summary = run_sweep(read, options, *catalogues_, report_progress);
@@ -229,8 +228,7 @@ class Scene {
     {
       const SharedInterrupt guard;
       options.interrupt = &InterruptGuard::flag();
-      const nb::gil_scoped_release release;
-      const std::lock_guard alone(hdf5_in_use);
+      const Hdf5Use alone;
       result = check_scene(options, *catalogues_);
     }
     nb::dict all;
@@ -315,8 +313,7 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   options.resample = resample;
   options.trained = eval::training_of(options.detector);
   if (!labels.empty()) options.labels = parse_label_rule(labels, LabelUse::evaluation);
-  const nb::gil_scoped_release release;
-  const std::lock_guard alone(hdf5_in_use);
+  const Hdf5Use alone;
   return eval::evaluate(options).dump();
 }
 
@@ -329,8 +326,7 @@ std::pair<std::string, std::vector<std::string>> detect(const std::string& type,
   options.recordings = recordings;
   options.sensor = sensor;
   options.resample = resample;
-  const nb::gil_scoped_release release;
-  const std::lock_guard alone(hdf5_in_use);
+  const Hdf5Use alone;
   if (!output.empty()) eval::check_detect_output(output);
   const Json result = eval::detect(options);
   std::vector<std::string> files;

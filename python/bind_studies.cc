@@ -165,7 +165,7 @@ auto value_of_word(const Words& words, const char* key, const std::string& name)
 class HdSequences {
  public:
   HdSequences(const std::string& path, const std::string& labels) {
-    const nb::gil_scoped_release release;
+    const Hdf5Use alone;
     data_ = read_sequences(path, {parse_label_rule(labels, LabelUse::pillars), {}});
   }
 

@@ -12,8 +12,17 @@
 
 namespace slipbench::python {
 
-// HDF5 is not thread-safe. Lock without Python's lock.
-inline std::mutex hdf5_in_use;
+// Releases Python's lock and waits for the other users of HDF5, which is not thread-safe. Every
+// function of the module that reads or writes a dataset holds one.
+class Hdf5Use {
+ public:
+  Hdf5Use() : alone_(mutex_) {}
+
+ private:
+  inline static std::mutex mutex_;
+  nanobind::gil_scoped_release release_;  // first: a thread that waits must not hold Python's lock
+  std::lock_guard<std::mutex> alone_;
+};
 
 // One InterruptGuard shared by all threads that do such work. The notice is that of the first.
 class SharedInterrupt {
@@ -40,8 +49,7 @@ class SharedInterrupt {
 template <class Work>
 auto call_library(const Work& work) {
   const SharedInterrupt guard;
-  const nanobind::gil_scoped_release release;
-  const std::lock_guard alone(hdf5_in_use);
+  const Hdf5Use alone;
   const InterruptScope scope(&InterruptGuard::flag());
   auto result = work();
   end_if_interrupted();
