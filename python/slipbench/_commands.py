@@ -2,7 +2,8 @@
 
 What a command prints as a note or warning is a Python warning (UserWarning) here;
 import_recordings() also returns them under "warnings". Ctrl-C, SIGTERM or SIGHUP ends the work with
-KeyboardInterrupt, and no file is left half-written.
+KeyboardInterrupt, and no file is left half-written. If the signal comes while the complete files get
+their names, they remain.
 """
 
 from __future__ import annotations
@@ -187,6 +188,7 @@ def export(
     ):
         request = Request(**json.loads(_core.export_files(path, folder, options)))
         files = write(request, Progress(request, interrupt, lambda note: warn([note])))
+        interrupt.check()
     _warn_of_failures(path)
     return {"files": files}
 
@@ -250,7 +252,9 @@ def _import_mapped(options: _core.ImportOptions, output: str) -> dict[str, Any]:
         _input_errors("import --map", "import", output),
         _core.Interrupt("stopping; nothing is kept") as interrupt,
     ):
-        return _result(read_mapped(options, interrupt).summary())
+        result = _result(read_mapped(options, interrupt).summary())
+        interrupt.check()
+        return result
 
 
 def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:

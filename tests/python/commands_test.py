@@ -15,6 +15,7 @@ from unittest import mock
 
 import numpy as np
 import slipbench
+from slipbench import _export, _import
 from slipbench.bin import _core
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
@@ -440,6 +441,27 @@ class InProcess(unittest.TestCase):
         self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
         with self.assertRaises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)  # reaches Python again
+
+        def late(function):
+            """The function, with a signal when it has written its files."""
+
+            def run(*arguments):
+                result = function(*arguments)
+                signal.raise_signal(signal.SIGTERM)
+                return result
+
+            return run
+
+        with (
+            self.assertRaises(KeyboardInterrupt),
+            mock.patch.object(_export, "write", late(_export.write)),
+        ):
+            slipbench.export(self.path, out, format="csv")
+        with (
+            self.assertRaises(KeyboardInterrupt),
+            mock.patch.object(_import, "read_mapped", late(_import.read_mapped)),
+        ):
+            slipbench.import_recordings(logs, out / "a.h5", map=self.folder / "map.yaml")
 
 
 class Pytest(unittest.TestCase):

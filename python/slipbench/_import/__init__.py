@@ -40,7 +40,7 @@ def read_mapped(options: _core.ImportOptions, interrupt: _core.Interrupt) -> _co
     Raises:
         InputError: as import_recordings(); no dataset remains
         ModuleNotFoundError: a reader needs a package that is not installed
-        KeyboardInterrupt: after a signal; no dataset remains
+        KeyboardInterrupt: after a signal before the dataset is complete; no dataset remains
     """
     from slipbench._import.block import read_map
     from slipbench._import.limits import memory_limit, source_limit
