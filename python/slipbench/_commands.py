@@ -204,6 +204,10 @@ def import_recordings(
 ) -> dict[str, Any]:
     """Imports recordings of real sensors into a dataset, like `slipbench import`.
 
+    While a source is read by a map, the limits of memory and of unpacked files
+    (tools/formats/import/README.md) apply to the whole process, and other threads wait with their
+    sources.
+
     Args:
         sources: a file, a folder whose recordings are all imported, or several of them
         output: dataset to write; empty: only check the sources

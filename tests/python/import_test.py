@@ -3,10 +3,12 @@
 import contextlib
 import json
 import os
+import resource
 import sqlite3
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import warnings
@@ -1921,6 +1923,32 @@ class Arrays(ImportTest):
         with self.assertRaises(slipbench.InputError) as caught:
             source.load(titles, [])
         return str(caught.exception)
+
+    def test_a_limit_is_that_of_one_thread_at_a_time(self):
+        before = resource.getrlimit(resource.RLIMIT_DATA)
+        begun, end, seen = threading.Event(), threading.Event(), []
+
+        def first():
+            with limits.memory_limit("a", 10**9), limits.memory_limit("a", 10**9):
+                begun.set()
+                end.wait()
+
+        def second():
+            begun.wait()
+            with limits.memory_limit("b", 2 * 10**9):
+                seen.append(resource.getrlimit(resource.RLIMIT_DATA)[0] - limits.data_bytes())
+
+        threads = [threading.Thread(target=target) for target in (first, second)]
+        for thread in threads:
+            thread.start()
+        begun.wait()
+        threads[1].join(0.1)
+        self.assertEqual(seen, [])
+        end.set()
+        for thread in threads:
+            thread.join()
+        self.assertGreater(seen[0], 1.5e9)  # its own 2 GB, less what was allocated since
+        self.assertEqual(resource.getrlimit(resource.RLIMIT_DATA), before)
 
     def test_a_source_takes_at_most_half_of_the_memory(self):
         for machine, most in (

@@ -9,6 +9,7 @@ import contextlib
 import errno
 import os
 import resource
+import threading
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -58,9 +59,12 @@ def data_bytes() -> int:
     return pages * resource.getpagesize()
 
 
+_lowering = threading.RLock()  # held by the thread that has lowered limits of the process
+
+
 @contextlib.contextmanager
 def _lowered(kind: int, limit: int) -> Iterator[None]:
-    """Lowers a limit of the process within the block."""
+    """Lowers a limit of the process within the block. The thread must hold `_lowering`."""
     before, most = resource.getrlimit(kind)
     known = [one for one in (before, most) if one != resource.RLIM_INFINITY]
     resource.setrlimit(kind, (min([limit, *known]), most))
@@ -72,12 +76,12 @@ def _lowered(kind: int, limit: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def memory_limit(path: str, most: int) -> Iterator[None]:
-    """Limits the memory of the process to `most` bytes beyond those in use.
+    """Limits the memory of the process, with all its threads, to `most` bytes beyond those in use.
 
     Raises InputError naming `path` if the block needs more.
     """
     try:
-        with _lowered(resource.RLIMIT_DATA, data_bytes() + most):
+        with _lowering, _lowered(resource.RLIMIT_DATA, data_bytes() + most):
             yield
     except MemoryError:
         raise InputError(
@@ -87,7 +91,7 @@ def memory_limit(path: str, most: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def unpacked_limit(path: str) -> Iterator[None]:
-    """Limits the size of a file that the block writes, which is unpacked from the bag `path`.
+    """Limits the size of files that the process writes within the block, which unpacks the bag `path`.
 
     Raises InputError if the limit is exceeded.
     """
@@ -98,9 +102,8 @@ def unpacked_limit(path: str) -> Iterator[None]:
     )
     most = max(UNPACKED, UNPACKED_TIMES * max((one.stat().st_size for one in files), default=0))
     try:
-        with _lowered(
-            resource.RLIMIT_FSIZE, most
-        ):  # Python ignores its signal, so that writing fails
+        # Python ignores the signal SIGXFSZ, so that writing fails.
+        with _lowering, _lowered(resource.RLIMIT_FSIZE, most):
             yield
     except OSError as error:
         if error.errno != errno.EFBIG:
