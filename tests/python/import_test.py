@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import resource
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -1249,6 +1250,8 @@ class Layouts(ImportTest):
     def test_a_pattern_for_names_of_files_ends(self):
         path = self.write("a" * 40 + ".csv", table())
         state = MAP % ", state: {file: '%s', rule: r}"
+        self.addCleanup(signal.signal, signal.SIGALRM, signal.getsignal(signal.SIGALRM))
+        labels.limit_searches()  # as the program does
         with mock.patch.object(labels, "LONGEST_SEARCH", 0.1):
             self.assertIn(
                 "map.yaml:1: state.file: the search in 'aaaa",
@@ -1257,6 +1260,23 @@ class Layouts(ImportTest):
         self.assertIn(
             "its parts are nested too deeply", self.refused(state % ("(" * 3000 + ")" * 3000), path)
         )
+
+    def test_timers_and_threads_of_the_caller_do_not_matter(self):
+        path = self.write("press_1.csv", table())
+        map = self.write("map.yaml", MAP % ", object: {file: '([a-z]+)_[0-9]+'}")
+        found = []
+
+        def read():
+            found.append(slipbench.import_recordings(path, map=map)["trials"])
+
+        self.addCleanup(signal.setitimer, signal.ITIMER_REAL, 0.0)
+        signal.setitimer(signal.ITIMER_REAL, 100.0)
+        thread = threading.Thread(target=read)
+        thread.start()
+        thread.join()
+        read()
+        self.assertEqual(found, [1, 1])
+        self.assertGreater(signal.getitimer(signal.ITIMER_REAL)[0], 0.0)
 
     def test_a_folder_of_texts_is_read(self):
         self.write("set/a.txt", table("\t"))

@@ -23,6 +23,9 @@ def run(request: dict[str, Any]) -> int:
         request["seed"],
         request["rate"],
     )
+    from slipbench._import.labels import limit_searches
+
+    limit_searches()
     with interruptible("stopping; nothing is kept") as interrupt:
         writer = read_mapped(options, interrupt)
     return write_result(lambda: writer.print(request["json"]))

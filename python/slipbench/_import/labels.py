@@ -24,22 +24,31 @@ UNKNOWN = _core.unknown_state_name
 LONGEST_SEARCH = 1.0  # s
 
 
+def _stop(*_: object) -> None:
+    raise TimeoutError
+
+
+def limit_searches() -> None:
+    """Limits the time of each search() in this process.
+
+    Only for the program's own process: it uses the timer and the signal SIGALRM, which belong to
+    the caller of import_recordings() and work in the main thread alone.
+    """
+    signal.signal(signal.SIGALRM, _stop)
+
+
 def search(pattern: re.Pattern[str], text: str) -> re.Match[str] | None:
     """Searches for a pattern of a map, which may be made to take for ever.
 
-    Raises TimeoutError after LONGEST_SEARCH.
+    Raises TimeoutError after LONGEST_SEARCH if limit_searches() was called.
     """
-
-    def stop(*_: object) -> None:
-        raise TimeoutError
-
-    before = signal.signal(signal.SIGALRM, stop)
+    if signal.getsignal(signal.SIGALRM) is not _stop:
+        return pattern.search(text)
     signal.setitimer(signal.ITIMER_REAL, LONGEST_SEARCH)
     try:
         return pattern.search(text)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
 
 
 @dataclass(frozen=True)
