@@ -46,7 +46,7 @@ function(slipbench_install)
   endforeach()
 
   install(DIRECTORY scenes DESTINATION ${SLIPBENCH_DATA_DIR} PATTERN "gallery.*" EXCLUDE PATTERN GALLERY.md EXCLUDE)
-  install(FILES tools/benchmark/slip-3.yaml DESTINATION ${SLIPBENCH_DATA_DIR}/tools/benchmark)
+  install(DIRECTORY tools/benchmark/ DESTINATION ${SLIPBENCH_DATA_DIR}/tools/benchmark FILES_MATCHING PATTERN "slip-*.yaml")
   install(FILES LICENSE NOTICE.md DESTINATION ${SLIPBENCH_DATA_DIR})
   install(TARGETS slipbench slipbench-reader RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   if(SLIPBENCH_WITH_MUJOCO)
