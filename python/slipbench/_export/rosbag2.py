@@ -509,11 +509,31 @@ BEGINNINGS = (
 )
 
 
+def _is_left(path: Path) -> bool:
+    """True if a killed export may have left `path` in the folder of _scratch()."""
+    bag = re.fullmatch(r"demo_\d+", path.name)
+    return (
+        bag is not None
+        and path.is_dir()
+        and not path.is_symlink()
+        and {one.name for one in path.iterdir()} <= {f"{path.name}.mcap", "metadata.yaml"}
+    )
+
+
 @contextmanager
 def _scratch(folder: Path) -> Iterator[Path]:
-    """A folder in which rosbags writes a bag: it opens files under their own names."""
+    """A folder in which rosbags writes a bag: it opens files under their own names.
+
+    Raises InputError if the folder exists with other content than that of a killed export.
+    """
     scratch = folder / "rosbag2.partial"
-    shutil.rmtree(scratch, ignore_errors=True)  # left by a killed run
+    if scratch.is_symlink() or (
+        scratch.exists() and not (scratch.is_dir() and all(map(_is_left, scratch.iterdir())))
+    ):
+        raise InputError(
+            f"{scratch}: would be removed, but is not left by a killed export; choose another --output"
+        )
+    shutil.rmtree(scratch, ignore_errors=True)
     scratch.mkdir()
     try:
         yield scratch

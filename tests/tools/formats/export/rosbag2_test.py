@@ -5,6 +5,7 @@ Arguments: the project's root, the program.
 
 import itertools
 import json
+import shutil
 import unittest
 
 import h5py
@@ -346,6 +347,27 @@ class Rosbag2(ExportTest):
         _, said = export(make("papillarray/stage.yaml"), out, "--format", "rosbag2", status=2)
         self.assertRegex(said, "metadata.yaml.*ROS 2 bag.*another folder")
         self.assertEqual(contents(out), {"demo_1/metadata.yaml": b"my notes"})
+
+    def test_a_folder_that_no_export_has_left_is_not_removed(self):
+        """A killed export leaves rosbag2.partial/demo_0 with an .mcap and metadata.yaml."""
+        out = self.folder / "out"
+        scratch = out / "rosbag2.partial"
+        for foreign in ("notes.txt", "demo_0/notes.txt", "demo_0/more/a.mcap", "bag/bag.mcap"):
+            with self.subTest(foreign=foreign):
+                path = scratch / foreign
+                path.parent.mkdir(parents=True)
+                path.write_text("my notes")
+                _, said = export(
+                    make("papillarray/stage.yaml"), out, "--format", "rosbag2", status=2
+                )
+                self.assertRegex(said, "rosbag2.partial: would be removed, but is not left by")
+                self.assertEqual(contents(out), {f"rosbag2.partial/{foreign}": b"my notes"})
+                shutil.rmtree(scratch)
+        (scratch / "demo_0").mkdir(parents=True)
+        for name in ("demo_0.mcap", "metadata.yaml"):
+            (scratch / "demo_0" / name).touch()
+        export(make("papillarray/stage.yaml"), out, "--format", "rosbag2", "--trial", "0")
+        self.assertFalse(scratch.exists())
 
     def test_a_papillarray_in_other_units_than_the_driver_is_refused(self):
         names = [f"{kind}{k}" for kind in "fd" for k in range(27)]
