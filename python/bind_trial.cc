@@ -1,8 +1,11 @@
 // A trial's record for numpy: views of the record's memory, which lives as long as any view.
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nanobind/ndarray.h>
@@ -10,12 +13,16 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
+#include "python/arrays.h"
 #include "python/module.h"
 #include "sim/api/pad_state_names.h"
 #include "tools/dataset/record/codes.h"
 #include "tools/dataset/record/encoder.h"
 #include "tools/dataset/record/trial_record.h"
 #include "tools/files/output_file.h"
+#include "tools/learning_data/label_rules.h"
+#include "tools/learning_data/samples.h"
+#include "tools/learning_data/vendor_states.h"
 
 namespace nb = nanobind;
 
@@ -155,15 +162,39 @@ std::string sha256_of(const TrialRecord& record) {
   return hexadecimal(trial_digest(record));
 }
 
+template <class T>
+using Rows = nb::ndarray<const T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+// vendor_states() of a PapillArray [T,9], and 1 where the centre pillar is loaded [T]. `unit_state`
+// [T,9], `slip_velocity` [T,18], `force` [T,27]: arrays of its labels. `rule`: name of a rule for
+// single pillars, with default_label_speed.
+using VendorStates = nb::typed<nb::tuple, nb::ndarray<nb::numpy, std::int64_t>, nb::ndarray<nb::numpy, std::uint8_t>>;
+VendorStates states_by_vendor(const Rows<std::uint8_t>& unit_state, const Rows<float>& slip_velocity, const Rows<float>& force,
+                              const std::string& rule) {
+  const PillarLabels labels({unit_state.data(), unit_state.size()}, {slip_velocity.data(), slip_velocity.size()},
+                            {force.data(), force.size()}, parse_label_rule(rule, LabelUse::pillars), default_label_speed);
+  std::vector<std::int64_t> states;
+  for (const VendorState state : vendor_states(labels)) states.push_back(static_cast<std::int64_t>(state));
+  std::vector<std::uint8_t> loaded;
+  for (std::size_t row = 0; row < labels.size(); ++row) loaded.push_back(is_loaded(labels, row, middle_pillar) ? 1 : 0);
+  return nb::make_tuple(array_of(std::move(states), {labels.size(), pillars}), array_of(std::move(loaded)));
+}
+
 }  // namespace
 
 void bind_trial(nb::module_& module) {
   module.def("array_units", &array_units);
   module.def("pad_states", [] { return codes_by_name(pad_states); });
-  module.def("unit_states", [] { return codes_by_name(unit_states); });
   module.def("event_kinds", [] { return codes_by_name(event_kinds); });
   module.attr("unknown_state") = static_cast<int>(unknown_state);
   module.attr("unknown_state_name") = unknown_state_name;
+  module.attr("pillars") = pillars;
+  module.attr("middle_pillar") = middle_pillar;
+  module.attr("vendor_contact_force") = vendor_contact_force;
+  module.attr("vendor_state_unknown") = static_cast<int>(VendorState::unknown);
+  module.def("vendor_codes_text", &vendor_codes_text);
+  module.def("vendor_states", &states_by_vendor, nb::arg("unit_state"), nb::arg("slip_velocity"), nb::arg("force"),
+             nb::arg("rule"));
   nb::class_<TrialRecord>(module, "Record")
       .def_ro("trial", &TrialRecord::trial)
       .def_ro("seed", &TrialRecord::seed)

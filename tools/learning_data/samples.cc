@@ -112,6 +112,14 @@ const std::vector<float>& channel_of(const SensorRecord& record, const std::stri
   reject("sensor {}: has no channel '{}' of {} pillars", record.name, name, pillars);
 }
 
+const LabelRecord& checked_pillars(const SensorRecord& record) {
+  if (record.type != "papillarray") reject("sensor {}: is a {}, but this format needs a papillarray", record.name, record.type);
+  if (record.labels.units() != pillars) {
+    reject("sensor {}: labels of {}, expected {}", record.name, counted(record.labels.units(), "unit"), pillars);
+  }
+  return record.labels;
+}
+
 }  // namespace
 
 std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked) {
@@ -214,14 +222,14 @@ std::string commanded_word(const DatasetReader& reader, std::size_t trial, const
   return Commanded(reader, trial).word(path);
 }
 
-PapillarraySamples::PapillarraySamples(const SensorRecord& record, LabelRule rule, double label_speed)
-    : record_(&record), rule_(rule), label_speed_(label_speed) {
-  if (record.type != "papillarray") reject("sensor {}: is a {}, but this format needs a papillarray", record.name, record.type);
-  if (record.labels.units() != pillars) {
-    reject("sensor {}: labels of {}, expected {}", record.name, counted(record.labels.units(), "unit"), pillars);
+PillarLabels::PillarLabels(std::span<const std::uint8_t> unit_state, std::span<const float> slip_velocity,
+                           std::span<const float> force, LabelRule rule, double label_speed)
+    : unit_state_(unit_state), slip_velocity_(slip_velocity), force_(force), rule_(rule), label_speed_(label_speed) {
+  if (unit_state.size() % pillars != 0 || slip_velocity.size() != 2 * unit_state.size() ||
+      force.size() != 3 * unit_state.size()) {
+    reject("labels of {} pillars: {} states, {} velocities and {} forces do not match", pillars, unit_state.size(),
+           slip_velocity.size(), force.size());
   }
-  force_ = &channel_of(record, "force", "N");
-  displacement_ = &channel_of(record, "displacement", "m");
   if (rule != LabelRule::has_slipped) return;
   has_slipped_.resize(size() * pillars);
   for (std::size_t row = 0; row < size(); ++row) {
@@ -233,12 +241,12 @@ PapillarraySamples::PapillarraySamples(const SensorRecord& record, LabelRule rul
   }
 }
 
-bool PapillarraySamples::fast(std::size_t row, std::size_t pillar) const {
-  const float* velocity = record_->labels.slip_velocity.data() + (row * pillars + pillar) * 2;
+bool PillarLabels::fast(std::size_t row, std::size_t pillar) const {
+  const float* velocity = slip_velocity_.data() + (row * pillars + pillar) * 2;
   return touching(row, pillar) && math::hypot(velocity[0], velocity[1]) > label_speed_;
 }
 
-bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
+bool PillarLabels::slipping(std::size_t row, std::size_t pillar) const {
   const UnitState state = this->state(row, pillar);
   switch (rule_) {
     case LabelRule::strict: return state == UnitState::slip;
@@ -249,7 +257,7 @@ bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
   }
 }
 
-PadState PapillarraySamples::pad_state(std::size_t row, bool turning) const {
+PadState PillarLabels::pad_state(std::size_t row, bool turning) const {
   bool in_contact = false;
   UnitCounts judged;
   for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
@@ -262,10 +270,16 @@ PadState PapillarraySamples::pad_state(std::size_t row, bool turning) const {
   return in_contact && judged.touching == 0 ? PadState::non_slip : judged.state();
 }
 
-double PapillarraySamples::tangential_force(std::size_t row, std::size_t pillar) const {
-  const auto [x, y, z] = triple(record_->labels.force, row, pillar);
-  return math::hypot(x, y);
+double PillarLabels::tangential_force(std::size_t row, std::size_t pillar) const {
+  const float* force = force_.data() + (row * pillars + pillar) * 3;
+  return math::hypot(force[0], force[1]);
 }
+
+PapillarraySamples::PapillarraySamples(const SensorRecord& record, LabelRule rule, double label_speed)
+    : PillarLabels(checked_pillars(record).unit_state, record.labels.slip_velocity, record.labels.force, rule, label_speed),
+      record_(&record),
+      force_(&channel_of(record, "force", "N")),
+      displacement_(&channel_of(record, "displacement", "m")) {}
 
 std::array<double, 3> PapillarraySamples::tip(std::size_t pillar) const {
   const LabelRecord& labels = record_->labels;

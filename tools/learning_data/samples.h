@@ -96,21 +96,16 @@ inline constexpr std::array<const char*, 3> grasp_fingers{"ff", "mf", "th"};
 inline constexpr std::size_t finger_electrodes = 24;
 std::vector<std::string> grasp_columns();
 
-// One PapillArray's samples: force and displacement of every pillar, and the truth.
-class PapillarraySamples {
+// The truth about the pillars of a PapillArray, sample by sample.
+class PillarLabels {
  public:
-  // `rule`: one of LabelUse::pillars. `label_speed` [m/s]: for the rules that need it. Throws InputError
-  // if the sensor is not a PapillArray with nine pillars.
-  PapillarraySamples(const SensorRecord& record, LabelRule rule, double label_speed);
+  // Arrays as in LabelRecord, which must outlive this object: `unit_state` [T,9], `slip_velocity`
+  // [T,9,2] m/s, `force` [T,9,3] N. `rule`: one of LabelUse::pillars. `label_speed` [m/s]: for the
+  // rules that need it. Throws InputError if an array has another size.
+  PillarLabels(std::span<const std::uint8_t> unit_state, std::span<const float> slip_velocity, std::span<const float> force,
+               LabelRule rule, double label_speed);
 
-  [[nodiscard]] std::size_t size() const { return record_->time.size(); }
-  [[nodiscard]] double time(std::size_t row) const { return record_->time[row]; }  // s
-  [[nodiscard]] std::array<float, 3> force(std::size_t row, std::size_t pillar) const {
-    return triple(*force_, row, pillar);
-  }                                                                                             // N
-  [[nodiscard]] std::array<float, 3> displacement(std::size_t row, std::size_t pillar) const {  // m
-    return triple(*displacement_, row, pillar);
-  }
+  [[nodiscard]] std::size_t size() const { return unit_state_.size() / pillars; }
   [[nodiscard]] bool touching(std::size_t row, std::size_t pillar) const { return state(row, pillar) != UnitState::detached; }
   // True by the chosen rule.
   [[nodiscard]] bool slipping(std::size_t row, std::size_t pillar) const;
@@ -119,15 +114,39 @@ class PapillarraySamples {
   [[nodiscard]] PadState pad_state(std::size_t row, bool turning) const;
   // True tangential force [N].
   [[nodiscard]] double tangential_force(std::size_t row, std::size_t pillar) const;
+
+ private:
+  [[nodiscard]] UnitState state(std::size_t row, std::size_t pillar) const {
+    return static_cast<UnitState>(unit_state_[row * pillars + pillar]);
+  }
+  // True if the tip of a touching pillar slides faster than the threshold in this sample.
+  [[nodiscard]] bool fast(std::size_t row, std::size_t pillar) const;
+
+  std::span<const std::uint8_t> unit_state_;
+  std::span<const float> slip_velocity_, force_;
+  LabelRule rule_;
+  double label_speed_;
+  std::vector<std::uint8_t> has_slipped_;  // [T,9] 1: fast now or earlier, and in contact since; empty for other rules
+};
+
+// One PapillArray's samples: force and displacement of every pillar, and the truth.
+class PapillarraySamples : public PillarLabels {
+ public:
+  // `record` must outlive this object; the others as for PillarLabels. Throws InputError if the
+  // sensor is not a PapillArray with nine pillars.
+  PapillarraySamples(const SensorRecord& record, LabelRule rule, double label_speed);
+
+  [[nodiscard]] double time(std::size_t row) const { return record_->time[row]; }  // s
+  [[nodiscard]] std::array<float, 3> force(std::size_t row, std::size_t pillar) const {
+    return triple(*force_, row, pillar);
+  }                                                                                             // N
+  [[nodiscard]] std::array<float, 3> displacement(std::size_t row, std::size_t pillar) const {  // m
+    return triple(*displacement_, row, pillar);
+  }
   // Undeformed tip in the pad frame [m].
   [[nodiscard]] std::array<double, 3> tip(std::size_t pillar) const;
 
  private:
-  [[nodiscard]] UnitState state(std::size_t row, std::size_t pillar) const {
-    return static_cast<UnitState>(record_->labels.unit_state[row * pillars + pillar]);
-  }
-  // True if the tip of a touching pillar slides faster than the threshold in this sample.
-  [[nodiscard]] bool fast(std::size_t row, std::size_t pillar) const;
   static std::array<float, 3> triple(const std::vector<float>& values, std::size_t row, std::size_t pillar) {
     const float* first = values.data() + (row * pillars + pillar) * 3;
     return {first[0], first[1], first[2]};
@@ -136,9 +155,6 @@ class PapillarraySamples {
   const SensorRecord* record_;
   const std::vector<float>* force_ = nullptr;
   const std::vector<float>* displacement_ = nullptr;
-  LabelRule rule_;
-  double label_speed_;
-  std::vector<std::uint8_t> has_slipped_;  // [T,9] 1: fast now or earlier, and in contact since; empty for other rules
 };
 
 // Names of the PapillArrays among a trial's sensors.

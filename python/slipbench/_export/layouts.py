@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 from slipbench._export.request import Request
 from slipbench._export.series import Series
+from slipbench.bin import _core
 
 MILLI = 1e3
 ROTATED = 12  # rows and columns of the images of myrmex-rotated, and number of rotations
-# Codes of a pillar, by its vendor and the ROS driver.
-VENDOR_CODES = "-2 not yet touched, -1 lost contact, 0 not known, 1 in contact, 2 tangentially loaded (true force of 0.05 N or more), 3 slips now"
+VENDOR_CODES = _core.vendor_codes_text()  # of a pillar, by its vendor and the ROS driver
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def _vendor_columns(request: Request) -> list[Column]:
             "S<s>_P<p>_isInContact",
             pillar + "isInContact",
             "",
-            "1: the reported normal force is at least 0.5 N",
+            f"1: the reported normal force is at least {_core.vendor_contact_force:g} N",
             "sc:Integer",
         ),
         Column(

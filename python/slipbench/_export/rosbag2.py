@@ -25,6 +25,7 @@ from slipbench._export.card import CARDS, check_card, without_folders, write_car
 from slipbench._export.meanings import LABELS, codes_of
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
+from slipbench.bin import _core
 
 PACKAGE = "slipbench_msgs"
 NOTICE = "# Written by slipbench: a message of the package slipbench_msgs.\n"
@@ -60,14 +61,7 @@ DRIVER = "papillarray_interfaces/msg/"
 HEADER, TIME = "std_msgs/msg/Header", "builtin_interfaces/msg/Time"
 FORMAT: Final = 8  # version of the bag, the oldest that rosbags writes
 MAGIC = b"\x89MCAP0\r\n"
-PILLARS, CENTRE = 9, 4
-CONTACT_FORCE = 0.5  # N, reported normal force from which the vendor's software reports contact
-LOADED_FORCE = (
-    0.05  # N, true tangential force from which a pillar counts as loaded; the device's resolution
-)
-LABEL_SPEED = 1e-4  # m/s, tip speed from which a pillar slips by the rule paper
-UNIT_DETACHED, UNIT_SLIP, UNIT_PARTIAL = 0, 2, 3
-UNKNOWN, UNTOUCHED, CONTACT_LOST, CONTACT, LOADED, SLIPPED = 0, -2, -1, 1, 2, 3
+PILLARS, CENTRE = _core.pillars, _core.middle_pillar
 ALLOWED = "use --format parquet, which accepts any name"
 
 
@@ -226,17 +220,6 @@ def _own(topic: str, wanted: str, series: list[Series], frame: str, types: Types
     return Topic(topic, name, times, messages, _about(series))
 
 
-def _slipping(labels: dict[str, Series], rule: str | None) -> NDArray[np.bool_]:
-    """[T, 9] slip of each pillar by the rule."""
-    states = labels["unit_state"].values
-    if rule == "paper":
-        velocity = labels["slip_velocity"].values.reshape(len(states), PILLARS, 2).astype(float)
-        return np.asarray(
-            (states != UNIT_DETACHED) & (np.hypot(velocity[..., 0], velocity[..., 1]) > LABEL_SPEED)
-        )
-    return np.asarray((states == UNIT_SLIP) | ((states == UNIT_PARTIAL) & (rule == "micro")))
-
-
 def _slip_states(
     labels: dict[str, Series], rule: str | None, count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -245,17 +228,10 @@ def _slip_states(
     The codes follow from the truth. A load is True if the centre pillar is loaded.
     """
     if "unit_state" not in labels:
-        return np.full((count, PILLARS), UNKNOWN), np.zeros(count, bool)
-    touching = labels["unit_state"].values != UNIT_DETACHED
-    tangential = labels["force"].values.reshape(count, PILLARS, 3)[..., :2].astype(float)
-    loaded = touching & (np.hypot(tangential[..., 0], tangential[..., 1]) >= LOADED_FORCE)
-    touched = np.logical_or.accumulate(touching, axis=0)
-    states = np.select(
-        [~touching & touched, ~touching, _slipping(labels, rule), loaded],
-        [CONTACT_LOST, UNTOUCHED, SLIPPED, LOADED],
-        CONTACT,
-    )
-    return states, loaded[:, CENTRE]
+        return np.full((count, PILLARS), _core.vendor_state_unknown), np.zeros(count, bool)
+    truth = (labels[name].values for name in ("unit_state", "slip_velocity", "force"))
+    states, loaded = _core.vendor_states(*truth, rule or "strict")
+    return states, loaded.astype(bool)
 
 
 def _torque(
@@ -312,7 +288,7 @@ def _sensor_state(
     newtons: Any = force.reshape(count, PILLARS, 3)
     metres = displacement.reshape(count, PILLARS, 3).astype(float)
     states, reference = _slip_states({one.name: one for one in labels}, rule, count)
-    contact = newtons[..., 2] >= CONTACT_FORCE
+    contact = newtons[..., 2] >= _core.vendor_contact_force
     pillars = zip(
         (1e3 * metres).astype(np.float32).tolist(),
         newtons.tolist(),

@@ -10,17 +10,10 @@
 #include "sim/core/math.h"
 #include "tools/files/reject.h"
 #include "tools/formats/export/formats.h"
+#include "tools/learning_data/vendor_states.h"
 
 namespace slipbench {
 namespace {
-
-// Reported force [N] from which the vendor's software considers a pillar in contact.
-constexpr float contact_force = 0.5F;
-
-// True tangential force from which a pillar counts as loaded [N]: the device's resolution.
-constexpr double loaded_force = 0.05;
-
-enum class VendorState : int { untouched = -2, contact_lost = -1, contact = 1, loaded = 2, slipped = 3 };
 
 // Total force of all pillars, and its torque about the deformed tip of the centre pillar [N, N mm].
 std::array<double, 6> global_load(const PapillarraySamples& samples, std::size_t row) {
@@ -46,27 +39,19 @@ std::array<double, 6> global_load(const PapillarraySamples& samples, std::size_t
   return load;
 }
 
-VendorState vendor_state(const PapillarraySamples& samples, std::size_t row, std::size_t pillar, bool touched_before) {
-  if (!samples.touching(row, pillar)) return touched_before ? VendorState::contact_lost : VendorState::untouched;
-  if (samples.slipping(row, pillar)) return VendorState::slipped;
-  return samples.tangential_force(row, pillar) >= loaded_force ? VendorState::loaded : VendorState::contact;
-}
-
+// `states`: vendor_states() of the samples.
 void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, std::size_t row,
-                   std::array<bool, pillars>& touched_before) {
+                   const std::vector<VendorState>& states) {
   auto out = std::back_inserter(text);
   for (std::size_t p = 0; p < pillars; ++p) {
     for (const float metres : samples.displacement(row, p)) fmt::format_to(out, ",{}", millimetres(metres));
     for (const float newtons : samples.force(row, p)) fmt::format_to(out, ",{}", newtons);
   }
   for (const double value : global_load(samples, row)) fmt::format_to(out, ",{}", static_cast<float>(value));
-  const bool reference_loaded =
-      samples.touching(row, middle_pillar) && samples.tangential_force(row, middle_pillar) >= loaded_force;
-  fmt::format_to(out, ",1,{}", reference_loaded ? 1 : 0);
+  fmt::format_to(out, ",1,{}", is_loaded(samples, row, middle_pillar) ? 1 : 0);
   for (std::size_t p = 0; p < pillars; ++p) {
-    fmt::format_to(out, ",{},{}", samples.force(row, p)[2] >= contact_force ? 1 : 0,
-                   static_cast<int>(vendor_state(samples, row, p, touched_before[p])));
-    touched_before[p] = touched_before[p] || samples.touching(row, p);
+    fmt::format_to(out, ",{},{}", samples.force(row, p)[2] >= vendor_contact_force ? 1 : 0,
+                   static_cast<int>(states[row * pillars + p]));
   }
   fmt::format_to(out, ",-1");  // -1: none; the device's own friction estimate is not simulated
 }
@@ -124,7 +109,8 @@ bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us
 
 std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
   if (sensors.size() > 2) reject("the vendor's log contains up to 2 sensors, found {}", sensors.size());
-  std::vector<std::array<bool, pillars>> touched(sensors.size());
+  std::vector<std::vector<VendorState>> states;
+  for (const PapillarraySamples& samples : sensors) states.push_back(vendor_states(samples));
   fmt::memory_buffer text;
   fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(vendor_log_columns(sensors.size()), ","));
   for (std::size_t row = 0; row < sensors[0].size(); ++row) {
@@ -134,7 +120,7 @@ std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
         throw InputError(
             "the vendor's log has one time for all sensors, but the sensors of this trial are sampled at different times");
       }
-      append_sensor(text, sensors[s], row, touched[s]);
+      append_sensor(text, sensors[s], row, states[s]);
     }
     text.push_back('\n');
   }
