@@ -315,14 +315,17 @@ Described counts_at(const Series& series, double period, double threshold, std::
 }
 
 // Properties of a label rule that Python needs. `array`: that of a sensor's labels with the states of the
-// rule; empty: the states are derived. `evaluated_by`: LabelRuleInfo::evaluated_by.
+// rule; empty: the states are derived. The others: members of LabelRuleInfo, empty for null.
 struct RuleOfLabels {
-  std::string name, array, evaluated_by;
+  std::string name, array, evaluated_by, meaning, pillar_meaning;
 };
 
 std::vector<RuleOfLabels> rules_of_labels() {
   std::vector<RuleOfLabels> all;
-  for (const LabelRuleInfo& rule : label_rules()) all.push_back({rule.name, array_of(rule), label_rule_name(rule.evaluated_by)});
+  for (const LabelRuleInfo& rule : label_rules()) {
+    all.push_back({rule.name, array_of(rule), label_rule_name(rule.evaluated_by), rule.meaning,
+                   rule.pillar_meaning == nullptr ? "" : rule.pillar_meaning});
+  }
   return all;
 }
 
@@ -332,7 +335,9 @@ void bind_learning(nb::module_& module) {
   nb::class_<RuleOfLabels>(module, "LabelRule")
       .def_ro("name", &RuleOfLabels::name)
       .def_ro("array", &RuleOfLabels::array)
-      .def_ro("evaluated_by", &RuleOfLabels::evaluated_by);
+      .def_ro("evaluated_by", &RuleOfLabels::evaluated_by)
+      .def_ro("meaning", &RuleOfLabels::meaning)
+      .def_ro("pillar_meaning", &RuleOfLabels::pillar_meaning);
   module.def("label_rules", &rules_of_labels);
   nb::class_<FrameReader>(module, "Frames")
       .def(nb::init<const std::string&, const std::string&, double, const FrameReader::Channels&>(), nb::arg("description"),

@@ -27,20 +27,20 @@ std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
 
 constexpr std::array rules{LabelRuleInfo{.name = "strict",
                                          .value = LabelRule::strict,
-                                         .meaning = "a unit slips if all of it slips",
+                                         .meaning = "a unit counts as slipping when all of it slips",
                                          .stored = &LabelRecord::state,
                                          .whole_unit = true,
-                                         .of_pillars = true},
+                                         .pillar_meaning = "all of it slips"},
                            LabelRuleInfo{.name = "micro",
                                          .value = LabelRule::micro,
-                                         .meaning = "a unit slips if a part of it slips",
+                                         .meaning = "a unit counts as slipping as soon as a part of it slips",
                                          .stored = &LabelRecord::state_micro,
-                                         .of_pillars = true},
+                                         .pillar_meaning = "a part of it slips"},
                            LabelRuleInfo{.name = "paper",
                                          .value = LabelRule::paper,
-                                         .meaning = "the rule of the sensor's paper",
+                                         .meaning = "the rule of the sensor's publication",
                                          .stored = &LabelRecord::state_paper,
-                                         .of_pillars = true},
+                                         .pillar_meaning = "its tip slides faster than {speed}"},
                            LabelRuleInfo{.name = "latched",
                                          .value = LabelRule::latched,
                                          .meaning = "micro, and slip lasts until contact is lost",
@@ -68,7 +68,7 @@ constexpr std::array rules{LabelRuleInfo{.name = "strict",
                                          .value = LabelRule::has_slipped,
                                          .meaning = "PapillArray: a pillar whose tip was fast slips until it loses contact",
                                          .computed = &has_slipped,
-                                         .of_pillars = true,
+                                         .pillar_meaning = "its tip has been faster than {speed} since it touched",
                                          .sensor = "papillarray"},
                            LabelRuleInfo{.name = "recorded",
                                          .value = LabelRule::recorded,
@@ -77,7 +77,7 @@ constexpr std::array rules{LabelRuleInfo{.name = "strict",
 
 bool takes(LabelUse use, const LabelRuleInfo& rule) {
   switch (use) {
-    case LabelUse::pillars: return rule.of_pillars;
+    case LabelUse::pillars: return rule.pillar_meaning != nullptr;
     case LabelUse::training: return rule.sensor == nullptr;
     case LabelUse::evaluation: return rule.evaluated_by == rule.value;
   }

@@ -34,7 +34,7 @@ enum class LabelUse : std::uint8_t {
 struct LabelRuleInfo {
   const char* name;  // in commands, files and Python
   LabelRule value;
-  const char* meaning;  // for help texts
+  const char* meaning;  // for help texts and the cards of exports
   // The states from which the rule derives its labels: an array of the dataset, or if null a
   // computation. `turning`: true if the motion turns the pad.
   std::vector<std::uint8_t> LabelRecord::*stored = nullptr;
@@ -44,8 +44,10 @@ struct LabelRuleInfo {
   // stick. The samples of a larger slip are masked until the object has moved that far. On a stage all
   // slips of one contact are one slip.
   bool least_distance = false;
-  bool whole_unit = false;         // slip begins when a first unit slips as a whole, else when a first part of one slips
-  bool of_pillars = false;         // decides for each pillar (PapillarraySamples::slipping)
+  bool whole_unit = false;  // slip begins when a first unit slips as a whole, else when a first part of one slips
+  // A pillar slips while ..., for a rule that decides for each pillar (PillarLabels::slipping); null: it
+  // does not. "{speed}" stands for the label speed.
+  const char* pillar_meaning = nullptr;
   const char* sensor = nullptr;    // type of the only sensor that has it, not for networks; null: any sensor
   LabelRule evaluated_by = value;  // rule by which `eval` judges detectors that were trained with this one
 };
@@ -67,7 +69,7 @@ std::vector<std::string> label_rule_names(std::optional<LabelUse> use = {});
 LabelRule parse_label_rule(const std::string& name, std::optional<LabelUse> use = {});
 // "strict, micro, ...": the rules of simulated trials of any sensor that a use takes, for errors.
 std::string rules_of_truth(LabelUse use);
-// Lines "  strict       a unit slips if all of it slips" of the rules for a use, for help texts.
+// Lines "  strict       a unit counts as slipping when all of it slips" of the rules for a use, for help texts.
 std::string label_rules_text(LabelUse use);
 
 // The pad's state in each sample of a sensor, [T], from which the rule derives its labels, before

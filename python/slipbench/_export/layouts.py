@@ -86,16 +86,9 @@ class Layout:
 
 def _pillar_rule(request: Request) -> str:
     """Rule by which a pillar slips in the logs of the PapillArray."""
+    [rule] = [one for one in _core.label_rules() if one.name == request.labels]
     speed = f"{MILLI * (request.label_speed or 0.0):g} mm/s"
-    return (
-        f"rule {request.labels}: a pillar slips when "
-        + {
-            "strict": "all of it slips",
-            "micro": "a part of it slips",
-            "paper": f"its tip slides faster than {speed}",
-            "has_slipped": f"its tip has been faster than {speed} since it touched",
-        }[request.labels or "strict"]
-    )
+    return f"rule {rule.name}: a pillar slips when {rule.pillar_meaning.format(speed=speed)}"
 
 
 def _vendor_columns(request: Request) -> list[Column]:

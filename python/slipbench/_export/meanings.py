@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 
 from slipbench._export.series import Series
+from slipbench.bin import _core
 
+_RULES = {rule.name: rule.meaning for rule in _core.label_rules()}
 # By the array's name in the group `labels`.
 LABELS = {
-    "state": "slip state of the pad, rule strict: a unit counts as slipping when all of it slips",
-    "state_micro": "slip state of the pad, rule micro: a unit counts as slipping as soon as a part of it slips",
-    "state_paper": "slip state of the pad by the rule of the sensor's publication",
+    "state": f"slip state of the pad, rule strict: {_RULES['strict']}",
+    "state_micro": f"slip state of the pad, rule micro: {_RULES['micro']}",
+    "state_paper": f"slip state of the pad by {_RULES['paper']}",
     "state_recorded": "slip state of the pad as labelled in an imported recording",
     "unit_state": "contact state of each unit",
     "slip_velocity": "velocity at which the tip of each unit slips, x and y in the contact plane; 0 while the tip sticks",

@@ -48,8 +48,9 @@ TEST(LabelRules, ArraysAreThoseOfTheDataset) {
 }
 
 TEST(LabelRules, HelpHasALineForEachRule) {
-  EXPECT_THAT(label_rules_text(LabelUse::pillars), AllOf(HasSubstr("  strict       a unit slips if all of it slips\n"),
-                                                         HasSubstr("  has_slipped  PapillArray"), Not(HasSubstr("latched"))));
+  EXPECT_THAT(label_rules_text(LabelUse::pillars),
+              AllOf(HasSubstr("  strict       a unit counts as slipping when all of it slips\n"),
+                    HasSubstr("  has_slipped  PapillArray"), Not(HasSubstr("latched"))));
 }
 
 TEST(StatesBy, AreThoseOfTheArrayOfTheRule) {
