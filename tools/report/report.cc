@@ -21,6 +21,7 @@
 #include "tools/dataset/checked_dataset.h"
 #include "tools/dataset/reader.h"
 #include "tools/files/output_file.h"
+#include "tools/learning_data/label_rules.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/report/page_budget.h"
 #include "tools/report/report_grasp.h"
@@ -198,6 +199,16 @@ void check_reportable(const DatasetReader& dataset, const std::string& path, con
   dataset.check_recorded(*trial);
 }
 
+// The rules of the states that the page shows.
+Json rules_json() {
+  Json rules = Json::array();
+  for (const LabelRule rule : {LabelRule::strict, LabelRule::micro, LabelRule::paper}) {
+    const LabelRuleInfo& about = about_rule(rule);
+    rules.push_back({{"key", about.name}, {"name", about.name}, {"note", about.meaning}});
+  }
+  return rules;
+}
+
 // Page data about the dataset as a whole.
 Json head_of(const DatasetReader& dataset, const std::string& path, const ReportOptions& options) {
   const DatasetHeader& header = dataset.header();
@@ -280,6 +291,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   page["warnings"] = warnings_json(warnings);
   page["trials"] = std::move(gathered.rows);
   page["sensor_types"] = std::move(gathered.types);
+  page["rules"] = rules_json();
   page["axes"] = report::axes(gathered.drawn);
   if (of_grasps) {
     page["grasp_parameters"] = report::grasp_parameters(dataset.header().scene, page["overrides"], gathered.drawn.front(),

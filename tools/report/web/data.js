@@ -123,6 +123,7 @@ class Recording {
 }
 
 sb.page = JSON.parse(document.getElementById('slipbench-data').textContent);
+sb.rules = sb.page.rules;
 const recorded = new Set(sb.page.recorded);
 sb.isEmbedded = index => recorded.has(index);
 

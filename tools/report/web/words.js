@@ -17,12 +17,6 @@ sb.states = {
   ],
 };
 
-sb.rules = [
-  {key: 'strict', name: 'strict', note: 'a unit slips if all of it slips'},
-  {key: 'micro', name: 'micro', note: 'a unit slips if a part of it slips'},
-  {key: 'paper', name: 'paper', note: "the label rule of the sensor's paper"},
-];
-
 // Presentation of a sensor type, from its entry in the catalogue (view_payload() in
 // report_trial.h).
 sb.sensorView = type => sb.page.sensor_types[type];
