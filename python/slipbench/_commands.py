@@ -213,9 +213,8 @@ def import_recordings(
         output: dataset to write; empty: only check the sources
         format: bts3v2, biotacsp-dos, papillarray-csv or training-csv; empty: the format that `map`
             describes
-        map: a YAML file that describes tables, arrays or bags, or the name of a map of the program:
-            papillarray_ros, papillarray_ros2, xela_ros, biotac_ros, weiss_ros, uskin_boxes,
-            uskin_flat, biotac_slide or fabric_slide
+        map: a YAML file that describes tables, arrays or bags, or the name of an included map,
+            listed by `slipbench import --help`
         rate: resampling rate, "100 Hz" or in Hz, by linear interpolation without a filter; empty:
             as recorded
         seed: seed of the split into training, validation and test; None: 1

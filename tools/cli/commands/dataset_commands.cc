@@ -271,17 +271,16 @@ void print_export(const std::vector<std::string>& files, const std::string& fold
 }
 
 void ImportCommand::declare(Arguments& arguments) {
-  arguments.about(
-      "import", "Read recordings of real sensors into a dataset",
-      fmt::format(
-          R"(
+  arguments.about("import", "Read recordings of real sensors into a dataset",
+                  fmt::format(
+                      R"(
 A dataset of recordings has readings but no truth. If the recordings state when slip occurs, these
 states become recorded labels, which `slipbench eval` uses (--labels recorded).
 
 --map MAP describes recordings of any sensor: which columns, arrays or message fields are channels,
 times, labels and objects. It reads tables (.csv, .tsv, .txt, .dat), Parquet, .npz, .npy, MCAP and
 bags of ROS 1 and ROS 2. MAP is a YAML file or one of the included maps:
-{}.
+{}
 --draft TYPE writes a map for a table of text: it finds the columns by their titles, and marks what
 you should check. TYPE is the type of the sensor: papillarray, magnetic_skin, biotac_sp, taxels, ...
 
@@ -292,8 +291,7 @@ Examples:
   slipbench import training --format training-csv -o published.h5 --seed 3
   slipbench import mine/press.csv --draft taxels -o columns.yaml
   slipbench import mine --map columns.yaml -o mine.h5)",
-          "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros, weiss_ros, uskin_boxes,\nuskin_flat, biotac_slide, fabric_slide",
-          import_formats_text()));
+                      wrap_text(SLIPBENCH_IMPORT_MAPS ".", 100, 0), import_formats_text()));
   arguments.inputs("SOURCE ...", options.sources, "Files, or folders with recordings").required();
   arguments
       .read("--format NAME", "Format of SOURCE, see the list below (default: as --map describes)",
