@@ -351,7 +351,7 @@ def read_examples(
         classes: "slip" (hold, slip), "kind" (stable, translation, rotation) or "direction" (t, n,
             e, s, w, cw, aw)
         sensor: name in the scene; empty: every sensor that fits
-        turned: number of copies of each example of a myrmex with turned images, for training only
+        turned: number of copies of each example of an image sensor with turned images, for training only
         at_most: maximum number of drawn frames per class and example; 0: all
         seed: seed of the draws
         split: "trial", "material", "object" or "speed": property whose values are never in both

@@ -46,7 +46,7 @@ class Recipe:
         split: property that differs between training and test: "trial", "material", "object" or
             "speed"
         at_most: maximum number of drawn frames per class and trial; 0: all
-        turned: number of copies of each trial of a myrmex with turned images
+        turned: number of copies of each trial of an image sensor with turned images
     """
 
     name: str

@@ -79,7 +79,7 @@ struct ExampleOptions {
   ClassRule classes = ClassRule::slip;
   std::string sensor;  // empty: every sensor of the input's type and rate (network::rate_fits) whose values fit its picks
   std::size_t turned =
-      0;  // for a myrmex: number of additional copies of each example with turned images (tools/learning_data/myrmex_images.h)
+      0;  // for images: number of additional copies of each example with turned images (tools/learning_data/myrmex_images.h)
   std::size_t at_most =
       0;  // maximum number of drawn frames per class and example; 0: all. For networks that see one frame at a time
   std::uint64_t seed = 1;  // of the draws: RandomStream(seed, trial, "frames") and "turns"

@@ -75,7 +75,8 @@ Examples:
                  train::split_words);
   arguments.number("--held-out PERCENT", held_out_, "Share of the trials for the test, 0 to 50 (default: 20)", 0, 50);
   arguments.number("--steps N", steps_, "Training steps (default: of the recipe)", 1, 10'000'000);
-  arguments.number("--turned N", turned_, "Myrmex: copies of each trial with rotated images, 0 to 11 (default: 0)", 0, 11);
+  arguments.number("--turned N", turned_,
+                   "For sensors with images: copies of each trial with rotated images, 0 to 11 (default: of the recipe)", 0, 11);
   arguments.text("--rates LOW..HIGH", rates_,
                  "Draw the rate of each trial from this range, e.g. '50 Hz..1 kHz' (default: rate of the recipe)");
   point_.declare(arguments, "1/min");
