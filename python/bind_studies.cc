@@ -174,7 +174,7 @@ class HdSequences {
 
   // Removes the frames after the pad's last motion, and with `before` those before its first, by
   // the label no contact: such frames are used for neither training nor test.
-  void leave_out_still(bool before) {
+  void leave_out_motionless(bool before) {
     for (Sequence& sequence : data_.sequences) {
       const auto first = std::ranges::find(sequence.moving, 1) - sequence.moving.begin();
       const auto end = sequence.moving.rend() - std::find(sequence.moving.rbegin(), sequence.moving.rend(), 1);
@@ -311,7 +311,7 @@ void bind_studies(nb::module_& module) {
       .def(nb::init<const std::string&, const std::string&>(), nb::arg("path"), nb::arg("labels"))
       .def_prop_ro("command", &HdSequences::command)
       .def("__len__", &HdSequences::size)
-      .def("leave_out_still", &HdSequences::leave_out_still, nb::arg("before"))
+      .def("leave_out_motionless", &HdSequences::leave_out_motionless, nb::arg("before"))
       .def("cross_validate", &HdSequences::cross_validate, nb::arg("encoding"), nb::arg("context_driven"), nb::arg("window"),
            nb::arg("dimension"), nb::arg("compat"), nb::arg("ties"), nb::arg("quantiser"), nb::arg("epochs"),
            nb::arg("memories_seed"), nb::arg("seed"), nb::arg("by_frame"), nb::arg("jobs"));

@@ -195,11 +195,11 @@ class Scene:
         self._text = text
         with naming_unknown_classes(), self._naming_keys():
             self._core = _core.Scene(path, overrides, text)
-        self._told: dict[str, str] = {}
+        self._issued: dict[str, str] = {}
         # User classes are only instantiated when trials run, which may be in other processes.
         if not self._has_own_parts():
             found = self._warnings(0, 0, None, False, "", False, math.inf)
-            self._told.update(found)
+            self._issued.update(found)
             warn(text for about, text in found.items() if (issued or {}).get(about) != text)
 
     def _warn(
@@ -208,15 +208,15 @@ class Scene:
         trials: int = 0,
         seed: int | None = None,
         output: str = "",
-        apart: tuple[bool, float] = (False, math.inf),
+        isolation: tuple[bool, float] = (False, math.inf),
     ) -> None:
         """Issues the program's warnings for these trials, once each."""
         found = {
             about: text
-            for about, text in self._warnings(draws, trials, seed, True, output, *apart).items()
-            if about not in self._told
+            for about, text in self._warnings(draws, trials, seed, True, output, *isolation).items()
+            if about not in self._issued
         }
-        self._told.update(found)
+        self._issued.update(found)
         warn(found.values())
 
     def _warnings(
@@ -345,7 +345,7 @@ class Scene:
         return Scene(
             self.path,
             self.overrides + overrides_of({**(values or {}), **more}),
-            self._told,
+            self._issued,
             self._text,
         )
 
@@ -494,8 +494,8 @@ class Scene:
         if draws and trials:
             raise _core.InputError(f"draws={draws} and trials={trials}; give only one of them")
         _check_record(record, ("full", "outcome"))
-        apart = self._apart(isolate, trial_limit, trials or self.trials(draws))
-        self._warn(draws, trials, seed, os.fspath(path), apart)
+        isolation = self._isolation(isolate, trial_limit, trials or self.trials(draws))
+        self._warn(draws, trials, seed, os.fspath(path), isolation)
         with self._naming_keys():
             summary: dict[str, Any] = json.loads(
                 self._core.write(
@@ -507,7 +507,7 @@ class Scene:
                     record == "full",
                     resume,
                     progress,
-                    *apart,
+                    *isolation,
                 )
             )
         warn(one["text"] for one in summary["warnings"])
@@ -548,14 +548,14 @@ class Scene:
                 f"{self.path}: check() needs a scene in a file, for its replay command; use Scene.load()"
             )
         check_counts(draws=draws, seed=seed, jobs=jobs)
-        apart = self._apart(isolate, trial_limit, self.trials(draws))
-        self._warn(draws, seed=seed, apart=apart)
-        result = self._core.check(draws, seed, jobs, folder, *apart)
+        isolation = self._isolation(isolate, trial_limit, self.trials(draws))
+        self._warn(draws, seed=seed, isolation=isolation)
+        result = self._core.check(draws, seed, jobs, folder, *isolation)
         warn(text for _, text in result.pop("warnings"))
         return Check(**result)
 
     def __reduce__(self) -> Any:
-        return _restored, (self.path, self.overrides, self._told, self.text)
+        return _restored, (self.path, self.overrides, self._issued, self.text)
 
     def _has_own_parts(self) -> bool:
         """True if the scene may name a user's Python class or a plugin."""
@@ -565,7 +565,9 @@ class Scene:
             for text in [self.text, *(value for _, value in self.overrides)]
         )
 
-    def _apart(self, isolate: bool | None, time: float | None, trials: int) -> tuple[bool, float]:
+    def _isolation(
+        self, isolate: bool | None, time: float | None, trials: int
+    ) -> tuple[bool, float]:
         """Returns whether trials run in separate processes, and the time limit of each [s].
 
         `write()` documents this for `trials` trials.

@@ -461,13 +461,13 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         # Built as by `_add_info`, whose call takes as long as a step of a grasp; constant entries
         # are therefore added once per episode.
         infos: dict[str, Any] = {}
-        for name, truth, told_of in zip(
+        for name, truth, known in zip(
             _TRUTHS,
             (*truths, lifting),
             np.ones((len(_TRUTHS), self.num_envs), np.bool_),
             strict=True,
         ):
-            infos[name], infos[f"_{name}"] = truth, told_of
+            infos[name], infos[f"_{name}"] = truth, known
         if drawn != self._drawn:
             self._drawn, self._params = drawn, {}
             for i, params in enumerate(drawn):

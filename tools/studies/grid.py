@@ -91,7 +91,7 @@ def run_grid(
     seed = options.draws_seed
     scenes = [cell.load() for cell in cells]
     total = sum(scene.trials(cell.draws) for scene, cell in zip(scenes, cells, strict=True))
-    apart = len(cells) >= jobs_of(options) > 1
+    by_cell = len(cells) >= jobs_of(options) > 1
     progress = _Progress(total, options.say)
     running: set[Sweep] = set()
     ended = threading.Event()
@@ -101,7 +101,7 @@ def run_grid(
         if ended.is_set():
             return kept
         sweep = scenes[k].sweep(
-            draws=cell.draws, seed=seed, jobs=1 if apart else options.jobs, record=record
+            draws=cell.draws, seed=seed, jobs=1 if by_cell else options.jobs, record=record
         )
         running.add(sweep)
         try:
@@ -122,7 +122,7 @@ def run_grid(
             running.discard(sweep)
         return kept
 
-    if not apart:
+    if not by_cell:
         return [run(k) for k in range(len(cells))]
     with ThreadPoolExecutor(jobs_of(options)) as pool:
         tasks = [pool.submit(run, k) for k in range(len(cells))]

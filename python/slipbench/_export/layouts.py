@@ -41,11 +41,11 @@ def _no_columns(_: Request) -> list[Column]:
     return []
 
 
-def _every(_: Series) -> bool:
+def _any_array(_: Series) -> bool:
     return True
 
 
-def _none(_: Series) -> bool:
+def _no_array(_: Series) -> bool:
     return False
 
 
@@ -76,7 +76,7 @@ class Layout:
     """
 
     files: dict[str, str]
-    holds: Callable[[Series], bool] = _every
+    holds: Callable[[Series], bool] = _any_array
     sensor: str = ""
     columns: Callable[[Request], list[Column]] = _no_columns
     has_labels: bool = False
@@ -249,7 +249,7 @@ LAYOUTS = {
     ),
     "vendor-csv": Layout(
         {"LOG_demo_<k>.csv": "trial k in the layout of the vendor's software, one row per sample"},
-        _none,
+        _no_array,
         "papillarray",
         _vendor_columns,
         True,
@@ -260,14 +260,14 @@ LAYOUTS = {
             "<move>/demo_<k>-v_<mm/s>-<slip or stop>.csv": "trial k: one row per sample at 1000 Hz, 73 columns without header; move "
             "and speed are as commanded by the scene; stop: the pad braked within 100 ms of its start"
         },
-        _none,
+        _no_array,
         "papillarray",
         _training_columns,
         True,
     ),
     "grasp-csv": Layout(
         {"grasps.csv": "one row per grasp"},
-        _none,
+        _no_array,
         "biotac_sp",
         _grasp_columns,
         True,
@@ -279,7 +279,7 @@ LAYOUTS = {
             "towards its tip, "
             "e and w to its right and left, cw and aw turn, t rests"
         },
-        _none,
+        _no_array,
         "biotac_sp",
         _slip_columns,
         True,
@@ -289,7 +289,7 @@ LAYOUTS = {
         {
             "demo_<k>-<sensor>.csv": "trial k: one image per line at the rate of the sensor, without header and times"
         },
-        _none,
+        _no_array,
         "myrmex",
         _image_columns,
     ),

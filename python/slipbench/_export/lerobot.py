@@ -520,7 +520,7 @@ def _is_own(folder: Path) -> bool:
     )
 
 
-def _beside(folder: Path) -> tuple[Path, Path]:
+def _temporary_folders(folder: Path) -> tuple[Path, Path]:
     """Folders for the unfinished dataset and for the replaced one."""
     return folder.with_name(folder.name + ".partial"), folder.with_name(folder.name + ".old")
 
@@ -530,7 +530,7 @@ def _check_target(folder: Path) -> None:
         raise InputError(
             f"{folder}: would be replaced, but is not a LeRobot dataset of slipbench; choose another --output"
         )
-    for other in _beside(folder):
+    for other in _temporary_folders(folder):
         if other.is_symlink() or (
             other.exists()
             and not (
@@ -548,7 +548,7 @@ def _publish(partial: Path, folder: Path) -> None:
         if path.is_file():
             with path.open("rb") as file:
                 os.fsync(file.fileno())
-    old = _beside(folder)[1]
+    old = _temporary_folders(folder)[1]
     if folder.exists():
         shutil.rmtree(old, ignore_errors=True)
         folder.rename(old)
@@ -684,7 +684,7 @@ def _write_locked(out: Path, data: Dataset, request: Request, progress: Progress
     order = _ordered(request.trials, parts)
     rates = _rates(data[order[0]], request)
     targets = {rate: out / f"{round(rate)}hz" for rate in rates}
-    partials = {rate: _beside(target)[0] for rate, target in targets.items()}
+    partials = {rate: _temporary_folders(target)[0] for rate, target in targets.items()}
     for target in targets.values():
         _check_target(target)
     pointed = _check_points(data[order[0]], request, progress) if request.points else []

@@ -201,7 +201,7 @@ def _about(series: list[Series], attrs: dict[str, Any]) -> dict[str, str]:
     }
 
 
-def _own(topic: str, name: str, series: list[Series], attrs: dict[str, Any]) -> Topic:
+def _series_topic(topic: str, name: str, series: list[Series], attrs: dict[str, Any]) -> Topic:
     return Topic(
         topic,
         f"slipbench.{name}",
@@ -242,11 +242,11 @@ def _picture(
     grid.pose.position.x, grid.pose.position.y = corner
     grid.pose.orientation.x = 1  # half a turn about x: columns along +x, rows along -y
     grid.cell_size.x, grid.cell_size.y = cell
-    still = _same(len(times), grid.SerializeToString(deterministic=True))
+    constant = _same(len(times), grid.SerializeToString(deterministic=True))
     body = np.concatenate(
         [
             _within(Grid.TIMESTAMP_FIELD_NUMBER, _stamp(times)),
-            still,
+            constant,
             _within(Grid.DATA_FIELD_NUMBER, _bytes(one.values)),
         ],
         axis=1,
@@ -278,11 +278,11 @@ def _sensor_topics(
         if _core.is_image(kind, one.name):
             yield _picture(topic, one, trial, sensor, attrs)
         elif f"{one.name}_t" in group:
-            yield _own(topic, _camel(f"{kind}_{one.name}"), [one], attrs)
+            yield _series_topic(topic, _camel(f"{kind}_{one.name}"), [one], attrs)
         else:
             together.append(one)
     if together:
-        yield _own(f"/sensors/{sensor}", _camel(kind), together, attrs)
+        yield _series_topic(f"/sensors/{sensor}", _camel(kind), together, attrs)
 
 
 def _list_schema(
@@ -437,11 +437,11 @@ def _topics(number: int, trial: StoredTrial, request: Request) -> Iterator[Topic
         channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
         yield from _sensor_topics(trial, sensor, channels, request.rate)
         if labels:
-            yield _own(f"/labels/{sensor}", "Labels", labels, trial.labels[sensor].attrs)
+            yield _series_topic(f"/labels/{sensor}", "Labels", labels, trial.labels[sensor].attrs)
             if "events" in trial.labels[sensor]:
                 yield _events(sensor, trial.labels[sensor])
     if trial.control is not None:
-        yield _own("/control", "Control", list(control_series(trial)), trial.control.attrs)
+        yield _series_topic("/control", "Control", list(control_series(trial)), trial.control.attrs)
 
 
 def _layout(topics: list[Topic]) -> str:

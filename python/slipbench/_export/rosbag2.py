@@ -206,7 +206,7 @@ def _about(series: list[Series]) -> dict[str, str]:
     }
 
 
-def _own(topic: str, wanted: str, series: list[Series], frame: str, types: Types) -> Topic:
+def _series_topic(topic: str, wanted: str, series: list[Series], frame: str, types: Types) -> Topic:
     """A topic of slipbench_msgs with these series, which share their times, as fields."""
     name, times = types.name(wanted, _fields(series)), _times(series[0].t, topic)
     columns: list[Any] = []
@@ -331,13 +331,13 @@ def _sensor_topics(
     topic, together = f"/sensors/{ros_name(sensor)}", []
     for one in channels:
         if one.name in own_times:
-            yield _own(
+            yield _series_topic(
                 f"{topic}/{ros_name(one.name)}", _camel(f"{kind}_{one.name}"), [one], sensor, types
             )
         else:
             together.append(one)
     if together:
-        yield _own(topic, _camel(kind), together, sensor, types)
+        yield _series_topic(topic, _camel(kind), together, sensor, types)
 
 
 def _events(sensor: str, events: Arrays, types: Types) -> Topic:
@@ -426,12 +426,12 @@ def _topics(number: int, trial: StoredTrial, request: Request, types: Types) -> 
             }
             yield from _sensor_topics(sensor, str(group.attrs["type"]), channels, own, types)
         if labels:
-            yield _own(f"/truth/{ros_name(sensor)}", "Labels", labels, sensor, types)
+            yield _series_topic(f"/truth/{ros_name(sensor)}", "Labels", labels, sensor, types)
         if truth is not None and "events" in truth:
             yield _events(sensor, trial.labels[sensor]["events"], types)
     yield from _body_topics(trial, types)
     if trial.control is not None:
-        yield _own("/control", "Control", list(control_series(trial)), "", types)
+        yield _series_topic("/control", "Control", list(control_series(trial)), "", types)
 
 
 def _checked(topics: list[Topic]) -> list[Topic]:

@@ -110,13 +110,13 @@ def read_definitions(map: Block, folders: list[Path]) -> dict[str, Any]:
 
     types: dict[str, Any] = {}
     for given in map.get("definitions", []):
-        beside = Path(map.node.path).absolute().parent
-        path = beside / given
+        map_folder = Path(map.node.path).absolute().parent
+        path = map_folder / given
         try:
-            check_inside(path, [beside, *folders])
+            check_inside(path, [map_folder, *folders])
             files = sorted(path.rglob("*.msg")) if path.is_dir() else [path]
             for file in files:
-                check_inside(file, [beside, *folders])
+                check_inside(file, [map_folder, *folders])
         except InputError as error:
             map.fail(f"definitions: {error}", "definitions")
         if not path.exists() or not files:

@@ -130,12 +130,12 @@ class Lookup:
 
     def _of_table(self, file: File, full: Path) -> str:
         named = self.block.need("table")
-        beside = Path(named.node.path).absolute().parent
-        for folder in (full.parent, beside):
+        map_folder = Path(named.node.path).absolute().parent
+        for folder in (full.parent, map_folder):
             path = (folder / named.need("path")).resolve()  # one table for all files that share it
             if path.is_file():
                 try:
-                    check_inside(path, [beside, *self.folders])
+                    check_inside(path, [map_folder, *self.folders])
                 except InputError as error:
                     named.fail(f"{named.path('path')}: {error}", "path")
                 break

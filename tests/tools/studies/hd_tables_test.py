@@ -105,7 +105,7 @@ class Table1(unittest.TestCase):
         def frames(before):
             sequences = _core.HdSequences(self.data, "paper")
             if before is not None:
-                sequences.leave_out_still(before)
+                sequences.leave_out_motionless(before)
             [draws] = sequences.cross_validate(**PAPER)
             found = json.loads(draws)["draws"][1]
             return found["all"]["frames"] / found["tested"], found["moving"]["frames"] / found[

@@ -19,7 +19,7 @@ from slipbench_studies.grid import Cell, make_dataset
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 SCENE = "scenes/papillarray/hexapod.yaml"  # the published protocol
-STILL_LEFT_OUT = {
+MOTIONLESS_LEFT_OUT = {
     "": None,
     "until_stop": False,
     "moving": True,
@@ -61,7 +61,7 @@ class Variant:
     Attributes:
         overrides: of SCENE
         labels: rule of the labels
-        keep: a key of STILL_LEFT_OUT
+        keep: a key of MOTIONLESS_LEFT_OUT
         window: frames
         dimension: bits of a hypervector
         compat: implementation whose bundling is used
@@ -208,9 +208,9 @@ class Ablation:
             make_dataset(self._path, Cell("hexapod.yaml", SCENE, variant.overrides), self._options)
         self._made_of = made_of
         self._sequences = _core.HdSequences(self._path, variant.labels)
-        before = STILL_LEFT_OUT[variant.keep]
+        before = MOTIONLESS_LEFT_OUT[variant.keep]
         if before is not None:
-            self._sequences.leave_out_still(before)
+            self._sequences.leave_out_motionless(before)
 
 
 def percent(share: float | None, digits: int = 2) -> str:
