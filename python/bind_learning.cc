@@ -309,7 +309,7 @@ Described counts_at(const Series& series, double period, double threshold, std::
   all["slips"] = counts.slips;
   all["credit"] = counts.credit;
   all["alarms_per_minute"] = counts.alarms_per_minute(period);
-  all["score"] = counts.score(period);
+  all["score"] = counts.score();
   all["specificity"] = counts.specificity();
   return Described(all);
 }

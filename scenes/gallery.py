@@ -227,13 +227,13 @@ def benchmark():
     """Draws the truth of one recording of each sensor."""
     picture, axes = plt.subplots(5, figsize=(7, 3), dpi=100, layout="constrained")
     picture.suptitle(
-        "What slip detectors are judged by: the truth of one recording a sensor (benchmark/slip-3)",
+        "What slip detectors are judged by: the truth of one recording a sensor (benchmark/slip-4)",
         fontsize=10,
     )
     for axis, name in zip(
         axes, ("papillarray", "nib_pad", "piezo_skin", "myrmex", "gel_markers"), strict=True
     ):
-        record = slipbench.Scene.load(SCENES / f"benchmark/slip-3/open_{name}.yaml").run(
+        record = slipbench.Scene.load(SCENES / f"benchmark/slip-4/open_{name}.yaml").run(
             trial=1
         )  # odd ones slip
         pad = next(iter(record.sensors.values()))

@@ -95,10 +95,9 @@ DetectorScene detector_of(const EntrantResults& entry) {
 }
 
 // Returns an entrant's control in a trial. `scene`: that of the trial, one of `test_set`; both nullptr
-// for a recording of a real sensor, of which no entrant has side information.
+// for a recording of a real sensor, whose motion no entrant knows.
 Control control_of(const Entrant& entrant, const TestSet* test_set, const Scene* scene) {
-  if (entrant.side_information == SideInformation::nothing) return entrant.control;
-  return informed_control(entrant.side_information, *test_set, *scene);
+  return entrant.knows_motion ? motion_known(*test_set, *scene) : entrant.control;
 }
 
 // The answers of a yardstick with another threshold, `factor` times its own.
@@ -408,9 +407,10 @@ Json row_json(const Board& board, const EntrantResults& entry) {
                 {"high", scored ? or_null(interval.high) : Json(nullptr)}}},
               {"credit", board.test_set.track != Track::transfer || scored ? Json(score.credit) : Json(nullptr)},
               {"false_alarms_per_minute", score.alarms_per_minute},
-              {"said", score.reported_share},
+              {"reported_share", score.reported_share},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (!entry.thresholds.empty()) row["thresholds"] = entry.thresholds;
+  if (board.test_set.track == Track::open) row["false_share"] = score.false_share;
   if (board.test_set.track == Track::loop) row["needless"] = score.needless;
   if (!board.test_set.disturbance.empty()) {
     row["specificity"] = scored ? Json(score.specificity) : Json(nullptr);
@@ -634,8 +634,7 @@ std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const
       continue;
     if (is_measure(entrant) && test_set == nullptr) continue;
     if (entrant.kind == Kind::known_signal && (test_set->track == Track::loop || !test_set->disturbance.empty())) continue;
-    if (test_set == nullptr ? entrant.side_information != SideInformation::nothing : !has_side_information(entrant, *test_set))
-      continue;
+    if (entrant.knows_motion && test_set == nullptr) continue;
     if (entrant.reads.empty() || test_set == nullptr || entrant.reads == test_set->sensor) some.push_back(&entrant);
   }
   return some;
@@ -756,8 +755,8 @@ std::vector<Entrant> known_entrants(const BoardRequest& request) {
 Json protocol_json(const Protocol& protocol, const BoardRequest& request) {
   return {{"name", protocol.name},
           {"sha256", protocol_sha256(protocol)},
+          {"real", protocol.real},
           {"half_delay_s", half_delay},
-          {"alarms_per_minute", alarm_limit},
           {"force_ratio", worst_force_ratio},
           {"half_slip_distance_m", half_slip_distance},
           {"least_slip_distance_m", least_slip_distance},

@@ -37,7 +37,7 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 
 // Returns the board as one object, which --submit writes; its first key is result_key: 1.
 //   asked       as request_json()
-//   protocol    {name, sha256, half_delay_s, alarms_per_minute, force_ratio,
+//   protocol    {name, sha256, real (by sensor: what is known from real recordings), half_delay_s, force_ratio,
 //               half_slip_distance_m, least_slip_distance_m, whole}; whole: false if only a part was judged
 //   machine     environment_json() without its load
 //   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why,
@@ -45,9 +45,10 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //               transfer last; with `domain` and `disturbance` where the protocol has them
 //     rows      the best first: {rank (null for measures and under a disturbance),
 //               detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
-//               false_alarms_per_minute, said, figures (eval::summary_json())},
+//               false_alarms_per_minute, reported_share, figures (eval::summary_json())},
 //               yardsticks that choose their threshold: with thresholds, one for each half of the
 //               trials, chosen on the other half; only one if it was chosen on all trials,
+//               open: with false_share,
 //               real recordings: with windows: {length_s, slipping, sticking, recall, specificity},
 //               disturbed: with specificity and judged, loops: with needless and grasps: {trials,
 //               dropped, not_lifted, low, high (interval of both together), force_ratio, slip_m}

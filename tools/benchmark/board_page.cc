@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -103,7 +104,7 @@ const Json* best(const Json& set, const std::string& kind) {
   return nullptr;
 }
 
-// Draws for each sensor the best detector on open recordings with its interval, the best control,
+// Draws for each sensor the best detector on open recordings with its interval, the best yardstick,
 // and the row `signal known`.
 std::string sensors_drawing(const Json& sets) {
   constexpr double width = 720.0, left = 300.0, right = 700.0, line = 22.0, top = 12.0;
@@ -126,7 +127,6 @@ std::string sensors_drawing(const Json& sets) {
     if (detector != nullptr) name += ": " + detector->at("detector").get<std::string>();
     svg.text("small end", left - 8.0, y + 4.0, name);
     if (const Json* known = best(*set, "known signal")) svg.dot("s2", place(score_of(*known)), y, 5.0);
-    if (const Json* control = best(*set, "control")) svg.dot("s1", place(score_of(*control)), y, 3.0);
     if (const Json* yardstick = best(*set, "yardstick")) svg.dot("s3", place(score_of(*yardstick)), y, 4.0);
     if (detector != nullptr) {
       const Json& score = detector->at("score");
@@ -137,8 +137,7 @@ std::string sensors_drawing(const Json& sets) {
     y += line;
   }
   double x = left;
-  for (const auto& [kind, text] :
-       {std::pair{"s0", "best detector"}, {"s2", "signal known"}, {"s1", "best control"}, {"s3", "best yardstick"}}) {
+  for (const auto& [kind, text] : {std::pair{"s0", "best detector"}, {"s2", "signal known"}, {"s3", "best yardstick"}}) {
     svg.dot(kind, x, foot + 40.0, 4.0);
     svg.text("small", x + 9.0, foot + 44.0, text);
     x += 105.0;
@@ -198,6 +197,21 @@ std::string overview_html(const Json& sets) {
              disturbances_drawing(sets));
 }
 
+// Returns what is known of each sensor on the board from real recordings.
+std::string real_html(const Json& result) {
+  std::set<std::string> sensors;
+  for (const Json& set : result.at("sets")) sensors.insert(set.at("sensor").get<std::string>());
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [sensor, known] : result.at("protocol").at("real").items()) {
+    if (sensors.contains(sensor)) rows.push_back({sensor, known.get<std::string>()});
+  }
+  if (rows.empty()) return "";
+  return page::section_html("Real recordings",
+                            "what is known of the shipped detectors from recordings of real sensors "
+                            "(docs/results/real_recordings.md); the scores of this page are of simulations",
+                            page::table_html({{"sensor", "known"}, rows}));
+}
+
 constexpr const char* opening =
     "Scores of slip detectors with 95 % intervals by trial. 100 is the best possible score; a detector that never reports slip has 0.";
 
@@ -205,11 +219,12 @@ constexpr const char* opening =
 constexpr std::array rules{
     "Yardsticks are rules of one line without training (detectors/yardstick). In the first open recordings of a sensor, the threshold of each has the best "
     "score on the other half of the trials. The best of them enters the other sets with the threshold that is best on all of these recordings.",
-    "Open recordings: score = credit × min(1, limit / false alarms per minute) − share of the time without slip in which slip is reported. Early alarms count "
-    "as false alarms.",
+    "Open recordings: score = credit − share of the recordings without slip in which slip is reported. Recordings come in pairs with the same motion, one with slip "
+    "and one without, so a rule that does not feel the pad earns at most 0.",
     "The credit of a recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at "
     "the alarm; in a recording of a real sensor it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. A recording is evaluated from the "
     "start of its motion; a recording that slips by less than least_slip_distance has no credit and is not counted in the columns after the score.",
+    "Recordings of a real sensor: score = credit − share of the time without slip in which slip is reported.",
     "Disturbed recordings: the score is the share of the recordings without an alarm. They have no ranks.",
     "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 for the smallest "
     "force that holds the box. It is 0 for force_ratio times this force or more, and if the box is dropped or not lifted.",
@@ -262,7 +277,7 @@ std::vector<std::string> cells_of(const Json& row, const BoardColumns& columns) 
                                  points(score.at("value")),
                                  score.at("low").is_null() ? "–" : points(score.at("low")) + " to " + points(score.at("high")),
                                  shown(row.at("false_alarms_per_minute"), 1.0, "", 1),
-                                 shown(row.at("said"), percent, " %", 1)};
+                                 shown(row.at(row.contains("false_share") ? "false_share" : "reported_share"), percent, " %", 1)};
   if (columns.more.empty()) return cells;
   cells.push_back(points(row.at("credit")));
   cells.push_back(share_of(row, "recall_of_slip"));
@@ -317,13 +332,13 @@ std::string board_page(const Json& result) {
   const std::string name = protocol.at("name").get<std::string>(), part = protocol.at("whole").get<bool>() ? "" : "a part of ";
   std::string body = page::head_html(page_kind.generator, "Slip detectors on " + part + name, {opening});
   body += overview_html(result.at("sets"));
+  body += real_html(result);
   for (const Json& set : result.at("sets")) body += set_html(set);
   if (result.contains("transfer")) body += page::section_html("transfer", result.at("transfer").get<std::string>(), "");
   const std::vector<std::vector<std::string>> constants{
       {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
       {"half_slip_distance", fmt::format("{:g} mm", ms * protocol.at("half_slip_distance_m").get<double>())},
       {"least_slip_distance", fmt::format("{:g} mm", ms * protocol.at("least_slip_distance_m").get<double>())},
-      {"limit", fmt::format("{:g} per minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};
   const std::vector<std::string> rules_list(rules.begin(), rules.end());

@@ -128,32 +128,12 @@ std::vector<Missing> missing_entrants() {
 }
 
 std::vector<Entrant> control_entrants() {
-  const auto control = [](const char* name, SideInformation side_information, const Control& uninformed = {}) {
-    return Entrant{.name = name,
-                   .kind = Kind::control,
-                   .control = uninformed,
-                   .side_information = side_information,
-                   .sha256 = text_sha256(name)};
+  const auto control = [](const char* name, const Control& reports) {
+    return Entrant{.name = name, .kind = Kind::control, .control = reports, .sha256 = text_sha256(name)};
   };
-  return {control("always slip", SideInformation::nothing, {.from = 0.0}),
-          control(never_slip, SideInformation::nothing),
-          control("clock", SideInformation::clock),
-          control("motion known", SideInformation::motion),
-          control("motion known, timed", SideInformation::motion_and_time),
-          control("motion and speed known", SideInformation::speed),
-          control("travel known", SideInformation::travel)};
-}
-
-bool has_side_information(const Entrant& entrant, const TestSet& test_set) {
-  switch (entrant.side_information) {
-    case SideInformation::clock: return !std::isnan(test_set.clock);
-    case SideInformation::motion_and_time: return !std::isnan(test_set.time);
-    case SideInformation::speed: return !std::isnan(test_set.speed);
-    case SideInformation::travel: return !std::isnan(test_set.travel);
-    case SideInformation::nothing:
-    case SideInformation::motion: break;
-  }
-  return true;
+  Entrant informed = control("motion known", {});
+  informed.knows_motion = true;
+  return {control("always slip", {.from = 0.0}), control(never_slip, {}), std::move(informed)};
 }
 
 Entrant oracle_entrant() {

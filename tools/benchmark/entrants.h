@@ -30,9 +30,9 @@ std::string kind_word(Kind kind);
 struct Entrant {
   std::string name;  // "shear_rate", "my.onnx"
   Kind kind = Kind::shipped;
-  DetectorScene detector{};  // without the sensor; not of a control
-  Control control{};         // without side information
-  SideInformation side_information = SideInformation::nothing;
+  DetectorScene detector{};             // without the sensor; not of a control
+  Control control{};                    // unless knows_motion
+  bool knows_motion = false;            // a control that knows the motion of each trial: motion_known()
   std::string reads{};                  // type of sensor that it was trained on; empty: any that it can read
   Json parameters = Json::object();     // those that were set, as text
   std::string sha256{};                 // of type, parameters and files
@@ -49,9 +49,6 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
 
 // The control that never reports slip.
 inline constexpr const char* never_slip = "never slip";
-
-// Returns true if the protocol has the times that this control needs for these trials.
-bool has_side_information(const Entrant& entrant, const TestSet& test_set);
 
 // A detector that is missing, and why.
 struct Missing {

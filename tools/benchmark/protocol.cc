@@ -64,15 +64,15 @@ Protocol find_protocol(std::string_view name, std::string_view subject) {
 }
 
 std::string protocol_sha256(const Protocol& protocol) {
-  std::string text = fmt::format("{} {} {} {}\n", protocol.name, half_delay, alarm_limit, worst_force_ratio);
+  std::string text = fmt::format("{} {} {}\n", protocol.name, half_delay, worst_force_ratio);
   std::set<std::string> scenes;
   for (const TestSet& test_set : protocol.held_out) {
-    text += fmt::format("{} {} {} {} {} {} {}\n", track_name(test_set.track), test_set.sensor, test_set.scene,
-                        fmt::join(test_set.readers, ","), test_set.mover, test_set.clock, test_set.time);
+    text += fmt::format("{} {} {} {} {} {}\n", track_name(test_set.track), test_set.sensor, test_set.scene,
+                        fmt::join(test_set.readers, ","), test_set.mover, test_set.time);
     // true: alarms less than a sample period before the slip are tolerated.
     text += fmt::format("{} {} {}\n", test_set.domain, true, test_set.track == Track::loop);
-    text += fmt::format("{} {} {} {} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length,
-                        known_signal_deviations, test_set.disturbance, test_set.speed, test_set.speed_time, test_set.travel);
+    text += fmt::format("{} {} {} {} {}\n", half_slip_distance, least_slip_distance, window_length, known_signal_deviations,
+                        test_set.disturbance);
     scenes.insert(test_set.scene);
   }
   for (const std::string& scene : scenes) text += scene_digest(scene);
@@ -83,6 +83,7 @@ Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   Part part = alarms_of(judgement);
   const bool slips = !std::isnan(judgement.slip_time);
   const bool by_distance = test_set.track != Track::transfer;
+  part.slips = slips;
   part.credited = slips && judgement.onset_known && !(by_distance && judgement.whole_slip_distance < least_slip_distance);
   part.judged = test_set.disturbance.empty() || !slips;
   part.no_alarm = std::isnan(judgement.alarm_time);
@@ -107,11 +108,13 @@ Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, con
 
 Score score_of(std::span<const Part> parts, const TestSet& test_set) {
   Part sum;
-  double credited = 0.0, judged = 0.0, without_alarm = 0.0;
+  double credited = 0.0, judged = 0.0, without_alarm = 0.0, without_slip = 0.0, reported = 0.0;
   for (const Part& part : parts) {
     if (!part.judged) continue;
     ++judged;
     without_alarm += part.no_alarm ? 1.0 : 0.0;
+    without_slip += part.slips ? 0.0 : 1.0;
+    reported += part.slips || part.no_alarm ? 0.0 : 1.0;
     sum.credit += part.credit;
     sum.needless += part.needless;
     credited += part.credited ? 1.0 : 0.0;
@@ -124,15 +127,17 @@ Score score_of(std::span<const Part> parts, const TestSet& test_set) {
   score.credit = share(sum.credit, credited);
   score.needless = share(sum.needless, judged - credited);
   score.alarms_per_minute = seconds_a_minute * share(sum.alarms, sum.quiet_seconds);
+  score.false_share = share(reported, without_slip);
   score.reported_share = share(sum.reported_samples, sum.quiet_samples);
   score.specificity = share(without_alarm, judged);
   score.judged = static_cast<std::size_t>(judged);
   score.credited = static_cast<std::size_t>(credited);
-  // In a loop a false alarm already costs force.
-  const double alarms = test_set.track == Track::loop ? 0.0 : score.alarms_per_minute;
-  score.value = !test_set.disturbance.empty() ? score.specificity
-                                              : recording_score(score.credit, alarms, score.reported_share) -
-                                                    (test_set.track == Track::loop ? score.needless : 0.0);
+  if (!test_set.disturbance.empty())
+    score.value = score.specificity;
+  else if (test_set.track == Track::open)
+    score.value = recording_score(score.credit, score.false_share);
+  else
+    score.value = score.credit - score.reported_share - score.needless;
   return score;
 }
 

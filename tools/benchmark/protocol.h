@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,26 +36,18 @@ struct TestSet {
   std::string mover{};                 // actuator that causes the slip; empty: the motion does
   std::string domain{};                // "inside" or "outside" of the ranges of scenes/learn, "disturbed"; may be empty
   std::string disturbance{};           // "knock": scored by specificity; empty: not a disturbed recording
-  // Times for the controls, which do not read a sensor: those that score best on these trials, so
-  // that no time scores better. NaN: no time scores above 0.
-  double clock = std::numeric_limits<double>::quiet_NaN();  // s after the start: `clock` reports slip from then on
-  // s: `motion known, timed` reports slip so long after the motion begins; in a loop, for so long
-  // from the lift on.
+  // s, in loops: the control `motion known` reports slip for so long from the lift on; the time that
+  // scores best on these grasps. NaN: not a loop.
   double time = std::numeric_limits<double>::quiet_NaN();
-  // m/s, or N/s of a pull: `motion and speed known` reports slip so long (s) after the beginning of
-  // a motion whose top speed is this or more.
-  double speed = std::numeric_limits<double>::quiet_NaN(), speed_time = std::numeric_limits<double>::quiet_NaN();
-  // m, or N of a pull: `travel known` reports slip when the hand is so far from where its motion
-  // began.
-  double travel = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct Protocol {
-  std::string name;  // "slip-3"
+  std::string name;  // "slip-4"
   std::vector<TestSet> held_out;
+  std::map<std::string, std::string> real = {};  // by type of sensor: what is known from real recordings
 };
 // The oldest first.
-inline constexpr std::array protocol_names{"slip-3"};
+inline constexpr std::array protocol_names{"slip-4"};
 inline constexpr const char* default_protocol = protocol_names.back();
 // Returns the protocol of this name, from its data file. Throws InputError, beginning with `subject`,
 // if there is none, and as read_protocol().
@@ -69,6 +62,7 @@ std::string protocol_sha256(const Protocol& protocol);
 // One trial's contribution to a score.
 struct Part {
   bool judged = true;             // false: a disturbed recording that slips, which is left out
+  bool slips = true;              // a part of the contact slips
   bool no_alarm = true;           // there is no alarm that counts
   double credit = 0.0;            // 0 to 1
   bool credited = true;           // false: the trial has no credit to earn, such as a recording without slip
@@ -95,14 +89,15 @@ Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, con
 struct Score {
   double credit = 0.0;             // mean over the credited trials; 0 if there are none
   double alarms_per_minute = 0.0;  // false alarms per minute without true slip
+  double false_share = 0.0;        // share of the recordings without slip in which slip is reported; 0 if all slip
   double reported_share = 0.0;     // share of the samples without true slip in which slip is reported
   double needless = 0.0;           // mean over the grasps that need no tightening; 0 if there are none
   double specificity = 0.0;        // share of the recordings without an alarm
   std::size_t judged = 0;          // number of trials
   std::size_t credited = 0;        // of these, trials with a credit to earn
-  // Disturbed recordings: specificity, 0 to 1. Other recordings: credit * min(1, alarm_limit /
-  // alarms_per_minute) - reported_share, -1 to 1. Loops: credit - reported_share - needless, -2 to 1 (a false alarm
-  // already costs force).
+  // Open recordings: recording_score(), -1 to 1. Disturbed ones: specificity, 0 to 1. Recordings of a
+  // real sensor, which may contain slip and none: credit - reported_share, -1 to 1. Loops: credit -
+  // reported_share - needless, -2 to 1.
   double value = 0.0;
 };
 Score score_of(std::span<const Part> parts, const TestSet& test_set);

@@ -32,7 +32,7 @@ struct Place {
     require_map(node, path, "keys");
     check_keys(node, path, keys);
   }
-  [[nodiscard]] std::string text() const { return text_of(node, path, "a name"); }
+  [[nodiscard]] std::string text(const char* what) const { return text_of(node, path, what); }
   [[nodiscard]] std::vector<std::string> names() const {
     if (node.kind != YamlNode::Kind::sequence || node.children.empty())
       fail(node.origin, path + " is " + described(node) + "; allowed: a sequence of names");
@@ -47,22 +47,6 @@ struct Place {
   }
 };
 
-// Reads what the controls know of open recordings.
-void read_controls(const Place& place, TestSet& test_set) {
-  require_map(place.node, place.path, "times and distances");
-  // A pull has a force where a motion has a travel.
-  const bool pulls = place.node.find("force") != nullptr || place.node.find("force_rate") != nullptr;
-  if (pulls)
-    place.require_keys({"clock", "time", "force_rate", "speed_time", "force"});
-  else
-    place.require_keys({"clock", "time", "speed", "speed_time", "travel"});
-  test_set.clock = place.number("clock", Quantity::time, "1.2 s");
-  test_set.time = place.number("time", Quantity::time, "0.1 s");
-  test_set.speed = pulls ? place.number("force_rate", Quantity::none, "11") : place.number("speed", Quantity::speed, "4 mm/s");
-  test_set.speed_time = place.number("speed_time", Quantity::time, "0.1 s");
-  test_set.travel = pulls ? place.number("force", Quantity::force, "1 N") : place.number("travel", Quantity::length, "0.2 mm");
-}
-
 }  // namespace
 
 Protocol read_protocol(const std::string& name, const SceneFile& file) {
@@ -72,14 +56,14 @@ Protocol read_protocol(const std::string& name, const SceneFile& file) {
   const std::string folder = "scenes/benchmark/" + name + "/";
   Protocol protocol{.name = name, .held_out = {}};
   for (const Place& sensor : sensors) {
-    sensor.require_keys({"open", "disturbed", "loop", "mover", "inside", "outside"});
+    sensor.require_keys({"open", "disturbed", "loop", "mover", "real"});
     const std::string& type = sensor.node.key;
     TestSet open{.track = Track::open, .sensor = type, .readers = sensor.at("open").names()};
-    if (sensor.node.find("mover") != nullptr) open.mover = sensor.at("mover").text();
+    if (sensor.node.find("mover") != nullptr) open.mover = sensor.at("mover").text("a name");
+    protocol.real[type] = sensor.at("real").text("a sentence");
     for (const auto& [domain, scene] : {std::pair{"inside", "open_"}, {"outside", "outside_"}}) {
       open.domain = domain;
       open.scene = folder + scene + type + ".yaml";
-      read_controls(sensor.at(domain), open);
       protocol.held_out.push_back(open);
     }
   }

@@ -83,7 +83,7 @@ STUDIES = (
     ),
     Study(
         "learned/scaling",
-        "score, delay and alarms on slip-3 against the number of training trials and, with --full, against what they vary",
+        "score, delay and alarms on slip-4 against the number of training trials and, with --full, against what they vary",
         ("--trials", "--only", "--full", "--seed", "--jobs", "--resume"),
     ),
     Study(

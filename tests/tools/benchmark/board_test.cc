@@ -55,7 +55,6 @@ bool is_yardstick(const std::string& detector) {
 }
 
 TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
-  const std::vector<TestSet> held_out = find_protocol(default_protocol, "test").held_out;
   const Json result = board("", 1, 2);
   std::map<std::string, std::set<std::string>> tracks;  // by detector
   for (const Json& set : result.at("sets")) {
@@ -69,14 +68,10 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
     for (const Json& one : set.at("left_out")) EXPECT_NE(one.at("why"), "");
     if (set.contains("disturbance")) continue;
     for (const char* control : {"always slip", "never slip", "motion known"}) EXPECT_TRUE(here.contains(control)) << control;
-    const TestSet& test_set = *std::ranges::find(held_out, set.at("scene").get<std::string>(), &TestSet::scene);
-    EXPECT_EQ(here.contains("clock"), !std::isnan(test_set.clock));
-    EXPECT_EQ(here.contains("motion known, timed"), !std::isnan(test_set.time));
     EXPECT_EQ(score(set, "never slip"), 0.0);
-    // The last detector is the one that always reports slip. Oracle and known signal have no rank.
-    EXPECT_EQ(set.at("rows").back().at("detector"), "always slip");
-    const auto ranked = std::ranges::count_if(set.at("rows"), [](const Json& row) { return !row.at("rank").is_null(); });
-    EXPECT_EQ(set.at("rows").back().at("rank"), ranked);
+    // No detector scores less than the one that always reports slip. Oracle and known signal have no rank.
+    EXPECT_EQ(set.at("rows").back().at("score"), row_of(set, "always slip").at("score"));
+    EXPECT_EQ(set.at("rows").back().at("rank"), row_of(set, "always slip").at("rank"));
   }
   for (const Entry& entry : detector_entries()) {
     if (std::set<std::string>{"network", "plugin", "truth"}.contains(entry.name)) continue;
@@ -184,7 +179,9 @@ TEST(Board, FlipsLowerTheScore) {
       for (const char* detector : {"shear_rate", "force_ratio"}) {
         const double unflipped = score(set, detector), now = score(set, fmt::format("{}, given", detector));
         double& last = before.try_emplace(set.at("scene").get<std::string>() + detector, unflipped).first->second;
-        EXPECT_LT(now, last) << detector << " with flip " << flip << ", " << set.at("scene");
+        // An open recording has at most one false alarm to lose.
+        if (set.at("track") == "closed loop") EXPECT_LT(now, last) << detector << " with flip " << flip;
+        EXPECT_LE(now, last) << detector << " with flip " << flip << ", " << set.at("scene");
         last = now;
       }
     }
@@ -219,14 +216,13 @@ TestSet open_set(const std::string& sensor, const std::string& domain) {
   return *std::ranges::find_if(held_out, [&](const TestSet& one) { return one.sensor == sensor && one.domain == domain; });
 }
 
-// The score of a control that `control` makes for each scene.
-double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>& trials,
-                        const std::function<Control(const Scene&)>& control) {
+// The score of a rule that reports slip `delay` [s] after the beginning of each motion.
+double score_of_clock(const TestSet& test_set, const std::vector<TruthOfTrial>& trials, double delay) {
   std::vector<Part> parts;
   for (std::size_t k = 0; k < trials.size(); ++k) {
     const auto& [scene, truth] = trials[k];
-    const double from = control(scene).from;
     eval::Replayed replayed = no_reports(truth);
+    const double from = motion_known(test_set, scene).from + delay;
     const auto row = static_cast<std::size_t>(std::ranges::lower_bound(truth.time, from) - truth.time.begin());
     if (row < replayed.seen.size()) replayed.seen[row] = PadState::gross;
     parts.push_back(recording_part(eval::judged(k, truth, replayed, truth.period), test_set));
@@ -234,40 +230,21 @@ double score_of_control(const TestSet& test_set, const std::vector<TruthOfTrial>
   return score_of(parts, test_set).value;
 }
 
-// The first recording of each pair has no slip, the second one has. The controls know their best
-// values and earn little; other values earn no more.
+// The first recording of each pair has no slip, the second one has, and both have one motion. So a
+// rule that knows the motion alone reports slip in both or in none, and loses at least what it earns.
 TEST(Protocol, Pairs) {
   for (const auto& [sensor, domain] : {std::pair{"taxels", "inside"}, {"papillarray", "outside"}}) {
     SCOPED_TRACE(sensor);
     const TestSet test_set = open_set(sensor, domain);
     const std::vector<TruthOfTrial> trials = all_truths(test_set);
     for (std::size_t k = 0; k < trials.size(); ++k) {
-      const eval::Truth& truth = trials[k].truth;
-      EXPECT_EQ(std::isnan(truth.first_slip), k % 2 == 0) << "trial " << k;
-      const HandMotion hand = hand_motion(trials[k].scene, test_set.mover),
-                       other = hand_motion(trials[k ^ 1U].scene, test_set.mover);
-      EXPECT_NEAR(hand.top_speed, other.top_speed, 0.15 * hand.top_speed) << "trial " << k;
-      EXPECT_NEAR(hand.travel.back(), other.travel.back(), 1e-9) << "trial " << k;
+      EXPECT_EQ(std::isnan(trials[k].truth.first_slip), k % 2 == 0) << "trial " << k;
+      const Parameters &motion = trials[k].scene.motion.parameters, &twin = trials[k ^ 1U].scene.motion.parameters;
+      for (const char* name :
+           {"start", "direction", "speed", "acceleration", "travel", "rotation", "angular_acceleration", "stop", "compression"})
+        EXPECT_EQ(motion.number(name), twin.number(name)) << name << " of trial " << k;
     }
-    for (const SideInformation side_information :
-         {SideInformation::clock, SideInformation::motion_and_time, SideInformation::speed, SideInformation::travel}) {
-      SCOPED_TRACE(static_cast<int>(side_information));
-      const auto value = [&](const TestSet& with) {
-        return score_of_control(test_set, trials,
-                                [&](const Scene& scene) { return informed_control(side_information, with, scene); });
-      };
-      const double best = value(test_set);
-      EXPECT_GT(best, 0.0);
-      EXPECT_LE(best, 0.05);
-      for (const double sign : {-1.0, 1.0}) {
-        TestSet beside = test_set;
-        beside.clock += 0.02 * sign;
-        beside.time += 0.01 * sign;
-        beside.speed_time += 0.02 * sign;
-        beside.travel *= 1.0 + 0.03 * sign;
-        EXPECT_LE(value(beside), best) << sign;
-      }
-    }
+    for (int step = 0; step <= 40; ++step) EXPECT_LE(score_of_clock(test_set, trials, 0.02 * step), 0.0) << step;
   }
 }
 

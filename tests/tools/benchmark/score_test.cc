@@ -102,35 +102,52 @@ TEST(Score, DisturbedRecordingsAreScoredBySpecificity) {
   EXPECT_DOUBLE_EQ(interval.high, exact.high);
 }
 
-TEST(Score, ConstantAnswersEarnNothing) {
-  const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0), open)};
-  EXPECT_EQ(score_of(never, open).value, 0.0);
-  const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1), open)};
-  EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is reported in all of the time without it";
+// A recording without slip; `alarm`: slip is reported in it.
+Part without_slip(bool alarm) {
+  eval::Judgement one = judgement(Detection::quiet, none, alarm ? 30 : 0, alarm ? 1 : 0);
+  one.slip_time = none;
+  one.alarm_time = alarm ? 0.3 : none;
+  return recording_part(one, open);
 }
 
-// One trial with immediate detection, and one with an early alarm that lasts one sample: credit
-// 1/2. The two trials have 1.2 s without slip, so 1 alarm is 50 per minute, for which the limit of
-// 1 per minute leaves 1/50 of the credit; one sample of 120 is wrong.
-TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
+TEST(Score, ConstantAnswersEarnNothing) {
+  const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0), open), without_slip(false)};
+  EXPECT_EQ(score_of(never, open).value, 0.0);
+  const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1), open), without_slip(true)};
+  EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is reported in each recording without it";
+}
+
+// Two slips, one detected at once and one reported early, have a credit of 1/2. Of four recordings
+// without slip, one has an alarm, however long it lasts: 1/2 - 1/4.
+TEST(Score, OpenRecordingsLoseTheShareOfFalseAlarms) {
   const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0), open),
-                                recording_part(judgement(Detection::early, none, 1, 1), open)};
+                                recording_part(judgement(Detection::early, none, 1, 1), open),
+                                without_slip(true),
+                                without_slip(false),
+                                without_slip(false),
+                                without_slip(false)};
   const Score score = score_of(parts, open);
   EXPECT_DOUBLE_EQ(score.credit, 0.5);
-  EXPECT_NEAR(score.alarms_per_minute, 50.0, 1e-9);
-  EXPECT_NEAR(score.value, 0.5 * alarm_limit / 50.0 - 1.0 / 120.0, 1e-12);
+  EXPECT_DOUBLE_EQ(score.false_share, 0.25);
+  EXPECT_DOUBLE_EQ(score.value, 0.25);
 }
 
-// A recording without slip has no credit to earn, but its false alarms count: two trials have 1.2 s
-// without an alarm, so the credit of the first stays.
-TEST(Score, RecordingsWithoutSlipOnlyCost) {
-  eval::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
+// A recording that slips too little to earn credit is neither a slip nor a recording without slip.
+TEST(Score, SlipsOfMicrometresCostNothing) {
+  eval::Judgement one = judgement(Detection::seen, 0.0, 0, 1);
+  one.whole_slip_distance = 0.9 * least_slip_distance;
+  one.alarm_time = 0.7;
+  const std::vector<Part> parts{recording_part(judgement(Detection::seen, half_delay, 0, 0), open), recording_part(one, open)};
+  EXPECT_DOUBLE_EQ(score_of(parts, open).value, 0.5);
+}
+
+// In recordings of a real sensor, which may slip and hold, the share of the samples without slip in
+// which slip is reported is lost: 30 of 120.
+TEST(Score, RealRecordingsLoseTheShareOfFalseSamples) {
+  eval::Judgement quiet = judgement(Detection::quiet, none, 30, 1);
   quiet.slip_time = none;
-  const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0), open);
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet, open)}, open).value, 0.5);
-  quiet.frames[1][1] = 30;
-  quiet.frames[1][3] = 30;
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet, open)}, open).value, 0.5 - 30.0 / 120.0);
+  const std::vector<Part> parts{recording_part(judgement(Detection::seen, half_delay, 0, 0), real), recording_part(quiet, real)};
+  EXPECT_DOUBLE_EQ(score_of(parts, real).value, 0.5 - 30.0 / 120.0);
 }
 
 // The least force earns 1, worst_force_ratio times it earns 0, half-way 1/2. A box that is dropped
@@ -166,13 +183,6 @@ TEST(Score, NeedlessForceCosts) {
   const std::vector<Part> parts{grasp_part(without_alarm, held, lost), grasp_part(without_alarm, held, held),
                                 grasp_part(without_alarm, grasp(half, false), held)};
   EXPECT_DOUBLE_EQ(score_of(parts, loop).value, 1.0 - 0.25);
-}
-
-// In a loop an alarm already costs force, so the same alarms leave the credit unchanged.
-TEST(Score, ALoopHasNoLimitOfAlarms) {
-  const Part part{.credit = 1.0, .alarms = 10.0, .quiet_seconds = 1.0};
-  EXPECT_EQ(score_of(std::vector<Part>{part}, loop).value, 1.0);
-  EXPECT_NEAR(score_of(std::vector<Part>{part}, open).value, alarm_limit / 600.0, 1e-12);
 }
 
 // Samples every 0.1 s for 2 s, in four windows of five samples. The second and the third window

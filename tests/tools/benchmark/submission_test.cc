@@ -40,13 +40,13 @@ TEST_F(Submissions, AreRecomputed) {
 
   // A changed score, as in a forged submission.
   std::string text = bytes_of(file);
-  const std::string rate = "\"alarms_per_minute\": 1.0";
-  ASSERT_NE(text.find(rate), std::string::npos);
-  text.replace(text.find(rate), rate.size(), "\"alarms_per_minute\": 9.0");
+  const std::string delay = "\"half_delay_s\": 0.1";
+  ASSERT_NE(text.find(delay), std::string::npos);
+  text.replace(text.find(delay), delay.size(), "\"half_delay_s\": 0.9");
   std::ofstream(file) << text;
   const ChildResult changed = run_program_file({"benchmark", "--verify", file, "--quiet"});
   EXPECT_EQ(changed.status, 1);
-  EXPECT_THAT(changed.out, HasSubstr("/protocol/alarms_per_minute: 9.0 in the file, but 1.0 recomputed"));
+  EXPECT_THAT(changed.out, HasSubstr("/protocol/half_delay_s: 0.9 in the file, but 0.1 recomputed"));
 
   // A submission to another protocol is recognised by the digest before anything is computed, so no
   // progress is printed.
@@ -55,7 +55,7 @@ TEST_F(Submissions, AreRecomputed) {
   std::ofstream(file) << text;
   const ChildResult foreign = run_program_file({"benchmark", "--verify", file});
   EXPECT_EQ(foreign.status, 2);
-  EXPECT_THAT(foreign.err, refused_at("slipbench: " + file, {"/protocol/sha256", other, digest, "slip-3"}));
+  EXPECT_THAT(foreign.err, refused_at("slipbench: " + file, {"/protocol/sha256", other, digest, "slip-4"}));
 }
 
 // Two recordings of a slide, written and read like those of a real sensor.
@@ -86,7 +86,7 @@ TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
 // A network that was trained on judged trials is left out of the board. Two trials of the protocol
 // are trials 1 and 120 of the 240.
 TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
-  const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/benchmark/slip-3/open_papillarray.yaml";
+  const std::string scene = SLIPBENCH_SOURCE_DIR "/scenes/benchmark/slip-4/open_papillarray.yaml";
   ASSERT_EQ(run_program_file({"sweep", scene, "--quiet", "-o", folder_ / "seen.h5"}).status, 0);
   const std::string model = folder_ / "seen.onnx";
   const ChildResult taught =
@@ -123,7 +123,7 @@ TEST_F(Submissions, WhatIsRefused) {
     EXPECT_THAT(result.err, mentions(words));
   };
   expect_refusal({"benchmark", "--sensor", "papilarray"}, {"papilarray", "papillarray"});
-  expect_refusal({"benchmark", "--protocol", "slip-2"}, {"slip-2", "slip-3"});
+  expect_refusal({"benchmark", "--protocol", "slip-3"}, {"slip-3", "slip-4"});
   expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, {"shear_rat", "shear_rate"});
   // Both options would write one file, in spite of the different spelling.
   for (const std::string& submission : {folder_ / "b.json", folder_ / "./b.json", folder_ / "b.html"}) {
@@ -137,7 +137,7 @@ TEST_F(Submissions, WhatIsRefused) {
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "submission"});
   // An unknown protocol is reported with the file, before anything is computed.
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": "slip-9"}})";
-  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-9", "slip-3"});
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-9", "slip-4"});
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": 3}})";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "/protocol/name"});
   std::ofstream(folder_ / "no.json") << "{}";

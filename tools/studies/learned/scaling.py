@@ -335,9 +335,9 @@ def add_subject(result: Result, subject: str, tasks: list[Task], found: list[Jso
         note=f"Some {tasks[-1].trials} trials each; the named factor is fixed to one value of its range.",
     )
     chart = Chart(
-        f"{subject} on slip-3",
+        f"{subject} on slip-4",
         "trials learnt from",
-        "score on slip-3, of 100",
+        "score on slip-4, of 100",
         [],
         [Curve("inside", []), Curve("outside", [])],
         0.0,
@@ -393,7 +393,7 @@ def study(options: Options) -> Result:
     )
     result = Result(
         title="Performance of a slip detector against the number of training trials",
-        source="Not from a paper: networks trained on parts of scenes/learn, evaluated on the open recordings of slip-3.",
+        source="Not from a paper: networks trained on parts of scenes/learn, evaluated on the open recordings of slip-4.",
         figures={},
         setup=[
             f"Seed {options.draws_seed} of trials and of training; the operating point by --score.",

@@ -94,10 +94,9 @@ double FrameCounts::alarms_per_minute(double period) const {
   return held > 0.0 ? 60.0 * static_cast<double>(false_alarms) / held : std::numeric_limits<double>::quiet_NaN();
 }
 
-double AlarmCounts::score(double period) const {
-  const double wrong =
-      share_of(samples_in(first.frames, PadState::non_slip, PadState::gross), samples_in(first.frames, PadState::non_slip));
-  return recording_score(credit / static_cast<double>(slips), first.alarms_per_minute(period), wrong);
+double AlarmCounts::score() const {
+  const Holding& first = holding.front();
+  return recording_score(credit / static_cast<double>(slips), share_of(first.series - first.silent, first.series));
 }
 
 double AlarmCounts::specificity() const {
@@ -109,7 +108,7 @@ double AlarmCounts::specificity() const {
 }
 
 AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, const network::Alarm& alarm) {
-  AlarmCounts counts;
+  AlarmCounts counts{.holding = {Holding{}}};
   for (const SlipSeries& one : series) {
     const std::size_t onset = static_cast<std::size_t>(std::ranges::find(one.truth, 1) - one.truth.begin());
     const double begin = onset == 0 || one.path.empty() ? 0.0 : one.path[onset - 1];
@@ -124,7 +123,6 @@ AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, cons
       if (said && !std::exchange(ever, true) && t >= onset && credited) counts.credit += distance_credit(one.path[t] - begin);
       if (one.truth[t] == masked) continue;
       counts.add(one.truth[t] == 1, said, begins);
-      if (scored) counts.first.add(one.truth[t] == 1, said, begins);
     }
     if (!one.holds) continue;
     if (counts.holding.size() <= one.dataset) counts.holding.resize(one.dataset + 1);
@@ -171,11 +169,11 @@ OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double per
   if (counts.slips == 0)
     reject("no score: no validation trial of the first dataset slips by {:g} mm or more; choose by false alarms",
            1e3 * least_slip_distance);
-  if (samples_in(counts.first.frames, PadState::non_slip) == 0)
-    reject("no score: the validation trials of the first dataset slip all the time; add trials that hold");
+  if (counts.holding.front().series == 0)
+    reject("no score: a part of the pad slips in each validation trial of the first dataset; add trials that hold");
   return most_worthy_point(series, period, [&](const AlarmCounts& at) {
     const double held = at.specificity();
-    return std::pair{std::isnan(held) ? 0.0 : std::min(held - specificity, 0.0), at.score(period)};
+    return std::pair{std::isnan(held) ? 0.0 : std::min(held - specificity, 0.0), at.score()};
   });
 }
 

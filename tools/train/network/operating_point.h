@@ -42,17 +42,17 @@ struct FrameCounts {
 };
 
 struct AlarmCounts : FrameCounts {
-  // Counts of dataset 0, whose score the choice maximises. The other datasets limit the choice by
-  // their specificity.
-  FrameCounts first = {};
-  std::size_t slips = 0;  // its series with a known path that slip by least_slip_distance or more
+  // Series of dataset 0, whose score the choice maximises, with a known path that slip by
+  // least_slip_distance or more. The other datasets limit the choice by their specificity.
+  std::size_t slips = 0;
   // Sum over them of the credit of the path from the first frame of slip to the first alarm, and
   // 0 if the alarm comes before that frame or never, by distance_credit().
   double credit = 0.0;
   std::vector<Holding> holding = {};  // by dataset
 
-  // Score of the recordings of dataset 0 (tools/statistics/slip_score.h). NaN without slip or hold.
-  [[nodiscard]] double score(double period) const;
+  // Score of the recordings of dataset 0 (tools/statistics/slip_score.h), in which the series without
+  // slip are those that hold. NaN without slip or without a series that holds.
+  [[nodiscard]] double score() const;
   // The least share of Holding::silent of the datasets with least_holding series or more; NaN
   // without such a dataset.
   [[nodiscard]] double specificity() const;
@@ -79,7 +79,7 @@ OperatingPoint best_point(std::span<const SlipSeries> series, double period, dou
 // Returns the point with the greatest AlarmCounts::score() among those of best_point() whose
 // AlarmCounts::specificity() is at least `specificity`, 0 to 1. If no point reaches it, returns the
 // point with the greatest AlarmCounts::specificity(). Throws InputError if no series of dataset 0
-// slips by least_slip_distance, or if every frame of it is slip, because then all scores are equal.
+// slips by least_slip_distance, or if none of them holds.
 OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity);
 
 }  // namespace slipbench::train

@@ -53,9 +53,9 @@ TEST(OperatingPoint, HasNoMoreAlarmsThanAreBorneAndUsesThem) {
 }
 
 // 60 frames of hold at .1, slip at .6, .6, .9, .9 by 0.125 mm per frame, and another 60 of hold with
-// a spike of .7. At .5 the slip is detected after 0.125 mm (credit 2/3) and the spike is the only
-// alarm in 12 s of hold, 5 per minute: 2/15 minus 1/120. At .8, between .7 and .9, the slip is
-// detected after 0.375 mm (credit 2/5), without an alarm.
+// a spike of .7. At .5 the slip is detected after 0.125 mm (credit 2/3), and the spike is an alarm in
+// the only series that holds: 2/3 - 1. At .8, between .7 and .9, the slip is detected after 0.375 mm
+// (credit 2/5), without an alarm.
 std::vector<SlipSeries> slip_and_hold() {
   SlipSeries slip{std::vector<double>(60, 0.1), std::vector<std::uint8_t>(60, 0), std::vector<double>(60, 0.0)};
   SlipSeries hold = slip;
@@ -69,14 +69,14 @@ std::vector<SlipSeries> slip_and_hold() {
 
 TEST(OperatingPoint, OfTheGreatestScoreWeighsDistanceAgainstAlarms) {
   std::vector<SlipSeries> series = slip_and_hold();
-  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).score(period), 2.0 / 15.0 - 1.0 / 120.0);
-  EXPECT_DOUBLE_EQ(counts_at(series, 0.8, {}).score(period), 2.0 / 5.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).score(), 2.0 / 3.0 - 1.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.8, {}).score(), 2.0 / 5.0);
   const OperatingPoint point = best_scoring_point(series, period, 0.0);
   // Two consecutive frames at .5 skip the spike and detect the slip after 0.25 mm, which earns 1/2.
   EXPECT_EQ(point.alarm.on, 2U);
-  EXPECT_DOUBLE_EQ(counts_at(series, point.threshold, point.alarm).score(period), 0.5);
+  EXPECT_DOUBLE_EQ(counts_at(series, point.threshold, point.alarm).score(), 0.5);
   series[0].probability[59] = 0.9;  // reported before it slips: nothing is earned
-  EXPECT_LT(counts_at({series.data(), 1}, 0.8, {}).score(period), 0.0);
+  EXPECT_EQ(counts_at(series, 0.8, {}).score(), 0.0);
 }
 
 // An alarm that begins after a short slip has ended, in a masked frame, earns the credit of the
@@ -106,7 +106,7 @@ TEST(OperatingPoint, KeepsTheSpecificityInEveryDataset) {
   series.insert(series.end(), 2, hold);
   EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).specificity(), 0.9);
   const OperatingPoint any = best_scoring_point(series, period, 0.9), strict = best_scoring_point(series, period, 0.95);
-  EXPECT_GT(counts_at(series, any.threshold, any.alarm).score(period), 0.6);
+  EXPECT_GT(counts_at(series, any.threshold, any.alarm).score(), 0.6);
   EXPECT_EQ(counts_at(series, strict.threshold, strict.alarm).specificity(), 1.0);
   series.pop_back();
   EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).specificity(), 1.0) << "of dataset 0 alone";
@@ -116,23 +116,24 @@ TEST(OperatingPoint, KeepsTheSpecificityInEveryDataset) {
 // lower the score of dataset 0, and the slip earns nothing.
 TEST(OperatingPoint, ScoresTheFirstDatasetAlone) {
   std::vector<SlipSeries> series = slip_and_hold();
-  series.pop_back();
-  const double alone = counts_at(series, 0.5, {}).score(period);
+  series[1].probability[30] = 0.1;
+  const double alone = counts_at(series, 0.5, {}).score();
   EXPECT_DOUBLE_EQ(alone, 2.0 / 3.0);
   SlipSeries lift = series[0];
   lift.dataset = 1;
   lift.probability[30] = 0.7;
   series.push_back(lift);
   const AlarmCounts counts = counts_at(series, 0.5, {});
-  EXPECT_EQ(counts.score(period), alone);
+  EXPECT_EQ(counts.score(), alone);
   EXPECT_EQ(counts.slips, 1U);
   EXPECT_EQ(counts.false_alarms, 1U);
   EXPECT_EQ(best_scoring_point(series, period, 0.95).alarm.on, 1U);
 }
 
-TEST(OperatingPoint, NeedsASlipThatEarnsCredit) {
+TEST(OperatingPoint, NeedsASlipThatEarnsCreditAndAHold) {
   const std::vector<SlipSeries> series = slip_and_hold();
   EXPECT_THROW(best_scoring_point({&series[1], 1}, period, 0.95), InputError);
+  EXPECT_THROW(best_scoring_point({&series[0], 1}, period, 0.95), InputError) << "no series holds";
 }
 
 // Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of

@@ -53,7 +53,7 @@ The file contains the complete detector, including its operating point: the thre
 consecutive frames that begin and end an alarm, and the minimum duration of an alarm. On the
 validation trials, training chooses the operating point with the highest balanced accuracy and at
 most --alarms false alarms. With --score it chooses the operating point with which the first FILE has
-the highest score of the open recordings of slip-3 (`slipbench benchmark`). The score depends on the
+the highest score of the open recordings of slip-4 (`slipbench benchmark`). The score depends on the
 distance that the object has slipped at the alarm. The choice is limited to operating points that
 raise no alarm in --specificity percent of the trials without slip, in each FILE (also of --with) with
 20 such validation trials or more. If there is no such point, the nearest one is chosen. Training uses

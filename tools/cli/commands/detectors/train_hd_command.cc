@@ -47,7 +47,7 @@ of the pillars over a window.
 
 --alarms or --score choose, on draw 0, how many consecutive frames begin and end an alarm:
 --alarms for the highest balanced accuracy with at most this rate of false alarms, --score for the
-highest score of the open recordings of slip-3 (`slipbench benchmark`), among those that raise no
+highest score of the open recordings of slip-4 (`slipbench benchmark`), among those that raise no
 alarm in --specificity percent of the trials without slip.
 
 Labels:
