@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 import warnings
 from pathlib import Path
@@ -403,9 +404,34 @@ class InProcess(unittest.TestCase):
             slipbench.export(dataset, self.folder / "out", format="lerobot", points=True)
         self.assertEqual(warned.filename, __file__)
 
+    def test_functions_run_in_threads(self):
+        """HDF5 is not thread-safe: an import by a map and other functions wait for one another."""
+        files = slipbench.export(self.path, self.folder / "logs", format="vendor-csv")["files"]
+        logs = [file for file in files if file.endswith(".csv")]
+        (self.folder / "map.yaml").write_text(
+            "{sensor: pad, type: own, time: {column: T_us, unit: us}, channels: {force: {unit: N, columns: [S0_GG_FX]}}, "
+            "object: {file: '(demo_[0-9])'}}\n"
+        )
+        counts = []
+
+        def read(k):
+            for _ in range(5):
+                made = slipbench.import_recordings(
+                    logs, self.folder / f"{k}.h5", map=self.folder / "map.yaml"
+                )
+                counts.append(made["trials"])
+
+        threads = [threading.Thread(target=read, args=(k,)) for k in range(3)]
+        for thread in threads:
+            thread.start()
+        while any(thread.is_alive() for thread in threads):
+            self.assertTrue(slipbench.verify(self.path)["holds"])
+        self.assertEqual(counts, [len(logs)] * 15)
+
     def test_a_signal_leaves_nothing(self):
         """A signal has come before the work: the first look at it ends the work."""
-        logs = slipbench.export(self.path, self.folder / "logs", format="vendor-csv")["files"]
+        files = slipbench.export(self.path, self.folder / "logs", format="vendor-csv")["files"]
+        logs = [file for file in files if file.endswith(".csv")]
         (self.folder / "map.yaml").write_text(
             "{sensor: pad, type: own, time: {column: T_us, unit: us}, channels: {force: {unit: N, columns: [S0_GG_FX]}}}\n"
         )
