@@ -180,8 +180,10 @@ TEST(Board, FlipsLowerTheScore) {
         const double unflipped = score(set, detector), now = score(set, fmt::format("{}, given", detector));
         double& last = before.try_emplace(set.at("scene").get<std::string>() + detector, unflipped).first->second;
         // An open recording has at most one false alarm to lose.
-        if (set.at("track") == "closed loop") EXPECT_LT(now, last) << detector << " with flip " << flip;
         EXPECT_LE(now, last) << detector << " with flip " << flip << ", " << set.at("scene");
+        if (set.at("track") == "closed loop") {
+          EXPECT_LT(now, last) << detector << " with flip " << flip;
+        }
         last = now;
       }
     }

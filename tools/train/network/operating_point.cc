@@ -108,7 +108,7 @@ double AlarmCounts::specificity() const {
 }
 
 AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, const network::Alarm& alarm) {
-  AlarmCounts counts{.holding = {Holding{}}};
+  AlarmCounts counts;
   for (const SlipSeries& one : series) {
     const std::size_t onset = static_cast<std::size_t>(std::ranges::find(one.truth, 1) - one.truth.begin());
     const double begin = onset == 0 || one.path.empty() ? 0.0 : one.path[onset - 1];

@@ -48,7 +48,7 @@ struct AlarmCounts : FrameCounts {
   // Sum over them of the credit of the path from the first frame of slip to the first alarm, and
   // 0 if the alarm comes before that frame or never, by distance_credit().
   double credit = 0.0;
-  std::vector<Holding> holding = {};  // by dataset
+  std::vector<Holding> holding = {Holding{}};  // by dataset
 
   // Score of the recordings of dataset 0 (tools/statistics/slip_score.h), in which the series without
   // slip are those that hold. NaN without slip or without a series that holds.
