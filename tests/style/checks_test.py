@@ -19,6 +19,8 @@ CLEAN = {
     "sim/mujoco/b.h": "#pragma once\n",
     "sensors/pad/c.h": "#pragma once\n",
     "sensors/pad/c.cc": '#include "sensors/pad/c.h"\n\n#include "sensors/electronics/d.h"\n#include "sim/core/a.h"\n',
+    "sensors/skin/skin.cc": '#include "sim/api/sensor_kind.h"\n',
+    "sensors/gel/gel.cc": '#include "sensors/plugin_abi.h"\n',
     "tests/sim/core/a_test.cc": '#include "tools/trial/run.h"\n',
 }
 
@@ -52,6 +54,13 @@ VIOLATIONS = (
         '#include "sim/core/a.h"\n',
         "header of its name",
         "controllers/controller_kinds.h",
+    ),
+    (
+        "include_rule",
+        "sensors/pad/pad.cc",
+        '#include "sim/core/a.h"\n',
+        "header of its name",
+        "sim/api/sensor_kind.h",
     ),
     ("include_rule", "detectors/d.hpp", "\n", ".h or .cc"),
     ("include_rule", "detectors/d.h", '#include "sim/api/contact_frame.h"\n', "truth"),

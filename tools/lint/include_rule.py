@@ -22,7 +22,8 @@ A source has a header of its name, which it includes. Four kinds of sources have
 
 - main.cc, and the tests;
 - an entry of a catalogue, which includes the header that declares the entries of its folder
-  (ENTRIES);
+  (ENTRIES), and sensors/X/X.cc, the entry of the sensor X, which includes the header of sensor
+  entries or is written as a library (SENSOR_ENTRY);
 - a library that is loaded, whose functions are exported in C (LOADED, and every folder `example`);
 - a variant: another implementation of what a header declares, for a build, a processor or a kind of
   pad (VARIANTS).
@@ -108,12 +109,11 @@ ENTRIES = {
     "tools/formats/export": ("tools/formats/export/formats.h",),
     "tools/formats/import": ("tools/formats/import/source_table.h",),
 }
-# Libraries that are loaded; sensors that are written as such a library and built into the program.
+SENSOR_ENTRY = ("sim/api/sensor_kind.h", "sensors/plugin_abi.h")
+# Libraries that are loaded.
 LOADED = (
     "detectors/network/openvino_engine.cc",
     "rtl/verilated/verilated_core.cc",
-    "sensors/gel_markers/gel_markers.cc",
-    "sensors/magnetic_skin/magnetic_skin.cc",
     "sensors/plugins/bundled_kind.cc",
     "tools/plugin/find_build.cc",
     "tools/plugin/mujoco_plugin.cc",
@@ -142,20 +142,28 @@ IN_SOURCES = (
 )
 
 
+def entry_headers(path):
+    """Headers of which a source without a header of its name must include one; empty: none do."""
+    if path.as_posix() in VARIANTS:
+        return (VARIANTS[path.as_posix()],)
+    if path.parts[0] == "sensors" and path.stem == path.parent.name:
+        return SENSOR_ENTRY
+    return ENTRIES.get(path.parent.as_posix(), ())
+
+
 def without_header(path, included):
     """Error of a source that has no header of its name, or None.
 
     `included`: the headers that it includes.
     """
-    name = path.as_posix()
     if (
         path.name == "main.cc"
         or path.parts[0] == "tests"
         or path.parent.name == "example"
-        or name in LOADED
+        or path.as_posix() in LOADED
     ):
         return None
-    declared_in = (VARIANTS[name],) if name in VARIANTS else ENTRIES.get(path.parent.as_posix(), ())
+    declared_in = entry_headers(path)
     if included.intersection(declared_in):
         return None
     entries = f", or an include of {' or '.join(declared_in)}" if declared_in else ""
