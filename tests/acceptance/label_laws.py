@@ -29,7 +29,8 @@ BEFORE = {
     PART_STICKS: {SLIP},
     DETACH: {STICK, SLIP, PARTIAL},
 }
-# Effects by what their descriptions say that they change.
+# Effects by what their descriptions say that they change. An effect in none of these sets may change
+# everything: only the laws that no effect changes are checked with it.
 STATIC = {"ageing", "anisotropic_friction", "load_dependent_friction", "patchy_friction"}
 KINETIC = {
     "anisotropic_friction",
@@ -41,6 +42,7 @@ KINETIC = {
 TIPS_WITH_MASS = {"inertia", "asperities"}
 SPRINGS = {"viscoelastic", "elastic_skin", "inertia", "asperities"}
 HEIGHT = {"texture", "roughness"}
+KNOWN = STATIC | KINETIC | TIPS_WITH_MASS | SPRINGS | HEIGHT
 
 
 class Pad:
@@ -74,6 +76,7 @@ class Pad:
             for one in scene.get("effects", [])
             for name in ([one] if isinstance(one, str) else one)
         }
+        is_unknown = not effects <= KNOWN
         sensor = scene["sensors"][name]
         self.dynamic = bool({"bodies", "model", "box", "grip"} & scene.keys())
         self.exact = scene.get("fidelity", "field") == "field"
@@ -84,12 +87,14 @@ class Pad:
             and sensor.get("points", 1) == 1
         )
         self.flat = not self.dynamic and scene.get("surface", {}).get("shape", "plane") == "plane"
-        self.static, self.kinetic = not effects & STATIC, not effects & KINETIC
-        self.strengthens = "viscous_friction" in effects
-        self.massless = not effects & TIPS_WITH_MASS
+        self.static = not (is_unknown or effects & STATIC)
+        self.kinetic = not (is_unknown or effects & KINETIC)
+        self.strengthens = is_unknown or "viscous_friction" in effects
+        self.massless = not (is_unknown or effects & TIPS_WITH_MASS)
         # In a unit of several elements, detached ones ring beside those that stick.
-        self.rings = "asperities" in effects or not (self.massless or self.single)
-        self.springs, self.level = not effects & SPRINGS, not effects & HEIGHT
+        self.rings = is_unknown or "asperities" in effects or not (self.massless or self.single)
+        self.springs = not (is_unknown or effects & SPRINGS)
+        self.level = not (is_unknown or effects & HEIGHT)
         self.step = scene.get("time_step")
         self.slips = (self.state == SLIP) | (self.state == PARTIAL)
 
