@@ -64,6 +64,15 @@ std::vector<NamedFigures> named_figures(const Catalogues& catalogues) {
   return names;
 }
 
+// Returns the entry of a list of entries such as `effects`, "texture" or {texture: ...}, or null.
+const YamlNode* entry_named(const YamlNode& list, const std::string& name) {
+  for (const YamlNode& item : list.children) {
+    if (item.kind == YamlNode::Kind::scalar && item.text == name) return &item;
+    if (const YamlNode* values = item.find(name)) return values;
+  }
+  return nullptr;
+}
+
 // Returns "friction.static (stage.yaml:7), friction.kinetic (stage.yaml:7)": the replacing keys
 // that the scene has.
 std::string replacements_in(const YamlNode& root, const NamedFigures& name) {
@@ -213,11 +222,12 @@ Scene TrialPlan::scene_of(std::size_t index, YamlNode& root, Trace* trace) const
 std::string TrialPlan::where(std::size_t index, const std::string& path) const {
   YamlNode root = plan_->scene;
   plan_->sweep.apply(root, index / draws_, seed_, index);
-  std::vector<std::string> parts = split_path(path, {});
-  const YamlNode* node = node_at(root, parts);
-  while (node == nullptr) {
-    parts.pop_back();
-    node = node_at(root, parts);
+  const YamlNode* node = &root;
+  for (const std::string& part : split_path(path, {})) {
+    const YamlNode* next = node_at(*node, {&part, 1});
+    if (next == nullptr && node->kind == YamlNode::Kind::sequence) next = entry_named(*node, part);
+    if (next == nullptr) break;
+    node = next;
   }
   return node->origin.text();
 }

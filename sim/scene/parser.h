@@ -91,7 +91,7 @@ class TrialPlan {
   Scene read(std::size_t index, Trace& values) const;
 
   // Returns the origin of a value of that trial: "stage.yaml:12". For a default it is that of the
-  // nearest enclosing map.
+  // nearest enclosing map. An entry of a list has its number or its name: "effects.texture.edge".
   [[nodiscard]] std::string where(std::size_t index, const std::string& path) const;
 
  private:

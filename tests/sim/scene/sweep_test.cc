@@ -27,6 +27,15 @@ struct SweepTest : testing::Test {
   const Catalogues catalogues_ = test_catalogues();
 };
 
+// The head has two lines.
+TEST_F(SweepTest, AnEntryOfAListIsFoundByItsName) {
+  const TrialPlan effects = plan("effects:\n  - stribeck\n  - ageing:\n      rate: 0.1\n");
+  EXPECT_EQ(effects.where(0, "effects"), effects.where(0, "effects.absent"));
+  EXPECT_EQ(effects.where(0, "effects.stribeck.speed"), "s.yaml:4");
+  EXPECT_EQ(effects.where(0, "effects.ageing.rate"), "s.yaml:6");
+  EXPECT_EQ(effects.where(0, "effects.1.ageing.rate"), "s.yaml:6");
+}
+
 TEST_F(SweepTest, WithoutOneThereIsOneTrialOrAsManyAsAskedFor) {
   EXPECT_EQ(plan("").size(), 1u);
   EXPECT_EQ(plan("", 5).size(), 5u);
