@@ -135,6 +135,9 @@ std::vector<std::string> label_rule_names(std::optional<LabelUse> use) { return 
 
 LabelRule parse_label_rule(const std::string& name, std::optional<LabelUse> use) {
   if (const std::optional<LabelRule> rule = choice_value(rules_for(use), name)) return *rule;
+  if (choice_value(rules_for({}), name)) {
+    reject("the label rule {} is not for this use; allowed: {}", quote(name), fmt::join(label_rule_names(use), ", "));
+  }
   reject("unknown label rule {}{}", quote(name), allowed_names(name, label_rule_names(use)));
 }
 

@@ -65,7 +65,7 @@ std::vector<LabelRuleInfo> stored_rules();
 std::string label_rule_name(LabelRule rule);
 // `use`: empty for the rules of any use.
 std::vector<std::string> label_rule_names(std::optional<LabelUse> use = {});
-// Throws InputError with the nearest name.
+// Throws InputError for an unknown name, with the nearest one, and for a rule that `use` does not take.
 LabelRule parse_label_rule(const std::string& name, std::optional<LabelUse> use = {});
 // "strict, micro, ...": the rules of simulated trials of any sensor that a use takes, for errors.
 std::string rules_of_truth(LabelUse use);

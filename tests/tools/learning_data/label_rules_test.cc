@@ -53,6 +53,13 @@ TEST(LabelRules, HelpHasALineForEachRule) {
                     HasSubstr("  has_slipped  PapillArray"), Not(HasSubstr("latched"))));
 }
 
+// `eval` does not take moved, a rule of training.
+TEST(LabelRules, ARuleOfAnotherUseIsNotCalledUnknown) {
+  EXPECT_EQ(parse_label_rule("moved", LabelUse::training), LabelRule::moved);
+  EXPECT_THAT(refusal_of([] { parse_label_rule("moved", LabelUse::evaluation); }),
+              AllOf(mentions({"moved", "masked"}), Not(HasSubstr("unknown"))));
+}
+
 TEST(StatesBy, AreThoseOfTheArrayOfTheRule) {
   using enum PadState;
   EXPECT_THAT(states_by(skin(), LabelRule::strict, false, LabelUse::evaluation), ElementsAre(no_contact, non_slip, gross));
