@@ -229,8 +229,12 @@ def _slip_states(
     """
     if "unit_state" not in labels:
         return np.full((count, PILLARS), _core.vendor_state_unknown), np.zeros(count, bool)
-    truth = (labels[name].values for name in ("unit_state", "slip_velocity", "force"))
-    states, loaded = _core.vendor_states(*truth, rule or "strict")
+    states, loaded = _core.vendor_states(
+        labels["unit_state"].values.astype(np.uint8, copy=False),
+        labels["slip_velocity"].values.astype(np.float32, copy=False),
+        labels["force"].values.astype(np.float32, copy=False),
+        rule or "strict",
+    )
     return states, loaded.astype(bool)
 
 
