@@ -57,8 +57,8 @@ struct MotionKind {
   Entry about;
   // Throws SceneValueError if the parameters contradict each other.
   std::unique_ptr<Motion> (*create)(const Parameters& parameters, const MotionKey& key);
-  bool is_random = false;  // each trial draws its own path
-  bool of_arm = false;     // moves the arm of a grasp; false: the pad of a stage
+  bool (*is_random)(const Parameters& parameters) = nullptr;  // true if each trial draws its own path
+  bool of_arm = false;                                        // moves the arm of a grasp; false: the pad of a stage
 };
 
 // The kind of motion that the class `Made` is. `Made` takes the key if it draws random numbers.
@@ -72,7 +72,7 @@ MotionKind motion_kind(Entry about, bool of_arm = false) {
       return std::make_unique<Made>(parameters);
     }
   };
-  return {std::move(about), create, is_random, of_arm};
+  return {std::move(about), create, [](const Parameters&) { return is_random; }, of_arm};
 }
 
 }  // namespace slipbench

@@ -11,8 +11,8 @@
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
-#include "sim/core/random.h"
 #include "sim/core/readable_quantity.h"
+#include "sim/motion/hand_processes.h"
 #include "sim/motion/profile.h"
 #include "sim/motion/straight_path.h"
 
@@ -89,157 +89,6 @@ Entry rub_entry() {
       }};
 }
 
-// Bounds, which make top_speed() finite. A rate beyond its bound is drawn again (one in 16,000). A
-// value cannot jump back, so it saturates from 3 on.
-constexpr double limit = 4.0;
-constexpr double knot = 0.01;  // s
-
-struct Point {
-  double value = 0.0, rate = 0.0;
-};
-
-// White noise behind two equal low passes, as a Markov chain. With s the time over the time
-// constant and u = x'/a, (x, u) is normal with unit covariance P, and over s it becomes
-// A (x, u) + L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
-class Process {
- public:
-  void begin(RandomStream& random) {
-    x_ = random.normal();
-    do u_ = random.normal();
-    while (std::abs(u_) > limit);
-  }
-
-  void advance(double s, RandomStream& random) {
-    const double d = math::exp(-s), q12 = 2.0 * d * d * s * s;
-    const double q11 = beyond_second(2.0 * s), q22 = 1.0 - d * d * (s * s + (1.0 - s) * (1.0 - s));
-    const double l11 = std::sqrt(q11), l21 = q12 / l11, l22 = std::sqrt(std::max(0.0, q22 - l21 * l21));
-    double x = 0.0, u = 0.0;
-    do {
-      const double w = random.normal();
-      x = d * ((1.0 + s) * x_ + s * u_) + l11 * w;
-      u = d * (-s * x_ + (1.0 - s) * u_) + l21 * w + l22 * random.normal();
-    } while (std::abs(u) > limit || std::abs(x - x_) > limit * s);
-    x_ = x;
-    u_ = u;
-  }
-
-  // Returns x, and its rate over a: beyond limit - 1 they saturate at the limit.
-  [[nodiscard]] Point bounded() const {
-    const double over = std::abs(x_) - (limit - 1.0);
-    if (over <= 0.0) return {x_, u_};
-    const double bent = math::tanh(over);
-    return {std::copysign(limit - 1.0 + bent, x_), (1.0 - bent * bent) * u_};
-  }
-
- private:
-  // Returns 1 - e^-y (1 + y + y^2/2), without cancellation where y is small.
-  static double beyond_second(double y) {
-    if (y > 1.0) return 1.0 - math::exp(-y) * (1.0 + y + 0.5 * y * y);
-    double term = y * y * y / 6.0, sum = term;
-    for (int k = 4; k < 20; ++k) sum += term *= y / k;
-    return math::exp(-y) * sum;
-  }
-
-  double x_ = 0.0, u_ = 0.0;
-};
-
-// The processes of one trial at any time. A chain only runs forwards; for a time before the last
-// one it is restarted.
-class FingerProcesses {
- public:
-  enum Which { load, along, around, drive, count };
-
-  struct Settings {
-    double corner, warp_corner;  // Hz
-    double warp, drive;
-    double begin, rise;  // s, start and duration of the rise of q
-    double rest;         // factor on all other processes until then
-  };
-
-  FingerProcesses(const Settings& settings, const MotionKey& key)
-      : settings_(settings), key_(key), pole_(2.0 * std::numbers::pi * settings.corner), chain_(start()) {}
-
-  [[nodiscard]] Point at(Which which, double t) const {
-    const double s = go_to(t);
-    const Point p = chain_.before.points[which], q = chain_.after.points[which];
-    const double rise = (q.value - p.value) / knot;
-    return {p.value + knot * s * (p.rate + s * (3.0 * rise - 2.0 * p.rate - q.rate + s * (p.rate + q.rate - 2.0 * rise))),
-            p.rate + s * (6.0 * rise - 4.0 * p.rate - 2.0 * q.rate + 3.0 * s * (p.rate + q.rate - 2.0 * rise))};
-  }
-
-  // Returns the integral of q, and q.
-  [[nodiscard]] Point way(double t) const {
-    const double s = go_to(t), first = chain_.before.q, q = first + s * (chain_.after.q - first);
-    return {chain_.before.way + 0.5 * knot * s * (first + q), q};
-  }
-
-  // Upper bounds of the rate of the processes [1/s] and of q. Between knots a cubic is at most
-  // twice as steep as at the knots and as their chord.
-  [[nodiscard]] double top_rate() const {
-    return 2.0 * limit * (pole_ * math::exp(settings_.warp * limit) + 1.5 * (1.0 - settings_.rest) / settings_.rise);
-  }
-  [[nodiscard]] double top_way_rate() const { return std::max(0.0, settings_.drive + limit); }
-
- private:
-  struct Knot {
-    std::array<Point, count> points;
-    double pace, q, way;  // 1/s, 1, s
-  };
-  struct Chain {
-    RandomStream random;
-    Process time;
-    std::array<Process, count> processes;
-    std::size_t knots;  // number drawn; `after` is number knots - 1
-    Knot before, after;
-  };
-
-  [[nodiscard]] Chain start() const {
-    Chain chain{RandomStream(key_.seed, key_.trial, "motion.rub"), {}, {}, 1, {}, {}};
-    chain.time.begin(chain.random);
-    for (Process& process : chain.processes) process.begin(chain.random);
-    chain.after = read(chain, 0.0);
-    step(chain);
-    return chain;
-  }
-
-  [[nodiscard]] Knot read(const Chain& chain, double t) const {
-    Knot made{{}, pole_ * math::exp(settings_.warp * chain.time.bounded().value), 0.0, 0.0};
-    const double up = std::clamp((t - settings_.begin) / settings_.rise, 0.0, 1.0), more = 1.0 - settings_.rest;
-    const double share = settings_.rest + more * up * up * (3.0 - 2.0 * up),
-                 growth = more * 6.0 * up * (1.0 - up) / settings_.rise;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Point point = chain.processes[i].bounded();
-      made.points[i] = {share * point.value, share * made.pace * point.rate + growth * point.value};
-    }
-    made.q = up * std::max(0.0, settings_.drive + chain.processes[drive].bounded().value);
-    return made;
-  }
-
-  void step(Chain& chain) const {
-    chain.before = chain.after;
-    chain.time.advance(2.0 * std::numbers::pi * settings_.warp_corner * knot, chain.random);
-    const double mean = 0.5 * (chain.before.pace + pole_ * math::exp(settings_.warp * chain.time.bounded().value));
-    for (Process& process : chain.processes) process.advance(mean * knot, chain.random);
-    chain.after = read(chain, static_cast<double>(chain.knots) * knot);
-    chain.after.way = chain.before.way + 0.5 * knot * (chain.before.q + chain.after.q);
-    ++chain.knots;
-  }
-
-  // Moves the chain to time t; returns the fraction between `before` and `after`.
-  [[nodiscard]] double go_to(double t) const {
-    const double place = std::max(0.0, t) / knot, floor = std::floor(place);
-    const auto before = static_cast<std::size_t>(floor);
-    if (before + 2 < chain_.knots) chain_ = start();
-    while (chain_.knots < before + 2) step(chain_);
-    return place - floor;
-  }
-
-  Settings settings_;
-  MotionKey key_;
-  double pole_;  // 1/s
-  mutable Chain chain_;
-};
-
 class Rub final : public Motion {
  public:
   Rub(const Parameters& p, const MotionKey& key)
@@ -261,13 +110,13 @@ class Rub final : public Motion {
                Eigen::Vector3d(math::cos(yaw_ + p.number("direction")), math::sin(yaw_ + p.number("direction")), 0.0)),
         processes_({p.number("corner"), p.number("warp_corner"), p.number("warp"), p.number("drive"),
                     start_ + approach_ + p.number("wait"), approach_, p.number("rest")},
-                   key) {
+                   key, "motion.rub") {
     room_ = {room(site_[0], reach_x * a_, "X"), room(site_[1], reach_arc * radius(), "its arc")};
   }
 
   [[nodiscard]] BodyState pad_at(double t) const override {
     const ProfilePoint down = descent(t, start_, approach_);
-    const Point load = processes_.at(FingerProcesses::load, t), way = processes_.way(t);
+    const ProcessPoint load = processes_.at(HandProcesses::load, t), way = processes_.way(t);
     const double asked = compression_ * math::exp(load_sd_ * load.value), share = math::tanh(asked / deepest_);
     const double pressed = deepest_ * share, pressing = (1.0 - share * share) * asked * load_sd_ * load.rate;
     const Spot spot = spot_at(t);
@@ -297,7 +146,8 @@ class Rub final : public Motion {
     // another's changes at most max(f, 1/f) times as fast. m itself changes by at most half of f^2
     // - 1 of it per radian, f = max(b, c)/min(b, c), and pitch by half of that.
     const double most = std::max(b_, c_), least = std::min(b_, c_), f = most / least;
-    const double cosine = std::sqrt(1.0 - math::pow((std::abs(site_[0]) + std::min(limit * wander_[0], room_[0])) / a_, 2));
+    const double cosine =
+        std::sqrt(1.0 - math::pow((std::abs(site_[0]) + std::min(HandProcesses::limit * wander_[0], room_[0])) / a_, 2));
     const double h_rate = wander_[0] * rate / (a_ * cosine), g_rate = wander_[1] * rate / radius();
     const double pitching = std::max({a_ / least, most / a_, 1.0}) * h_rate + 0.25 * (f * f - 1.0) * g_rate;
     const double turning = std::abs(rotation_) * q + pitching + f * g_rate;
@@ -307,7 +157,7 @@ class Rub final : public Motion {
 
   // Between two knots the sliding speed is linear. Rocking moves the tips in straight lines.
   [[nodiscard]] double longest_step() const override {
-    return std::min(knot, step_per_turn(std::abs(rotation_) * processes_.top_way_rate()));
+    return std::min(HandProcesses::knot, step_per_turn(std::abs(rotation_) * processes_.top_way_rate()));
   }
 
   [[nodiscard]] bool turns() const override { return rotation_ != 0.0; }
@@ -319,7 +169,7 @@ class Rub final : public Motion {
 
   struct Spot {
     Eigen::Vector3d place, rate;  // m, m/s, in the pad frame
-    Point roll, pitch;            // rad, rad/s
+    ProcessPoint roll, pitch;     // rad, rad/s
   };
 
   [[nodiscard]] double radius() const { return 0.5 * (b_ + c_); }
@@ -334,7 +184,7 @@ class Rub final : public Motion {
   }
 
   // Returns a coordinate of the spot.
-  [[nodiscard]] Point wandered(std::size_t k, const Point& process) const {
+  [[nodiscard]] ProcessPoint wandered(std::size_t k, const ProcessPoint& process) const {
     const double bounded = math::tanh(wander_[k] * process.value / room_[k]);
     return {site_[k] + room_[k] * bounded, (1.0 - bounded * bounded) * wander_[k] * process.rate};
   }
@@ -343,8 +193,8 @@ class Rub final : public Motion {
   // there is along (x/a^2, k sin(g)/b, -k cos(g)/c). Rx rotates away its Y component, then Ry its X
   // component.
   [[nodiscard]] Spot spot_at(double t) const {
-    const Point along = wandered(0, processes_.at(FingerProcesses::along, t)),
-                around = wandered(1, processes_.at(FingerProcesses::around, t));
+    const ProcessPoint along = wandered(0, processes_.at(HandProcesses::along, t)),
+                       around = wandered(1, processes_.at(HandProcesses::around, t));
     const double x = along.value, dx = along.rate, g = around.value / radius(), dg = around.rate / radius();
     const double k = std::sqrt(1.0 - x * x / (a_ * a_)), dk = -x * dx / (a_ * a_ * k);
     const auto [sine, cosine] = math::sincos(g);
@@ -364,7 +214,7 @@ class Rub final : public Motion {
   std::array<double, 2> site_, wander_, room_;
   double compression_, deepest_, load_sd_, gap_, start_, approach_, rotation_, yaw_;
   Eigen::Vector3d speed_;
-  FingerProcesses processes_;
+  HandProcesses processes_;
 };
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "sim/motion/motion_catalogue.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -10,6 +12,7 @@
 #include "sim/core/error.h"
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
+#include "sim/motion/hand_processes.h"
 #include "sim/motion/profile.h"
 #include "sim/motion/straight_path.h"
 
@@ -28,6 +31,8 @@ Entry stage_entry() {
       "sideways: p(t) = pivot + s(t) [cos direction, sin direction] - R(theta(t)) pivot, s and theta trapezoids\n"
       "The pad moves along `direction`; the friction on the pad points the other way. The pivot moves along with the pad.\n"
       "`travel` and `stop` both end the sideways motion: `travel` by distance, `stop` by time.\n"
+      "rocking: the pad tilts by rocking (p_1, p_2) about its X and Y axes through its origin, and rises by heave p_3.\n"
+      "p: Gaussian processes of mean 0 and variance 1, white noise through two equal low-pass filters of rocking_corner.\n"
       "vibration: the motors shake the frame, which exerts a force on every unit of the pad, along the pad's normal.\n"
       "The motor of an axis that moves at v exerts a force with the mean square (1.6 mN level)^2 v/(10 mm/s) on the frame: half\n"
       "of it in lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half in noise with one pole at 200 v/lead.\n"
@@ -74,6 +79,13 @@ Entry stage_entry() {
                       "Time at which the pad lifts off by compression + gap; inf: never.", "assumed"),
           number_spec("clearance", Quantity::length, "0 mm", {0.0, 0.1},
                       "Height added to the whole motion; above `compression` the pad touches nothing.", "set for each scene"),
+          vector_spec(2, "rocking", Quantity::angle, "[0 deg, 0 deg]", {0.0, 0.2},
+                      "Standard deviation of a slow random tilt about the pad's X and Y axes, added to `tilt`.",
+                      "0: a rigid stage; about 1 deg fits a BioTac SP that is held still (scenes/learn)"),
+          number_spec("heave", Quantity::length, "0 mm", {0.0, 0.01}, "Standard deviation of a slow random change of the height.",
+                      "0: a rigid stage"),
+          number_spec("rocking_corner", Quantity::frequency, "0.12 Hz", {0.01, 20.0},
+                      "Corner frequency of each low pass of `rocking` and `heave`.", "fitted: rest of `rub` in scenes/biotac_sp"),
           number_spec("vibration", Quantity::none, "0", non_negative, "Level of the motors' vibration; 0: none.",
                       "0: no vibration; levels of 1 to 4 resemble the published piezoelectric recordings, assumed"),
           number_spec("vibration_sd", Quantity::none, "0.1", fraction,
@@ -125,13 +137,25 @@ void check_sideways(const Parameters& p) {
 
 class Stage final : public Motion {
  public:
-  explicit Stage(const Parameters& p)
+  Stage(const Parameters& p, const MotionKey& key)
       : height_(p.number("gap") + p.number("clearance")),
         way_(0.0),
         turn_(0.0),
         pivot_(p.vector("pivot")[0], p.vector("pivot")[1], 0.0),
         direction_(math::cos(p.number("direction")), math::sin(p.number("direction")), 0.0),
-        tilt_(rotation_by_axes({p.vector("tilt")[0], p.vector("tilt")[1], 0.0})) {
+        tilt_(rotation_by_axes({p.vector("tilt")[0], p.vector("tilt")[1], 0.0})),
+        rocking_{p.vector("rocking")[0], p.vector("rocking")[1]},
+        heave_(p.number("heave")) {
+    if (rocks(p)) {
+      processes_.emplace(HandProcesses::Settings{.corner = p.number("rocking_corner"),
+                                                 .warp_corner = p.number("rocking_corner"),
+                                                 .warp = 0.0,
+                                                 .drive = 0.0,
+                                                 .begin = 0.0,
+                                                 .rise = HandProcesses::knot,
+                                                 .rest = 1.0},
+                         key, "motion.stage");
+    }
     const double acceleration = p.number("acceleration"), angular = p.number("angular_acceleration");
     const double speed = p.number("speed"), rate = p.number("rotation");
     const double start = p.number("start"), stop = p.number("stop"), reverse = p.number("reverse"), retract = p.number("retract");
@@ -177,34 +201,52 @@ class Stage final : public Motion {
     }
   }
 
+  // True if the motion draws random numbers.
+  static bool rocks(const Parameters& p) {
+    return p.vector("rocking")[0] > 0.0 || p.vector("rocking")[1] > 0.0 || p.number("heave") > 0.0;
+  }
+
   [[nodiscard]] BodyState pad_at(double t) const override {
     const ProfilePoint height = height_.at(t);
     const ProfilePoint way = way_.at(t);
     BodyState pad;
     pad.pose.rotation = tilt_;
+    ProcessPoint lift;
+    if (processes_) {
+      const ProcessPoint x = processes_->at(HandProcesses::along, t), y = processes_->at(HandProcesses::around, t),
+                         z = processes_->at(HandProcesses::load, t);
+      const Eigen::Matrix3d about_y = rotation_about(Eigen::Vector3d::UnitY(), rocking_[1] * y.value);
+      pad.pose.rotation = about_y * rotation_about(Eigen::Vector3d::UnitX(), rocking_[0] * x.value) * tilt_;
+      pad.angular_velocity = rocking_[1] * y.rate * Eigen::Vector3d::UnitY() + rocking_[0] * x.rate * about_y.col(0);
+      lift = {heave_ * z.value, heave_ * z.rate};
+    }
     pad.pose.position = way.position * direction_;
     pad.velocity = way.velocity * direction_;
     if (turns()) {
       const ProfilePoint turn = turn_.at(t);
       const Eigen::Matrix3d turned = rotation_about(Eigen::Vector3d::UnitZ(), turn.position);
       const Eigen::Vector3d arm = turned * -pivot_;
-      pad.pose.rotation = turned * tilt_;
+      const Eigen::Vector3d turning(0.0, 0.0, turn.velocity);
+      pad.pose.rotation = turned * pad.pose.rotation;
       pad.pose.position += pivot_ + arm;
-      pad.angular_velocity.z() = turn.velocity;
-      pad.velocity += pad.angular_velocity.cross(arm);
+      pad.angular_velocity = turning + turned * pad.angular_velocity;
+      pad.velocity += turning.cross(arm);
     }
-    pad.pose.position.z() = height.position;
-    pad.velocity.z() = height.velocity;
+    pad.pose.position.z() = height.position + lift.value;
+    pad.velocity.z() = height.velocity + lift.rate;
     return pad;
   }
 
   [[nodiscard]] double top_speed(double reach) const override {
-    return height_.top_speed() + way_.top_speed() + turn_.top_speed() * (reach + pivot_.norm());
+    const double rate = processes_ ? processes_->top_rate() : 0.0;
+    return height_.top_speed() + way_.top_speed() + turn_.top_speed() * (reach + pivot_.norm()) +
+           rate * (heave_ + (rocking_[0] + rocking_[1]) * reach);
   }
 
   [[nodiscard]] double longest_step() const override {
-    return std::min({step_per_turn(turn_.top_speed()), way_.step_per_reversal(), turn_.step_per_reversal(), step_per_touch(),
-                     step_between_heights(way_), step_between_heights(turn_)});
+    return std::min({processes_ ? HandProcesses::knot : std::numeric_limits<double>::infinity(), step_per_turn(turn_.top_speed()),
+                     way_.step_per_reversal(), turn_.step_per_reversal(), step_per_touch(), step_between_heights(way_),
+                     step_between_heights(turn_)});
   }
 
   [[nodiscard]] bool turns() const override { return !turn_.at_rest_always(); }
@@ -250,11 +292,18 @@ class Stage final : public Motion {
   bool touches_ = true;
   Eigen::Vector3d pivot_, direction_;
   Eigen::Matrix3d tilt_;
+  std::array<double, 2> rocking_;  // rad
+  double heave_;                   // m
+  std::optional<HandProcesses> processes_;
   std::optional<MotorSettings> motors_;
 };
 
 }  // namespace
 
-MotionKind stage_motion() { return motion_kind<Stage>(stage_entry()); }
+MotionKind stage_motion() {
+  MotionKind kind = motion_kind<Stage>(stage_entry());
+  kind.is_random = Stage::rocks;
+  return kind;
+}
 
 }  // namespace slipbench

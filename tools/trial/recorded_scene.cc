@@ -122,7 +122,7 @@ std::string split_group(const Scene& scene) {
 }
 
 std::string experiment_of(const Scene& scene, const std::vector<std::pair<std::string, std::string>>& swept) {
-  if (find_motion(scene.motion.name)->is_random) return "";
+  if (find_motion(scene.motion.name)->is_random(scene.motion.parameters)) return "";
   if (scene.grasp && (scene.grasp->scatter || scene.grasp->grip.number("drift") != 0.0)) return "";
   std::string text = "experiment";
   for (const auto& [path, value] : swept) {
