@@ -43,6 +43,8 @@ enum : std::size_t {
   fading,
   noise_ratio,
   placement,
+  refresh,
+  refresh_jitter,
   device
 };
 const slipbench_parameter slipbench_sensor_parameters[] = {
@@ -70,6 +72,8 @@ const slipbench_parameter slipbench_sensor_parameters[] = {
     SLIPBENCH_A_NUMBER("fading", 0.0011, ""),
     SLIPBENCH_A_NUMBER("noise_ratio", 1.0, ""),
     SLIPBENCH_A_NUMBER("placement", 0.0, "m"),
+    SLIPBENCH_A_NUMBER("refresh", 0.0, "Hz"),
+    SLIPBENCH_A_NUMBER("refresh_jitter", 0.2, ""),
     SLIPBENCH_A_TEXT("device", "fixed"),
     SLIPBENCH_NO_MORE,
 };
@@ -108,6 +112,9 @@ const slipbench_note notes[] = {
      ""},
     {"Standard deviation of a magnet's position along X and Y from the middle of its cell; normal load then appears as shear.",
      "set for each scene; 0.2 mm fits public recordings of a uSkin on a gripper, sensors/magnetic_skin/README.md", 0.0, 0.1, ""},
+    {"Rate of new values; samples between them repeat the latest values. 0: each sample is new.",
+     "set for each scene; 9.6 Hz in raw recordings of a uSkin at 37 Hz, sensors/magnetic_skin/README.md", 0.0, 1e4, ""},
+    {"Standard deviation of the time between new values, divided by its mean.", "measured: the same recordings", 0.0, 0.3, ""},
     {"fixed: all trials use one device; redrawn: each trial draws new positions of the magnets.",
      "fixed: a dataset comes from one device", 0.0, 0.0, "fixed|redrawn"},
 };
@@ -121,7 +128,7 @@ struct Magnet {
 };
 
 struct Skin {
-  std::array<double, placement + 1> values;  // the numeric parameters; 0 for `chips`
+  std::array<double, refresh_jitter + 1> values;  // the numeric parameters; 0 for `chips`
   std::vector<slipbench_element> elements;
   std::vector<Magnet> magnets, moved;  // one per cell
   std::vector<Vector> magnetometers;
@@ -131,7 +138,9 @@ struct Skin {
   Vector sensitivity;                // uT
   double share;                      // of the surface's displacement, at a magnet's depth
   bool forces;                       // one magnetometer behind each magnet, so that it reads a known magnet
-  std::uint64_t random;
+  std::uint64_t random, clock;       // streams of the noise and of the times of new values
+  double next;                       // s, time of the next new values
+  std::vector<float> latest;         // values of all channels, with `refresh`
 };
 
 // SplitMix64 [steele2014].
@@ -177,8 +186,7 @@ Vector force_of(const Skin& skin, const Vector& field, const Magnet& magnet, dou
   return {beside * field[0], beside * field[1], skin.values[k_normal] * (height - distance * cosine) / skin.share};
 }
 
-void measure(void* self, const slipbench_contact* contact, float* values) {
-  Skin& skin = *static_cast<Skin*>(self);
+void convert(Skin& skin, const slipbench_contact* contact, float* values) {
   const double warmer = -skin.values[warming] * math::expm1(-contact->time / skin.values[warming_time]),
                left = 1.0 - skin.values[fading] * warmer;
   skin.moved = skin.magnets;
@@ -206,6 +214,17 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
     const Vector force = force_of(skin, {change[0], change[1], alone + change[2]}, own, height);
     std::transform(force.begin(), force.end(), forces, [](double value) { return static_cast<float>(value); });
   }
+}
+
+void measure(void* self, const slipbench_contact* contact, float* values) {
+  Skin& skin = *static_cast<Skin*>(self);
+  if (skin.values[refresh] == 0.0) return convert(skin, contact, values);
+  if (contact->time >= skin.next) {
+    convert(skin, contact, skin.latest.data());
+    while (skin.next <= contact->time)
+      skin.next += std::max(0.1, 1.0 + skin.values[refresh_jitter] * normal(skin.clock)) / skin.values[refresh];
+  }
+  std::copy(skin.latest.begin(), skin.latest.end(), values);
 }
 
 // Places the parts in the pad's frame: cells in rows from +Y to -Y, each from -X to +X; the surface
@@ -281,6 +300,8 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
 
   const std::uint64_t of_seed = readout->seed * UINT64_C(0xd1342543de82ef95);
   skin->random = keyed(of_seed + readout->trial, readout->name);
+  skin->clock = keyed(skin->random, "refresh");
+  skin->latest.resize(3 * skin->magnetometers.size() * (skin->forces ? 3 : 2));
   const std::uint64_t drawn_for = source->parameters[device].text[0] == 'r' ? readout->trial : 0;
   if (values[placement] > 0.0) misplace(*skin, ~keyed(of_seed + drawn_for, readout->name));
   for (const Vector& at : skin->magnetometers) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <vector>
 
 #include "sim/api/contact_frame.h"
 #include "sim/api/sensor.h"
@@ -212,6 +213,35 @@ TEST(MagneticSkin, NoiseByAxis) {
   // `quiet` is rounded as well.
   EXPECT_NEAR(std::sqrt(across), std::sqrt(2.2 * 2.2 + 1.0 / 6), 0.05 * 2.2);
   EXPECT_NEAR(std::sqrt(along), std::sqrt(4.84 * 4.84 + 1.0 / 6), 0.07 * 4.84);
+}
+
+// New values at 10 Hz, read each ms for 100 s: some 1,000 times of sd 20 ms between new values. Their mean is
+// known to 20/sqrt(1000) = 0.6 ms, their sd to 20/sqrt(2000) = 0.45 ms; a reading to the ms adds
+// 1/sqrt(6) ms to the sd, which 20 ms hide. Four times that is allowed.
+TEST(MagneticSkin, RepeatsItsValuesUntilTheNextRefresh) {
+  Skin skin(one({{"noise", 2.2}, {"refresh", 10}})), regular(one({{"noise", 2.2}, {"refresh", 10}, {"refresh_jitter", 0}})),
+      named(one({{"noise", 2.2}, {"refresh", 10}}), "cross", 1, "left");
+  std::vector<double> between;
+  Rows last = skin.read(1, still, 0), last_regular = regular.read(1, still, 0);
+  int since = 0, differs = 0;
+  for (int ms = 1; ms < 100'000; ++ms) {
+    const double time = 1e-3 * ms;
+    const Rows now = skin.read(1, still, time), other = named.read(1, still, time);
+    differs += now != other;
+    if (now != last) {
+      between.push_back(ms - since);
+      since = ms;
+      last = now;
+    }
+    if (ms > 1000) continue;
+    const Rows now_regular = regular.read(1, still, time);
+    EXPECT_EQ(now_regular != last_regular, ms % 100 == 0) << ms;
+    last_regular = now_regular;
+  }
+  const Eigen::Map<const Eigen::ArrayXd> times(between.data(), static_cast<Eigen::Index>(between.size()));
+  EXPECT_NEAR(times.mean(), 100, 4 * 0.6);
+  EXPECT_NEAR(std::sqrt((times - times.mean()).square().mean()), 20, 4 * 0.45);
+  EXPECT_GT(differs, 90'000);
 }
 
 TEST(MagneticSkin, RefusesWhatDoesNotGoTogether) {
