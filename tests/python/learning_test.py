@@ -69,7 +69,7 @@ INPUTS = {
     "biotac_lstm": 24,
     "biotac_convlstm": 132,
     "biotac_gru": 120,
-    "biotac_slip": 1536,
+    "biotac_slip": 120,
     "biotac_grasp": 225,
 }
 

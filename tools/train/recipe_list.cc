@@ -41,7 +41,7 @@ constexpr std::array all{
         "biotac_gru",
         "Change and drift of each electrode over 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes"},
     RecipeLine{"biotac_slip",
-               "Each electrode against its own mean of 0.64 s, through filters across electrodes and in time and a GRU at 50 Hz"},
+               "Size and course of the changes of the electrodes over 0.1 to 0.5 s, in any order, through a GRU at 20 Hz"},
     RecipeLine{"biotac_grasp",
                "Signed changes of each electrode and the pressure over 20 to 300 ms, through two GRUs at 100 Hz"}};
 

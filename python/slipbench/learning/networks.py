@@ -902,36 +902,94 @@ class BiotacConvLstm(nn.Module):
 
 
 class BiotacSlip(nn.Module):
-    """biotac_slip: each electrode against its mean of 0.64 s, through filters and a GRU.
+    """biotac_slip: size and course of the changes of the electrodes, in any order, through a GRU.
 
-    The filters act across electrodes and in time. Not published.
+    Each electrode has the same weights, so an answer does not depend on where the finger is
+    touched, and levels, by which devices differ, are not used. Not published.
 
     | layer | output |
     |---|---|
-    | 64 rows of 24 electrodes | 64 x 24 |
-    | linear across electrodes | 64 x 12 |
-    | linear in time, ReLU | 12 x 8 |
-    | linear, ReLU | 48 |
+    | two frames of five rows of 24 electrodes, counts | 2 x 120 |
+    | the latest 50 rows, of which a state holds the earlier 40 | 50 x 24 |
+    | of each electrode in 0.1, 0.2 and 0.5 s: deviation, deviation from a line, change | 24 x 9 |
+    | batch norm, linear, ReLU; mean and maximum of all electrodes | 2 x 16 |
+    | of each span: mean and largest deviation, deviation from lines, change, net change | 15 |
+    | share of the 50 rows that the recording has so far | 1 |
+    | batch norm of the 16; linear of all, ReLU | 48 |
     | GRU | 48 |
     | linear | 2 |
+
+    Args:
+        spans: rows over which changes are computed, ascending; the last one is a multiple of the
+            five rows of a frame
+        noise: counts; smaller deviations and changes are noise
     """
 
-    def __init__(self, inputs: int, classes: int, electrodes: int = 24) -> None:
+    history = 2
+    electrodes = 24
+
+    def __init__(
+        self, inputs: int, classes: int, spans: tuple[int, ...] = (10, 20, 50), noise: float = 3.0
+    ) -> None:
         super().__init__()
-        self.electrodes = electrodes
-        self.across = nn.Linear(electrodes, 12)
-        self.in_time = dense(inputs // electrodes, 8)
-        self.rest = FrameGru(12 * 8, classes)
+        self.step = inputs // self.electrodes
+        self.spans, self.noise = spans, noise
+        self.after = UnitsAndWhole(3 * len(spans), 5 * len(spans) + 1, classes)
+
+    def measures(self, rows: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Values of the electrodes and of the whole finger.
+
+        Args:
+            rows: [N, T, 24, R] the latest rows of each frame, counts; 0 before the recording
+
+        Returns:
+            Values of each electrode [N, T, 24, own], their weights [N, T, 24, 1], and the values of
+            the whole finger [N, T, whole].
+        """
+        known = rows.sum(2, keepdim=True).gt(0).to(rows.dtype)  # [N, T, 1, R]
+        values = (rows - rows[..., -1:]) * known
+        time = torch.arange(rows.shape[3], dtype=rows.dtype)
+        own, whole = [], []
+        for span in self.spans:
+            weight = known * time.ge(rows.shape[3] - span).to(rows.dtype)
+            number = weight.sum(3)  # [N, T, 1]
+            moment = weight * (time - ((weight * time).sum(3) / number).unsqueeze(3))
+            spread = (moment**2).sum(3) / number + 1e-3
+            mean, square, product = (
+                torch.matmul(one, by.transpose(2, 3)).squeeze(3) / number  # [N, T, 24]
+                for one, by in ((values, weight), (values**2, weight), (values, moment))
+            )
+            variance = torch.relu(square - mean**2)
+            change = product / spread * number / self.noise
+            sd = torch.sqrt(variance + 1e-3)
+            rest = torch.sqrt(torch.relu(variance - product**2 / spread) + 1e-3)
+            own += [torch.log(sd + self.noise), torch.log(rest + self.noise), signed_log(change)]
+            whole += [
+                torch.log(sd.mean(2) + self.noise),
+                torch.log(sd.amax(2) + self.noise),
+                torch.log(rest.mean(2) + self.noise),
+                torch.log(change.abs().mean(2) + 1),
+                signed_log(change.mean(2)),
+            ]
+        whole.append(known.mean(3).squeeze(2))
+        electrodes = torch.stack(own, 3)
+        return electrodes, torch.ones_like(electrodes[..., :1]), torch.stack(whole, 2)
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """Returns logits, and the state if the network has one (see the module)."""
-        filtered = self.across(frames.reshape(*frames.shape[:2], -1, self.electrodes)).transpose(
-            2, 3
+        count, earlier = frames.shape[1] - 1, self.spans[-1] // self.step - 2
+        before = (
+            frames.new_zeros((frames.shape[0], earlier, frames.shape[2]))
+            if state is None
+            else state[0]
         )
-        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(
-            self.in_time(filtered).flatten(2), state
+        joined = torch.cat((before, frames), 1)
+        rows = windows(joined, earlier + 2)  # [N, T, frames, step x electrodes]
+        rows = rows.reshape(frames.shape[0], count, self.spans[-1], self.electrodes)
+        logits, after = self.after(
+            *self.measures(rows.transpose(2, 3)), None if state is None else state[1:]
         )
-        return after
+        return logits, (joined[:, count : count + earlier], *after)
 
 
 class BiotacGrasp(nn.Module):

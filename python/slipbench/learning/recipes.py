@@ -499,14 +499,18 @@ def _biotac() -> list[Recipe]:
             classes="direction",
             labels="latched",
         ),
-        _slip(
-            "biotac_slip",
-            "Each electrode against its own mean of 0.64 s, through filters across electrodes and in time and a GRU at 50 Hz",
-            frames=replace(rows, window=64, stride=2, centre=True),
-            network=networks.BiotacSlip,
-            scaling="common",
-            members=3,
-            training=replace(SLIP_TRAINING, steps=1500, clip=75, onset_frames=10),
+        replace(
+            _slip(
+                "biotac_slip",
+                "Size and course of the changes of the electrodes over 0.1 to 0.5 s, in any order, through a GRU at 20 Hz",
+                frames=replace(rows, window=5, stride=5),
+                network=networks.BiotacSlip,
+                scaling="none",
+                training=replace(
+                    SLIP_TRAINING, steps=2000, batch=32, clip=30, validate_every=200, onset_frames=0
+                ),
+            ),
+            labels="moved",
         ),
         _slip(
             "biotac_grasp",

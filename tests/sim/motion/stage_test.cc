@@ -77,6 +77,61 @@ TEST(Stage, TallestTipReachesTheCompressionWhateverTheTilt) {
   }
 }
 
+std::unique_ptr<Motion> rocking_stage(std::uint64_t trial, const Changes& changes) {
+  Parameters parameters = defaults_of(stage_motion().about.parameters);
+  for (const auto& [name, value] : changes) parameters.set(name, value);
+  return stage_motion().create(parameters, {3, trial});
+}
+
+const Changes rocking{{"rocking", std::vector<double>{0.01, 0.02}},
+                      {"heave", 20e-6},
+                      {"rocking_corner", 0.3},
+                      {"tilt", std::vector<double>{0.1, -0.2}},
+                      {"pivot", std::vector<double>{3e-3, -2e-3}},
+                      {"rotation", 0.4}};
+
+// Central differences over 2 us inside a knot. The third derivative of a cubic between knots is at
+// most some 1e3/s^3 times 0.02, and h^2/6 times that is below 1e-11.
+TEST(Stage, VelocityOfARockingStageIsTheRateOfItsPose) {
+  const auto motion = rocking_stage(1, rocking);
+  const double h = 1e-6;
+  double fastest = 0.0;
+  for (double t = 2.504; t < 6.0; t += 0.03) {
+    const BodyState before = motion->pad_at(t - h), now = motion->pad_at(t), after = motion->pad_at(t + h);
+    EXPECT_NEAR((now.velocity - (after.pose.position - before.pose.position) / (2.0 * h)).norm(), 0.0, 1e-8);
+    const Eigen::Matrix3d spin = (after.pose.rotation - before.pose.rotation) / (2.0 * h) * now.pose.rotation.transpose();
+    EXPECT_NEAR((now.angular_velocity - Eigen::Vector3d(spin(2, 1), spin(0, 2), spin(1, 0))).norm(), 0.0, 1e-8);
+    fastest = std::max(fastest, now.angular_velocity.norm() * 0.01);
+  }
+  EXPECT_LE(fastest, motion->top_speed(0.01));
+  EXPECT_EQ(motion->longest_step(), 0.01);
+}
+
+// The tilt about X is rocking[0] p_1, the height -1 mm + heave p_3, with p of variance 1. At instants
+// 4 s apart, all but (1 + 7.5) exp(-7.5) = 0.5 % is forgotten. Over 200 trials and 3 instants a mean of
+// squares has the standard error sqrt(2/600) = 0.058; five are allowed.
+TEST(Stage, RockingAndHeaveHaveTheirStandardDeviations) {
+  double about_x = 0.0, about_y = 0.0, rises = 0.0;
+  for (std::uint64_t trial = 0; trial < 200; ++trial) {
+    const auto motion =
+        rocking_stage(trial, {{"rocking", std::vector<double>{0.01, 0.02}}, {"heave", 20e-6}, {"rocking_corner", 0.3}});
+    for (const double t : {2.0, 6.0, 10.0}) {
+      const Pose pose = motion->pad_at(t).pose;
+      about_x += std::pow(std::atan2(pose.rotation(2, 1), pose.rotation(2, 2)) / 0.01, 2) / 600.0;
+      about_y += std::pow(std::asin(-pose.rotation(2, 0)) / 0.02, 2) / 600.0;
+      rises += std::pow((pose.position.z() + 1e-3) / 20e-6, 2) / 600.0;
+    }
+  }
+  for (const double variance : {about_x, about_y, rises}) EXPECT_NEAR(variance, 1.0, 5.0 * 0.058);
+}
+
+TEST(Stage, DrawsRandomNumbersOnlyIfItRocks) {
+  Parameters parameters = defaults_of(stage_motion().about.parameters);
+  EXPECT_FALSE(stage_motion().is_random(parameters));
+  parameters.set("heave", 1e-6);
+  EXPECT_TRUE(stage_motion().is_random(parameters));
+}
+
 TEST(Stage, SlidesAlongItsDirectionFromTheStart) {
   // s(t) = a (t - 2)^2/2 up to 0.08 s, then 4 mm/s (t - 2 - 0.04).
   const double direction = 0.7;
