@@ -11,6 +11,7 @@
 #include "sim/core/choice.h"
 #include "sim/core/counted.h"
 #include "tools/dataset/record/encoder.h"
+#include "tools/dataset/record/slip_path.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/samples.h"
 
@@ -22,6 +23,40 @@ std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
   const PapillarraySamples samples(sensor, LabelRule::has_slipped, default_label_speed);
   std::vector<PadState> states;
   for (std::size_t row = 0; row < samples.size(); ++row) states.push_back(samples.pad_state(row, turning));
+  return states;
+}
+
+std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes, LabelRule rule) {
+  if (codes.size() != sensor.time.size()) {
+    reject("labels/{}: {} by the labels {} for {}; expected one for each", sensor.name, counted(codes.size(), "state"),
+           label_rule_name(rule), counted(sensor.time.size(), "sample"));
+  }
+  std::vector<PadState> states;
+  states.reserve(codes.size());
+  for (const std::uint8_t code : codes) {
+    const auto state = static_cast<PadState>(code);
+    const bool unlabelled = !sensor.labels.truth && state == unknown_state;
+    if (state > PadState::gross && !unlabelled) reject("labels/{}: state {}; allowed: 0 to 3", sensor.name, code);
+    states.push_back(state);
+  }
+  return states;
+}
+
+// The object slides if it moved over the pad at 1 mm/s or more in the latest 0.1 s, and is held at less than
+// 0.5 mm/s. Nobody needs an alarm of a slower creep, and a camera that labels recordings does not see it.
+std::vector<PadState> slides(const SensorRecord& sensor, bool) {
+  constexpr double span = 0.1, least = 1e-3, most_of_hold = 0.5e-3;  // s, m/s, m/s
+  const std::vector<double> path = slip_path(sensor.labels, sensor.time.size());
+  if (path.empty()) reject("labels/{}: have no slip distance; expected those of `slipbench sweep`", sensor.name);
+  std::vector<PadState> states = checked_states(sensor, sensor.labels.state_micro, LabelRule::slides);
+  std::size_t first = 0;
+  for (std::size_t row = 0; row < states.size(); ++row) {
+    // At least one step, also of a sensor that is slower.
+    while (first + 1 < row && sensor.time[row] - sensor.time[first] > span * (1.0 + 1e-6)) ++first;
+    if (states[row] == PadState::no_contact) continue;
+    const double speed = (path[row] - path[first]) / std::max(span, sensor.time[row] - sensor.time[first]);
+    states[row] = speed >= least ? PadState::gross : speed < most_of_hold ? PadState::non_slip : unknown_state;
+  }
   return states;
 }
 
@@ -64,6 +99,11 @@ constexpr std::array rules{LabelRuleInfo{.name = "strict",
                                          .after_slip = AfterSlip::masked_on_stage,
                                          .least_distance = true,
                                          .evaluated_by = LabelRule::masked},
+                           LabelRuleInfo{.name = "slides",
+                                         .value = LabelRule::slides,
+                                         .meaning = "the object moves over the pad at 1 mm/s or more; 0.5 to 1 mm/s is left out",
+                                         .computed = &slides,
+                                         .evaluated_by = LabelRule::masked},
                            LabelRuleInfo{.name = "has_slipped",
                                          .value = LabelRule::has_slipped,
                                          .meaning = "PapillArray: a pillar whose tip was fast slips until it loses contact",
@@ -88,22 +128,6 @@ std::vector<LabelRuleInfo> rules_for(std::optional<LabelUse> use) {
   std::vector<LabelRuleInfo> taken;
   std::ranges::copy_if(rules, std::back_inserter(taken), [use](const LabelRuleInfo& rule) { return !use || takes(*use, rule); });
   return taken;
-}
-
-std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes, LabelRule rule) {
-  if (codes.size() != sensor.time.size()) {
-    reject("labels/{}: {} by the labels {} for {}; expected one for each", sensor.name, counted(codes.size(), "state"),
-           label_rule_name(rule), counted(sensor.time.size(), "sample"));
-  }
-  std::vector<PadState> states;
-  states.reserve(codes.size());
-  for (const std::uint8_t code : codes) {
-    const auto state = static_cast<PadState>(code);
-    const bool unlabelled = !sensor.labels.truth && state == unknown_state;
-    if (state > PadState::gross && !unlabelled) reject("labels/{}: state {}; allowed: 0 to 3", sensor.name, code);
-    states.push_back(state);
-  }
-  return states;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 namespace slipbench {
 
-enum class LabelRule : std::uint8_t { strict, micro, paper, latched, masked, tightened, moved, has_slipped, recorded };
+enum class LabelRule : std::uint8_t { strict, micro, paper, latched, masked, tightened, moved, slides, has_slipped, recorded };
 
 // Label of a sample that sticks after a slip, until contact is lost. Such a sample is still under the
 // shear that caused the slip.

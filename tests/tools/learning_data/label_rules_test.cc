@@ -31,7 +31,7 @@ TEST(LabelRules, AreInTheOrderOfTheirValuesAndNamed) {
 TEST(LabelRules, EachUseTakesItsOwn) {
   EXPECT_THAT(label_rule_names(LabelUse::pillars), ElementsAre("strict", "micro", "paper", "has_slipped"));
   EXPECT_THAT(label_rule_names(LabelUse::training),
-              ElementsAre("strict", "micro", "paper", "latched", "masked", "tightened", "moved", "recorded"));
+              ElementsAre("strict", "micro", "paper", "latched", "masked", "tightened", "moved", "slides", "recorded"));
   EXPECT_THAT(label_rule_names(LabelUse::evaluation),
               ElementsAre("strict", "micro", "paper", "latched", "masked", "has_slipped", "recorded"));
   EXPECT_THAT(refusal_of([] { parse_label_rule("tightend"); }), mentions({"tightend", "tightened"}));
@@ -65,6 +65,30 @@ TEST(StatesBy, AreThoseOfTheArrayOfTheRule) {
   EXPECT_THAT(states_by(skin(), LabelRule::strict, false, LabelUse::evaluation), ElementsAre(no_contact, non_slip, gross));
   EXPECT_THAT(states_by(skin(), LabelRule::latched, false, LabelUse::evaluation), ElementsAre(no_contact, incipient, gross));
   EXPECT_THAT(states_by(skin(), LabelRule::paper, false, LabelUse::evaluation), ElementsAre(no_contact, non_slip, non_slip));
+}
+
+// A unit that slips by the steps of `path`, sampled each 50 ms: over 0.1 s, two steps, 1 mm/s are 0.1 mm
+// and 0.5 mm/s are 0.05 mm. The first samples have a shorter past. A step of a slow sensor is longer
+// than 0.1 s.
+TEST(StatesBy, SlidesByTheSpeedOfTheObject) {
+  using enum PadState;
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.type = "magnetic_skin";
+  sensor.labels.unit_positions = {0.0, 0.0};
+  const auto states = [&](double period, const std::vector<float>& path) {
+    sensor.time.clear();
+    for (std::size_t k = 0; k < path.size(); ++k) sensor.time.push_back(period * static_cast<double>(k));
+    sensor.labels.slip_distance = path;
+    sensor.labels.unit_state.assign(path.size(), 2);
+    sensor.labels.state_micro.assign(path.size(), 2);
+    return states_by(sensor, LabelRule::slides, false, LabelUse::training);
+  };
+  EXPECT_THAT(states(0.05, {0.0F, 0.04e-3F, 0.08e-3F, 0.15e-3F, 0.21e-3F, 0.21e-3F, 0.21e-3F}),
+              ElementsAre(non_slip, non_slip, unknown_state, gross, gross, unknown_state, non_slip));
+  EXPECT_THAT(states(0.2, {0.0F, 0.21e-3F, 0.35e-3F, 0.4e-3F}), ElementsAre(non_slip, gross, unknown_state, non_slip));
+  sensor.labels.slip_distance.clear();
+  EXPECT_THAT(refusal_of([&] { states_by(sensor, LabelRule::slides, false, LabelUse::training); }), mentions({"slip distance"}));
 }
 
 // Labels of a recording may be unknown, those of a simulation may not.
