@@ -86,9 +86,6 @@ class Metadata(unittest.TestCase):
 
     def test_networks_run_without_an_extra(self):
         self.assertIn(f"openvino=={pinned()['openvino']}", PROJECT["dependencies"])
-        self.assertIn(
-            f"mujoco-core=={pinned()['mujoco-core']}", PROJECT["optional-dependencies"]["render"]
-        )
 
 
 class Build(unittest.TestCase):

@@ -415,11 +415,11 @@ class Step(unittest.TestCase):
 
 
 class Versions(unittest.TestCase):
-    def test_the_extra_render_brings_a_version_that_has_a_build(self):
-        extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
-            "optional-dependencies"
-        ]
-        self.assertIn(f"mujoco-core=={slipbench.mujoco.builds()[-1]}", extras["render"])
+    def test_no_extra_excludes_a_release_that_the_pads_support(self):
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+        wanted = project["dependencies"] + sum(project["optional-dependencies"].values(), [])
+        of_mujoco = [one for one in wanted if one.startswith("mujoco")]
+        self.assertEqual(of_mujoco, [f"mujoco>={slipbench.mujoco.builds()[0]}"])
 
     def test_another_version_is_refused_with_the_supported_ones(self):
         builds = slipbench.mujoco.builds()
