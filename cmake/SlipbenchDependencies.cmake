@@ -66,25 +66,20 @@ if(NOT SLIPBENCH_WITH_MUJOCO)
   message(STATUS "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found: sim/mujoco is left out. Get it with: tools/setup/setup.sh python")
 endif()
 
-# An earlier release of MuJoCo, for which the plugin is built, too (tools/setup/setup.sh mujoco). Without its wheel that build is left out.
-set(SLIPBENCH_EARLIER_MUJOCO_VERSION 3.3.7)
-set(SLIPBENCH_EARLIER_MUJOCO_ROOT ${PROJECT_SOURCE_DIR}/build/mujoco/${SLIPBENCH_EARLIER_MUJOCO_VERSION}/mujoco CACHE PATH
-  "The `mujoco` folder of an unpacked wheel of MuJoCo ${SLIPBENCH_EARLIER_MUJOCO_VERSION}")
-set(SLIPBENCH_WITH_EARLIER_MUJOCO FALSE)
-set(SLIPBENCH_PLUGIN_RELEASES ${SLIPBENCH_MUJOCO_VERSION})  # oldest first
-set(earlier_library ${SLIPBENCH_EARLIER_MUJOCO_ROOT}/libmujoco.so.${SLIPBENCH_EARLIER_MUJOCO_VERSION})
-if(SLIPBENCH_WITH_MUJOCO AND EXISTS ${earlier_library})
-  set(SLIPBENCH_WITH_EARLIER_MUJOCO TRUE)
-  list(PREPEND SLIPBENCH_PLUGIN_RELEASES ${SLIPBENCH_EARLIER_MUJOCO_VERSION})
-  add_library(mujoco::earlier SHARED IMPORTED)
-  set_target_properties(mujoco::earlier PROPERTIES
-    IMPORTED_LOCATION ${earlier_library}
-    IMPORTED_SONAME libmujoco.so.${SLIPBENCH_EARLIER_MUJOCO_VERSION}
-    INTERFACE_INCLUDE_DIRECTORIES ${SLIPBENCH_EARLIER_MUJOCO_ROOT}/include)
-elseif(SLIPBENCH_WITH_MUJOCO)
-  message(STATUS "MuJoCo ${SLIPBENCH_EARLIER_MUJOCO_VERSION} not found: its build of the plugin is left out. Get it with: tools/setup/setup.sh mujoco")
-endif()
-list(JOIN SLIPBENCH_PLUGIN_RELEASES ", " SLIPBENCH_PLUGIN_VERSIONS)
+# The releases of MuJoCo that the plugin supports, oldest first: SLIPBENCH_PLUGIN_RELEASES; those that the default test suite loads:
+# SLIPBENCH_DEFAULT_RELEASES. tools/setup/setup.sh mujoco or mujoco-all installs them for the tests; the build needs none.
+file(STRINGS ${PROJECT_SOURCE_DIR}/tools/setup/requirements-mujoco.in release_lines REGEX "^mujoco")
+set(SLIPBENCH_PLUGIN_RELEASES "")
+set(SLIPBENCH_DEFAULT_RELEASES "")
+foreach(line IN LISTS release_lines)
+  string(REGEX REPLACE ".*==([0-9.]+).*" "\\1" release ${line})
+  list(APPEND SLIPBENCH_PLUGIN_RELEASES ${release})
+  if(line MATCHES "# default")
+    list(APPEND SLIPBENCH_DEFAULT_RELEASES ${release})
+  endif()
+endforeach()
+list(APPEND SLIPBENCH_PLUGIN_RELEASES ${SLIPBENCH_MUJOCO_VERSION})
+list(APPEND SLIPBENCH_DEFAULT_RELEASES ${SLIPBENCH_MUJOCO_VERSION})
 
 # OpenVINO, from its wheel, runs networks (detectors/network); the protobuf classes of ONNX look into their files before. Without either everything
 # else is built; a wheel of another version is an error.

@@ -2,7 +2,7 @@
 
 One is for Python 3.11, one for 3.12 and later. They need only glibc 2.36 from the system. Writes
 them to FOLDER, default build/wheel, from build/release, with all libraries and licences inside.
-Needs Debian 12 and tools/setup/setup.sh build test python test-python mujoco wheel. Debian 12 has
+Needs Debian 12 and tools/setup/setup.sh build test python test-python wheel. Debian 12 has
 no Python after 3.11, so the headers of Debian 13 are fetched.
 """
 
@@ -215,10 +215,6 @@ def main():
     if not TOOLS.exists():
         sys.exit(
             "build_wheels.py: auditwheel is missing; install it with: tools/setup/setup.sh wheel"
-        )
-    if not (ROOT / "build/mujoco").exists():
-        sys.exit(
-            "build_wheels.py: the earlier release of MuJoCo is missing; install it with: tools/setup/setup.sh mujoco"
         )
     fetch_headers()
     run("cmake", "--preset", "release", cwd=ROOT, stdout=subprocess.DEVNULL)

@@ -10,7 +10,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/plugin/plugin_builds.h"
+#include "sim/mujoco/releases/release_table.h"
 
 namespace nb = nanobind;
 
@@ -44,12 +44,10 @@ NB_MODULE(_core, module) {
     }
   });
   module.attr("version") = SLIPBENCH_VERSION;
-  module.def("plugin_versions", &slipbench::plugin_versions);
-  module.def("plugin_build", [](const std::string& version) {
-    std::string build = slipbench::plugin_build(version);
-    if (!build.empty()) return build;
-    throw slipbench::InputError("MuJoCo " + version +
-                                " has no build of the plugin; supported: " + slipbench::plugin_versions_text);
+  module.def("known_releases", &slipbench::known_releases);
+  module.def("check_release", [](const std::string& version, const std::string& folder, const std::string& mujoco_file) {
+    if (!slipbench::find_layout(version, folder))
+      throw slipbench::InputError(slipbench::how_to_add(version, folder, mujoco_file));
   });
   slipbench::python::bind_commands(module);
   slipbench::python::bind_trial(module);

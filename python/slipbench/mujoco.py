@@ -3,8 +3,8 @@
 Importing this loads the plugin `slipbench.field` into the package `mujoco`.
 
 `attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()`
-returns the longest stable step. It supports the versions of MuJoCo that `builds()` lists; with any
-other the import raises `InputError`, which lists them.
+returns the longest stable step. It supports the releases of MuJoCo that `builds()` lists; with any
+other the import raises `InputError` with the command that adds the release.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ try:
     import mujoco as _mujoco
 except ImportError as error:
     raise ImportError(
-        "slipbench.mujoco needs the package mujoco, which is not installed; install it: pip install mujoco-core==4.0.1"
+        "slipbench.mujoco needs the package mujoco, which is not installed; install it: pip install mujoco"
     ) from error
 
 __all__ = [
@@ -51,30 +51,28 @@ _numbers = itertools.count(1)
 
 
 def builds() -> list[str]:
-    """Versions of MuJoCo that the plugin of this slipbench supports, oldest first."""
-    return list(_core.plugin_versions())
+    """Releases of MuJoCo that this slipbench knows, oldest first."""
+    return list(_core.known_releases())
 
 
 def plugin_path(version: str | None = None) -> str:
-    """Path of the plugin's library for a version of MuJoCo.
+    """Path of the plugin's library, the same for all releases of MuJoCo.
 
     Args:
-        version: the version; None: that of the package `mujoco`
+        version: the release in which it will be loaded; None: that of the package `mujoco`
 
     Returns:
         The path.
 
     Raises:
-        InputError: there is no build for this version
+        InputError: the plugin does not know this release; the text contains the command that adds
+            it
     """
-    try:
-        return str(_FOLDER / _core.plugin_build(version or _mujoco.__version__))
-    except InputError as error:
-        if version is not None:
-            raise
-        raise InputError(
-            f"{error}; install a supported one: pip install mujoco-core=={builds()[-1]}"
-        ) from None
+    folder = _FOLDER.resolve()
+    own = version is None or version == _mujoco.__version__
+    library = Path(_mujoco.__file__).parent / f"libmujoco.so.{_mujoco.__version__}"
+    _core.check_release(version or _mujoco.__version__, str(folder), str(library) if own else "")
+    return str(folder / "libslipbench_mujoco.so")
 
 
 def load() -> None:
@@ -93,16 +91,16 @@ load()
 def _ask(function: str, *addresses: int) -> str:
     text = ctypes.create_string_buffer(1 << 16)
     assert _library is not None
-    length = getattr(_library, function)(
-        *(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text))
-    )
+    arguments = [
+        ctypes.c_char_p(_mujoco.__version__.encode()),
+        *(ctypes.c_void_p(address) for address in addresses),
+    ]
+    length = getattr(_library, function)(*arguments, text, ctypes.c_int(len(text)))
     if length < 0:
         raise InputError(text.value.decode())
     if length >= len(text):
         text = ctypes.create_string_buffer(length + 1)
-        getattr(_library, function)(
-            *(ctypes.c_void_p(address) for address in addresses), text, ctypes.c_int(len(text))
-        )
+        getattr(_library, function)(*arguments, text, ctypes.c_int(len(text)))
     return text.value.decode()
 
 
@@ -484,10 +482,11 @@ def complete(spec: Any) -> None:
 
 
 def _need_discrete() -> Any:
-    if not hasattr(_mujoco.mjtIntegrator, "mjINT_DISCRETE"):
+    # 3.13 has the integrator, but not the metric that the pads need.
+    if tuple(map(int, _mujoco.__version__.split(".")[:2])) < (3, 14):
         raise InputError(
-            f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} does not have; use MuJoCo "
-            f"{builds()[-1]}, or solver='explicit'"
+            f"solver='implicit' needs the integrator discrete, with which pads do not work in MuJoCo {_mujoco.__version__}; use "
+            "MuJoCo 3.14 or later, or solver='explicit'"
         )
     return _mujoco.mjtIntegrator.mjINT_DISCRETE
 

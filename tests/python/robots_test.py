@@ -20,7 +20,7 @@ import slipbench.mujoco
 
 FOLDER = Path(sys.argv.pop(1))
 MENAGERIE = Path(os.environ.get("SLIPBENCH_MENAGERIE", "/nowhere"))
-HAS_IMPLICIT = hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
+HAS_IMPLICIT = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 14)
 described = importlib.util.spec_from_file_location("robots", FOLDER / "robots.py")
 robots = importlib.util.module_from_spec(described)
 described.loader.exec_module(robots)

@@ -23,7 +23,10 @@ for set in requirements requirements-test requirements-lock requirements-wheel; 
   "$work/bin/pip-compile" --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url "$@" \
     --output-file "$set.txt" "$set.in"
 done
-# The second release of MuJoCo goes into a separate folder without dependencies: keeps only its own
+# Each further release of MuJoCo goes into a separate folder without dependencies: keeps only its own
 # entry.
-"$work/bin/pip-compile" --quiet --generate-hashes --strip-extras --no-emit-index-url --no-header --no-annotate --output-file - requirements-mujoco.in |
-  awk '!/^ / { keep = index($0, "mujoco==") == 1 } keep' >requirements-mujoco.txt
+mapfile -t releases < <(awk '/^mujoco/ { print $1 }' requirements-mujoco.in)
+for release in "${releases[@]}"; do
+  "$work/bin/pip-compile" --quiet --generate-hashes --strip-extras --no-emit-index-url --no-header --no-annotate --output-file - - <<<"$release" |
+    awk -v wanted="$release" '!/^ / { keep = $1 == wanted } keep'
+done >requirements-mujoco.txt

@@ -3,10 +3,10 @@
 # - `build`, `test`, `all`: Debian packages of packages.txt
 # - `python`, `test-python`: PyPI packages of requirements.txt and requirements-test.txt, into the
 #   virtual environment build/venv: only wheels with the SHA-256 given there
-# - `mujoco`: the earlier release in requirements-mujoco.txt, for the plugin, into
-#   build/mujoco/VERSION
+# - `mujoco`: the further releases of MuJoCo that every run of the test suite loads, into
+#   build/mujoco/VERSION; `mujoco-all`: all releases in requirements-mujoco.in
 # - `wheel`: requirements-wheel.txt, into build/wheel/tools
-# Does nothing if all is installed. After an installation other than `wheel`, touches
+# Does nothing if all is installed. After an installation of the first two kinds, touches
 # build/installed so that the launcher configures again.
 # setup.sh rights SET...: installs nothing; if Debian packages are missing, sudo asks for its
 # password, or the commands for root are printed.
@@ -97,20 +97,23 @@ install_python() {
   touch "$root/build/installed"
 }
 
-# Uses a separate folder for the earlier release of MuJoCo: an environment holds only one release.
+# install_mujoco PATTERN: installs the releases of MuJoCo whose lines of requirements-mujoco.in match
+# PATTERN, each in a separate folder, since an environment holds only one release.
 install_mujoco() {
-  local listing=$here/requirements-mujoco.txt version
-  version=$(sed -n 's/^mujoco==\([^ ]*\).*/\1/p' "$listing")
-  local folder=$root/build/mujoco/$version
-  [[ ! -d $folder ]] || return 0
-  say "installing into build/mujoco/$version: mujoco==$version"
-  mkdir -p "$root/build/mujoco"
-  rm -rf "$folder.part"
-  mkdir "$folder.part"
-  "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --require-hashes --only-binary :all: --no-deps --target "$folder.part" \
-    --requirement "$listing"
-  mv "$folder.part" "$folder"
-  touch "$root/build/installed"
+  local requirement folder
+  local -a wanted
+  mapfile -t wanted < <(awk -v pattern="$1" '/^mujoco/ && $0 ~ pattern { print $1 }' "$here/requirements-mujoco.in")
+  for requirement in "${wanted[@]}"; do
+    folder=$root/build/mujoco/${requirement#*==}
+    [[ ! -d $folder ]] || continue
+    say "installing into build/mujoco/${requirement#*==}: $requirement"
+    mkdir -p "$root/build/mujoco"
+    rm -rf "$folder.part"
+    mkdir "$folder.part"
+    "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --require-hashes --only-binary :all: --no-deps --target "$folder.part" \
+      --requirement <(awk -v wanted="$requirement" '!/^ / { keep = $1 == wanted } keep' "$here/requirements-mujoco.txt")
+    mv "$folder.part" "$folder"
+  done
 }
 
 # Installs the tools of python/build_wheels.py outside of the environment of the tests.
@@ -147,9 +150,10 @@ for set in "$@"; do
       see_debian
       ;;
     wheel) install_wheel_tools ;;
-    mujoco) install_mujoco ;;
+    mujoco) install_mujoco '# default' ;;
+    mujoco-all) install_mujoco '' ;;
     *)
-      say "unknown set '$set'; allowed: build, test, all, python, test-python, wheel, mujoco"
+      say "unknown set '$set'; allowed: build, test, all, python, test-python, mujoco, mujoco-all, wheel"
       exit 2
       ;;
   esac

@@ -156,7 +156,7 @@ def part(spec, name):
 def with_pads(spec, sites, size, mass):
     """Adds a free box and the pads that touch it.
 
-    Implicit ones if MuJoCo has the integrator for them (4.0.1). Explicit ones refuse these models'
+    Implicit ones if MuJoCo has the integrator for them (since 3.14). Explicit ones refuse these models'
     step of 2 ms.
     """
     light = [0.97, 0.97, 0.98]
@@ -177,7 +177,8 @@ def with_pads(spec, sites, size, mass):
         mass=mass,
         rgba=[0.85, 0.8, 0.7, 0.25],
     )
-    solver = "implicit" if hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE") else "explicit"
+    release = tuple(map(int, mujoco.__version__.split(".")[:2]))
+    solver = "implicit" if release >= (3, 14) else "explicit"
     if solver == "explicit":
         spec.option.timestep = 0.0005
     pads = [

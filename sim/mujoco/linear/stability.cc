@@ -1,13 +1,10 @@
 #include "sim/mujoco/linear/stability.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
-
-#include <mujoco/mujoco.h>
-
-#include "sim/mujoco/mujoco_differences.h"
 
 namespace slipbench {
 namespace {
@@ -28,8 +25,8 @@ Eigen::Matrix3d spring(double k_n, const Eigen::Vector3d& n, double k_t, const E
 }
 
 // Returns J M^-1 J' of all pads.
-Eigen::MatrixXd delassus_of(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads) {
-  RowMatrix jacobians(static_cast<Eigen::Index>(6 * pads.size()), static_cast<Eigen::Index>(m->nv));
+Eigen::MatrixXd delassus_of(ModelView m, DataView d, std::span<const PadOnBodies> pads) {
+  RowMatrix jacobians(static_cast<Eigen::Index>(6 * pads.size()), static_cast<Eigen::Index>(m.nv()));
   for (std::size_t i = 0; i < pads.size(); ++i) {
     relative_jacobian(m, d, pads[i], jacobians.row(static_cast<Eigen::Index>(6 * i)).data());
   }
@@ -90,15 +87,16 @@ PadTangent field_tangent(const Field& field, const Pose& surface, const Eigen::V
 
 // Bit-identical to the difference of mj_jac's results for both bodies, along the degrees of freedom
 // of either.
-void relative_jacobian(const mjModel* m, const mjData* d, const PadOnBodies& pad, double* rows) {
-  Eigen::Map<RowMatrix> jacobian(rows, 6, static_cast<Eigen::Index>(m->nv));
+void relative_jacobian(ModelView m, DataView d, const PadOnBodies& pad, double* rows) {
+  Eigen::Map<RowMatrix> jacobian(rows, 6, static_cast<Eigen::Index>(m.nv()));
   std::fill_n(rows, jacobian.size(), 0.0);
   for (const bool of_pad : {true, false}) {
     const int body = of_pad ? pad.pad_body : pad.object_body;
-    const int moving = m->body_weldid[body];
-    const Eigen::Vector3d arm = pad.point - Eigen::Map<const Eigen::Vector3d>(d->subtree_com + 3 * m->body_rootid[body]);
-    for (int dof = moving == 0 ? -1 : m->body_dofadr[moving] + m->body_dofnum[moving] - 1; dof >= 0; dof = m->dof_parentid[dof]) {
-      const Eigen::Map<const Eigen::Vector3d> turn(d->cdof + 6 * dof), shift(d->cdof + 6 * dof + 3);
+    const int moving = m.body_weldid()[body];
+    const Eigen::Vector3d arm = pad.point - Eigen::Map<const Eigen::Vector3d>(d.subtree_com() + 3 * m.body_rootid()[body]);
+    for (int dof = moving == 0 ? -1 : m.body_dofadr()[moving] + m.body_dofnum()[moving] - 1; dof >= 0;
+         dof = m.dof_parentid()[dof]) {
+      const Eigen::Map<const Eigen::Vector3d> turn(d.cdof() + 6 * dof), shift(d.cdof() + 6 * dof + 3);
       Vector6d column;
       column << turn.cross(arm) + shift, turn;
       of_pad ? jacobian.col(dof) = column : jacobian.col(dof) -= column;
@@ -106,17 +104,16 @@ void relative_jacobian(const mjModel* m, const mjData* d, const PadOnBodies& pad
   }
 }
 
-Eigen::MatrixXd delassus(const mjModel* m, mjData* d, const RowMatrix& jacobians) {
+Eigen::MatrixXd delassus(ModelView m, DataView d, const RowMatrix& jacobians) {
   RowMatrix solved(jacobians.rows(), jacobians.cols());
-  mj_solveM(m, d, solved.data(), jacobians.data(), static_cast<int>(jacobians.rows()));
+  m.mujoco().mj_solveM(m.get(), d.get(), solved.data(), jacobians.data(), static_cast<int>(jacobians.rows()));
   const Eigen::MatrixXd a = jacobians * solved.transpose();
   return 0.5 * (a + a.transpose());  // asymmetry is only rounding
 }
 
-Vibration fastest_vibration(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads,
-                            std::span<const PadTangent> tangents) {
+Vibration fastest_vibration(ModelView m, DataView d, std::span<const PadOnBodies> pads, std::span<const PadTangent> tangents) {
   if (pads.size() != tangents.size()) throw std::invalid_argument("fastest_vibration: every pad needs one tangent");
-  if (pads.empty() || m->nv == 0) return {};
+  if (pads.empty() || m.nv() == 0) return {};
   std::vector<Matrix6d> stiffness, damping;
   for (const PadTangent& tangent : tangents) {
     stiffness.push_back(root(tangent.stiffness));
@@ -126,9 +123,9 @@ Vibration fastest_vibration(const mjModel* m, mjData* d, std::span<const PadOnBo
   return {std::sqrt(rooted_eigenvalue(a, stiffness)), rooted_eigenvalue(a, damping)};
 }
 
-Vibration vibration_bound(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads, std::span<const PadTangent> tangents) {
+Vibration vibration_bound(ModelView m, DataView d, std::span<const PadOnBodies> pads, std::span<const PadTangent> tangents) {
   if (pads.size() != tangents.size()) throw std::invalid_argument("vibration_bound: every pad needs one tangent");
-  if (pads.empty() || m->nv == 0) return {};
+  if (pads.empty() || m.nv() == 0) return {};
   const Eigen::MatrixXd a = delassus_of(m, d, pads);
   Eigen::MatrixXd product(a.rows(), a.cols());
   const auto bound = [&](Matrix6d PadTangent::*part) {
@@ -141,9 +138,9 @@ Vibration vibration_bound(const mjModel* m, mjData* d, std::span<const PadOnBodi
   return {std::sqrt(bound(&PadTangent::stiffness)), bound(&PadTangent::damping)};
 }
 
-LinearModel linear_model(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads, std::span<const PadTangent> tangents) {
+LinearModel linear_model(ModelView m, DataView d, std::span<const PadOnBodies> pads, std::span<const PadTangent> tangents) {
   if (pads.size() != tangents.size()) throw std::invalid_argument("linear_model: every pad needs one tangent");
-  const auto nv = static_cast<Eigen::Index>(m->nv);
+  const auto nv = static_cast<Eigen::Index>(m.nv());
   const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(nv, nv);
   LinearModel model{none, none, none, none};
   RowMatrix mass(nv, nv);
@@ -155,15 +152,15 @@ LinearModel linear_model(const mjModel* m, mjData* d, std::span<const PadOnBodie
     model.stiffness += jacobian.transpose() * tangents[i].stiffness * jacobian;
     model.damping += jacobian.transpose() * tangents[i].damping * jacobian;
   }
-  if ((m->opt.disableflags & mjDSBL_DAMPER) == 0) {
-    const bool explicitly = m->opt.integrator == mjINT_EULER && (m->opt.disableflags & mjDSBL_EULERDAMP) != 0;
-    (explicitly ? model.damping : model.joint_damping).diagonal() += Eigen::Map<const Eigen::VectorXd>(m->dof_damping, nv);
+  if ((m.opt_disableflags() & mj::disable_damper) == 0) {
+    const bool explicitly = m.opt_integrator() == mj::euler && (m.opt_disableflags() & mj::disable_eulerdamp) != 0;
+    (explicitly ? model.damping : model.joint_damping).diagonal() += Eigen::Map<const Eigen::VectorXd>(m.dof_damping(), nv);
   }
   return model;
 }
 
-Stepping stepping_of(const mjModel* m) {
-  return m->opt.integrator == mjINT_RK4 ? Stepping::runge_kutta : Stepping::velocity_first;
+Stepping stepping_of(ModelView m) {
+  return m.opt_integrator() == mj::runge_kutta ? Stepping::runge_kutta : Stepping::velocity_first;
 }
 
 }  // namespace slipbench

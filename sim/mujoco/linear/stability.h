@@ -27,9 +27,7 @@
 #include "sim/contact/field.h"
 #include "sim/core/pose.h"
 #include "sim/mujoco/linear/linear_model.h"
-
-struct mjData_;
-struct mjModel_;
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
@@ -69,29 +67,29 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 // Writes [6, nv] to `rows`, row-major: velocity of the pad relative to the object at the point,
 // translation before rotation. `d` must have been through mj_fwdPosition, as everywhere below.
-void relative_jacobian(const mjModel_* m, const mjData_* d, const PadOnBodies& pad, double* rows);
+void relative_jacobian(ModelView m, DataView d, const PadOnBodies& pad, double* rows);
 
 // Returns J M^-1 J' [n, n] of the Jacobians [n, nv]. (mj_solveM requires a writable `d`; nothing
 // outside its stack changes.)
-[[nodiscard]] Eigen::MatrixXd delassus(const mjModel_* m, mjData_* d, const RowMatrix& jacobians);
+[[nodiscard]] Eigen::MatrixXd delassus(ModelView m, DataView d, const RowMatrix& jacobians);
 
 // Returns the fastest mode. `tangents` and `pads` go in pairs. Throws std::invalid_argument if the
 // spans differ in length.
-[[nodiscard]] Vibration fastest_vibration(const mjModel_* m, mjData_* d, std::span<const PadOnBodies> pads,
+[[nodiscard]] Vibration fastest_vibration(ModelView m, DataView d, std::span<const PadOnBodies> pads,
                                           std::span<const PadTangent> tangents);
 
 // Returns an upper bound of that, in a fifth of its time: the largest eigenvalue of a matrix P with
 // real eigenvalues is at most sqrt(tr P^2).
-[[nodiscard]] Vibration vibration_bound(const mjModel_* m, mjData_* d, std::span<const PadOnBodies> pads,
+[[nodiscard]] Vibration vibration_bound(ModelView m, DataView d, std::span<const PadOnBodies> pads,
                                         std::span<const PadTangent> tangents);
 
 // Linearises a model near the state of `d`: its pads and its joints' dampers. Springs of joints,
 // tendons and actuators are not included. `tangents` and `pads` go in pairs. Throws
 // std::invalid_argument if the spans differ in length.
-[[nodiscard]] LinearModel linear_model(const mjModel_* m, mjData_* d, std::span<const PadOnBodies> pads,
+[[nodiscard]] LinearModel linear_model(ModelView m, DataView d, std::span<const PadOnBodies> pads,
                                        std::span<const PadTangent> tangents);
 
 // Returns the stepping of the model's integrator.
-[[nodiscard]] Stepping stepping_of(const mjModel_* m);
+[[nodiscard]] Stepping stepping_of(ModelView m);
 
 }  // namespace slipbench

@@ -2,17 +2,16 @@
 // themselves.
 #pragma once
 
-#include <mujoco/mujoco.h>
-
 #include "sim/mujoco/pads/pad_group.h"
 #include "sim/mujoco/pads/pad_instance.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
 // Returns the pad of a plugin instance in `data`; null if the instance belongs to another plugin.
-PadInstance* pad_of(const mjModel* model, const mjData* data, int instance);
+PadInstance* pad_of(ModelView model, DataView data, int instance);
 
 // Returns the group of all pads of `data`; null if there are none.
-PadGroup* pad_group_of(const mjModel* model, const mjData* data);
+PadGroup* pad_group_of(ModelView model, DataView data);
 
 }  // namespace slipbench

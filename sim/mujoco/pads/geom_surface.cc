@@ -11,27 +11,27 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <mujoco/mujoco.h>
 
 #include "sim/contact/surface/mesh_distance.h"
 #include "sim/core/error.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
 
 std::string type_name(int type) {
   switch (type) {
-    case mjGEOM_HFIELD: return "height field";
-    case mjGEOM_SDF: return "sdf";
+    case mj::hfield_geom: return "height field";
+    case mj::sdf_geom: return "sdf";
     default: return "of type " + std::to_string(type);
   }
 }
 
-std::string name_of(const mjModel* model, int geom) {
-  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+std::string name_of(ModelView model, int geom) {
+  const char* name = model.name_of(mj::geom, geom);
   std::string text = name != nullptr ? "geom " + quote(name) : "geom " + std::to_string(geom) + " (without a name)";
-  if (model->geom_type[geom] != mjGEOM_MESH) return text;
-  const char* mesh = mj_id2name(model, mjOBJ_MESH, model->geom_dataid[geom]);
+  if (model.geom_type()[geom] != mj::mesh_geom) return text;
+  const char* mesh = model.name_of(mj::mesh, model.geom_dataid()[geom]);
   return mesh != nullptr ? text + " of the mesh " + quote(mesh) : text;
 }
 
@@ -78,16 +78,16 @@ DistanceGrid grid_of(const Mesh& mesh) {
 // Number of sizes that a geom of this type has.
 std::size_t size_count(int type) {
   switch (type) {
-    case mjGEOM_SPHERE: return 1;
-    case mjGEOM_CYLINDER:
-    case mjGEOM_CAPSULE: return 2;
-    case mjGEOM_BOX:
-    case mjGEOM_ELLIPSOID: return 3;
+    case mj::sphere_geom: return 1;
+    case mj::cylinder_geom:
+    case mj::capsule_geom: return 2;
+    case mj::box_geom:
+    case mj::ellipsoid_geom: return 3;
     default: return 0;
   }
 }
 
-Surface surface_of(const mjModel* model, const ShapeValues& shape) {
+Surface surface_of(ModelView model, const ShapeValues& shape) {
   const auto& size = shape.size;
   for (std::size_t k = 0; k < size_count(shape.type); ++k) {
     if (!(size[k] > 0.0) || !std::isfinite(size[k])) {
@@ -95,16 +95,16 @@ Surface surface_of(const mjModel* model, const ShapeValues& shape) {
     }
   }
   switch (shape.type) {
-    case mjGEOM_PLANE: return Plane{};
-    case mjGEOM_BOX: return Box{{size[0], size[1], size[2]}};
-    case mjGEOM_SPHERE: return Sphere{size[0]};
-    case mjGEOM_CYLINDER: return Cylinder{size[0], size[1]};
-    case mjGEOM_CAPSULE: return Capsule{size[0], size[1]};
-    case mjGEOM_ELLIPSOID: return Ellipsoid{{size[0], size[1], size[2]}};
-    case mjGEOM_MESH: {
+    case mj::plane_geom: return Plane{};
+    case mj::box_geom: return Box{{size[0], size[1], size[2]}};
+    case mj::sphere_geom: return Sphere{size[0]};
+    case mj::cylinder_geom: return Cylinder{size[0], size[1]};
+    case mj::capsule_geom: return Capsule{size[0], size[1]};
+    case mj::ellipsoid_geom: return Ellipsoid{{size[0], size[1], size[2]}};
+    case mj::mesh_geom: {
       const int mesh = shape.mesh;
-      return grid_of({model->mesh_vert + 3 * model->mesh_vertadr[mesh], static_cast<std::size_t>(model->mesh_vertnum[mesh]),
-                      model->mesh_face + 3 * model->mesh_faceadr[mesh], static_cast<std::size_t>(model->mesh_facenum[mesh])});
+      return grid_of({model.mesh_vert() + 3 * model.mesh_vertadr()[mesh], static_cast<std::size_t>(model.mesh_vertnum()[mesh]),
+                      model.mesh_face() + 3 * model.mesh_faceadr()[mesh], static_cast<std::size_t>(model.mesh_facenum()[mesh])});
     }
     default:
       throw InputError("it is " + type_name(shape.type) + "; allowed: plane, box, sphere, cylinder, capsule, ellipsoid, mesh");
@@ -113,15 +113,15 @@ Surface surface_of(const mjModel* model, const ShapeValues& shape) {
 
 }  // namespace
 
-ShapeValues shape_values(const mjModel* model, int geom) {
-  const int type = model->geom_type[geom];
-  ShapeValues shape{type, type == mjGEOM_MESH ? model->geom_dataid[geom] : -1, {}};
-  std::copy_n(model->geom_size + 3 * static_cast<std::ptrdiff_t>(geom), size_count(type), shape.size.begin());
+ShapeValues shape_values(ModelView model, int geom) {
+  const int type = model.geom_type()[geom];
+  ShapeValues shape{type, type == mj::mesh_geom ? model.geom_dataid()[geom] : -1, {}};
+  std::copy_n(model.geom_size() + 3 * static_cast<std::ptrdiff_t>(geom), size_count(type), shape.size.begin());
   return shape;
 }
 
-GeomSurface surface_of_geom(const mjModel* model, int geom) {
-  if (geom < 0 || geom >= model->ngeom) throw std::invalid_argument("geom " + std::to_string(geom) + " is not in the model");
+GeomSurface surface_of_geom(ModelView model, int geom) {
+  if (geom < 0 || geom >= model.ngeom()) throw std::invalid_argument("geom " + std::to_string(geom) + " is not in the model");
   try {
     // MuJoCo's shapes have the same pose in their geom's frame as ours in theirs; the compiler has
     // transformed meshes accordingly.

@@ -6,8 +6,7 @@
 
 #include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
-
-struct mjModel_;
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
@@ -24,7 +23,7 @@ struct ShapeValues {
 
   bool operator==(const ShapeValues&) const = default;
 };
-ShapeValues shape_values(const mjModel_* model, int geom);
+ShapeValues shape_values(ModelView model, int geom);
 
 // Largest number of nodes of a mesh's distance grid (7 MB): for a compact object, cells of about a
 // sixtieth of its longest edge.
@@ -42,6 +41,6 @@ inline constexpr std::size_t mesh_grid_nodes = 400'000;
 // Throws std::invalid_argument for a geom that is not in the model, and InputError, which names the
 // geom, its mesh and a remedy, for a geom of another type (height field, sdf), for a size that is
 // not positive and finite, and for a mesh that is not closed.
-GeomSurface surface_of_geom(const mjModel_* model, int geom);
+GeomSurface surface_of_geom(ModelView model, int geom);
 
 }  // namespace slipbench

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <random>
 
-#include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
 #include "sim/core/math/rotation.h"
 #include "sim/core/quantity.h"
-#include "sim/mujoco/mujoco_call.h"
-#include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/effective_metric.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
@@ -63,50 +62,55 @@ class MetricRows {
   }
 
   // Returns false if the arena is full.
-  [[nodiscard]] bool write(mjData* d) const { return indices_.empty() || append_to_metric(d, indices_, values_); }
+  [[nodiscard]] bool write(DataView d) const { return indices_.empty() || append_to_metric(d, indices_, values_); }
 
  private:
   std::vector<int> columns_, indices_;
-  std::vector<mjtNum> values_;
+  std::vector<double> values_;
 };
 
 // True if a tendon in the metric connects the object, or a body welded to it, with the pad's
 // kinematic tree.
-bool joined(const mjModel* m, int pad_body, int object_body) {
+bool joined(ModelView m, int pad_body, int object_body) {
   const auto moves_with_pad = [&](int body) {
-    return body == m->body_weldid[pad_body] || (m->body_treeid[body] >= 0 && m->body_treeid[body] == m->body_treeid[pad_body]);
+    return body == m.body_weldid()[pad_body] ||
+           (m.body_treeid()[body] >= 0 && m.body_treeid()[body] == m.body_treeid()[pad_body]);
   };
-  for (int t = 0; t < m->ntendon; ++t) {
-    if (!(m->tendon_damping[t] > 0.0)) continue;
+  for (int t = 0; t < m.ntendon(); ++t) {
+    if (!(m.tendon_damping()[t] > 0.0)) continue;
     bool at_pad = false, at_object = false;
-    for (int w = m->tendon_adr[t]; w < m->tendon_adr[t] + m->tendon_num[t]; ++w) {
-      if (m->wrap_type[w] != mjWRAP_SITE) continue;
-      const int body = m->body_weldid[m->site_bodyid[m->wrap_objid[w]]];
+    for (int w = m.tendon_adr()[t]; w < m.tendon_adr()[t] + m.tendon_num()[t]; ++w) {
+      if (m.wrap_type()[w] != mj::site_wrap) continue;
+      const int body = m.body_weldid()[m.site_bodyid()[m.wrap_objid()[w]]];
       at_pad |= moves_with_pad(body);
-      at_object |= body == m->body_weldid[object_body];
+      at_object |= body == m.body_weldid()[object_body];
     }
     if (at_pad && at_object) return true;
   }
   return false;
 }
 
-std::string body_name(const mjModel* m, int body) {
-  if (const char* name = mj_id2name(m, mjOBJ_BODY, body); name != nullptr) return name;
+std::string body_name(ModelView m, int body) {
+  if (const char* name = m.name_of(mj::body, body); name != nullptr) return name;
   return "number " + std::to_string(body);
 }
 
 }  // namespace
 
-std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads) {
-  std::vector<std::string> missing;
-  if (m->opt.integrator != mjINT_DISCRETE) missing.emplace_back("integrator=\"discrete\"");
-  if (m->opt.noslip_iterations != 0) missing.emplace_back("noslip_iterations=\"0\" (the noslip solver does not see the pads)");
-  if (m->opt.iterations < implicit_iterations) {
-    missing.push_back("iterations=\"" + std::to_string(implicit_iterations) + "\" or more, found " +
-                      std::to_string(m->opt.iterations));
+std::string implicit_refusal(ModelView m, std::span<const ImplicitPad> pads) {
+  if (!m.mujoco().has_metric()) {
+    return std::string("needs the integrator discrete, with which pads do not work in MuJoCo ") + m.mujoco().mj_versionString() +
+           "; use MuJoCo 3.14 or later, or the explicit solver";
   }
-  if (m->opt.solver == mjSOL_PGS) missing.emplace_back("solver=\"Newton\" or \"CG\" (PGS does not see the pads)");
-  if ((m->opt.disableflags & mjDSBL_DAMPER) != 0)
+  std::vector<std::string> missing;
+  if (m.opt_integrator() != m.mujoco().layout.discrete) missing.emplace_back("integrator=\"discrete\"");
+  if (m.opt_noslip_iterations() != 0) missing.emplace_back("noslip_iterations=\"0\" (the noslip solver does not see the pads)");
+  if (m.opt_iterations() < implicit_iterations) {
+    missing.push_back("iterations=\"" + std::to_string(implicit_iterations) + "\" or more, found " +
+                      std::to_string(m.opt_iterations()));
+  }
+  if (m.opt_solver() == mj::pgs) missing.emplace_back("solver=\"Newton\" or \"CG\" (PGS does not see the pads)");
+  if ((m.opt_disableflags() & mj::disable_damper) != 0)
     missing.emplace_back("the flag damper enabled (without it MuJoCo ignores tendons in its solver)");
   if (sleep_enabled(m)) missing.emplace_back("the flag sleep disabled");
   for (const ImplicitPad& pad : pads) {
@@ -121,52 +125,54 @@ std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads
   return all;
 }
 
-std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pads) {
-  const ModelPointer copy(mj_copyModel(nullptr, m));
-  copy->nplugin = 0;  // the fields themselves are plugins
-  std::fill_n(&copy->actuator_plugin[0], static_cast<Index>(copy->nactuator), -1);
+std::string implicit_self_test(ModelView m, std::span<const ImplicitPad> pads) {
+  const MujocoLibrary& mujoco = m.mujoco();
+  const std::unique_ptr<mjModel_, void (*)(mjModel_*)> owned_model(mujoco.mj_copyModel(nullptr, m.get()), mujoco.mj_deleteModel);
+  const ModelView copy(owned_model.get(), mujoco);
+  copy.nplugin() = 0;  // the fields themselves are plugins
+  std::fill_n(&copy.actuator_plugin()[0], static_cast<Index>(copy.nactuator()), -1);
   // MuJoCo's shortcuts around the metric are those without constraints
-  copy->opt.disableflags |= mjDSBL_CONSTRAINT;
-  const DataPointer data(mj_makeData(copy.get()));
-  mjData* d = data.get();
-  const auto nv = static_cast<Index>(copy->nv);
-  const double h = copy->opt.timestep;
+  copy.opt_disableflags() |= mj::disable_constraint;
+  const std::unique_ptr<mjData_, void (*)(mjData_*)> owned_data(mujoco.mj_makeData(copy.get()), mujoco.mj_deleteData);
+  const DataView d(owned_data.get(), mujoco);
+  const auto nv = static_cast<Index>(copy.nv());
+  const double h = copy.opt_timestep();
   std::mt19937_64 bits(1);
-  for (Index i = 0; i < nv; ++i) d->qvel[i] = static_cast<double>(bits() >> 11) * 0x1p-53 - 0.5;
+  for (Index i = 0; i < nv; ++i) d.qvel()[i] = static_cast<double>(bits() >> 11) * 0x1p-53 - 0.5;
 
   MatrixXd metric = MatrixXd::Zero(nv, nv);  // J' h^2 K J
   MetricRows rows;
-  mj_fwdPosition(copy.get(), d);
+  mujoco.mj_fwdPosition(copy.get(), d.get());
   for (const ImplicitPad& pad : pads) {
-    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->xmat + 9 * pad.pad_body);
-    const Eigen::Map<const Vector3d> place(d->xpos + 3 * pad.pad_body);
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d.xmat() + 9 * pad.pad_body);
+    const Eigen::Map<const Vector3d> place(d.xpos() + 3 * pad.pad_body);
     const Pose at = Pose{turn, place} * pad.pad_in_body;
     const Matrix6d k = stuck_tangent(*pad.layout, at, at.position, 0.0).stiffness;
     RowMatrix jacobian(6, nv);
-    relative_jacobian(copy.get(), d, {pad.pad_body, pad.object_body, at.position}, jacobian.data());
+    relative_jacobian(copy, d, {pad.pad_body, pad.object_body, at.position}, jacobian.data());
     rows.add(k, h * h, jacobian);
     metric += h * h * jacobian.transpose() * k * jacobian;
   }
   const auto accelerate = [&](bool with_rows) -> std::string {
-    mj_fwdPosition(copy.get(), d);
-    mj_fwdVelocity(copy.get(), d);
+    mujoco.mj_fwdPosition(copy.get(), d.get());
+    mujoco.mj_fwdVelocity(copy.get(), d.get());
     if (with_rows) {
       if (!metric_is_on(d)) return " MuJoCo built no effective metric for this model";
       if (!rows.write(d)) return "MuJoCo's arena is full; raise <size memory=\"...\"/>";
-      shift_by_metric(copy.get(), d);
+      shift_by_metric(copy, d);
     }
-    mj_fwdActuation(copy.get(), d);
-    mj_fwdAcceleration(copy.get(), d);
-    mj_fwdConstraint(copy.get(), d);
+    mujoco.mj_fwdActuation(copy.get(), d.get());
+    mujoco.mj_fwdAcceleration(copy.get(), d.get());
+    mujoco.mj_fwdConstraint(copy.get(), d.get());
     return {};
   };
 
   if (std::string error = accelerate(true); !error.empty()) return error;
-  const VectorXd with_rows = Eigen::Map<VectorXd>(d->qacc, nv);
-  const VectorXd v = Eigen::Map<VectorXd>(d->qvel, nv);
-  Eigen::Map<VectorXd>(d->qfrc_applied, nv) = -metric * (v + h * with_rows) / h;
+  const VectorXd with_rows = Eigen::Map<VectorXd>(d.qacc(), nv);
+  const VectorXd v = Eigen::Map<VectorXd>(d.qvel(), nv);
+  Eigen::Map<VectorXd>(d.qfrc_applied(), nv) = -metric * (v + h * with_rows) / h;
   if (std::string error = accelerate(false); !error.empty()) return error;
-  const VectorXd with_force = Eigen::Map<VectorXd>(d->qacc, nv);
+  const VectorXd with_force = Eigen::Map<VectorXd>(d.qacc(), nv);
   // Relative to the change made by the rows, so that an ignored field is noticed despite large
   // accelerations. For stiff pads the force is a difference of large numbers, which costs digits:
   // h^2 K / m may be 1e6.
@@ -297,19 +303,19 @@ void ImplicitFields::predict(std::span<const ImplicitContact> contacts) {
   }
 }
 
-std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const ImplicitContact> contacts,
+std::string ImplicitFields::apply(ModelView m, DataView d, std::span<const ImplicitContact> contacts,
                                   std::span<const double> memory, double viscous_time) {
   if (!metric_is_on(d)) return "MuJoCo has no effective metric in this step";
-  h_ = m->opt.timestep;
+  h_ = m.opt_timestep();
   tau_ = viscous_time;
-  const auto nv = static_cast<Index>(m->nv);
+  const auto nv = static_cast<Index>(m.nv());
   jacobians_.resize(block(contacts.size()), nv);
   start_.resize(block(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     // Rows of dynamic size: with a fixed size of six Eigen would sum in another order.
     auto rows = jacobians_.middleRows(block(i), 6);
     relative_jacobian(m, d, {contacts[i].pad_body, contacts[i].object_body, contacts[i].pad.position}, rows.data());
-    if (contacts[i].field != nullptr) start_.segment<6>(block(i)).noalias() = rows * Eigen::Map<const VectorXd>(d->qvel, nv);
+    if (contacts[i].field != nullptr) start_.segment<6>(block(i)).noalias() = rows * Eigen::Map<const VectorXd>(d.qvel(), nv);
   }
   find_active(contacts, memory);
   iterations_ = 0;
@@ -329,13 +335,13 @@ std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const I
   for (std::size_t a = 0; a < active_.size(); ++a) {
     // MuJoCo itself subtracts h K w' (mj_effShift and the metric).
     const Vector6d force = linear_[a].force + h_ * linear_[a].stiffness * w_.segment<6>(block(a));
-    Eigen::Map<VectorXd>(d->qfrc_passive, nv) += jacobian.middleRows<6>(block(a)).transpose() * force;
+    Eigen::Map<VectorXd>(d.qfrc_passive(), nv) += jacobian.middleRows<6>(block(a)).transpose() * force;
   }
   return {};
 }
 
-void ImplicitFields::finish(const mjModel* m, const mjData* d, std::span<double> memory) {
-  const VectorXd change = jacobians_ * Eigen::Map<const VectorXd>(d->qacc, static_cast<Index>(m->nv));
+void ImplicitFields::finish(ModelView m, DataView d, std::span<double> memory) {
+  const VectorXd change = jacobians_ * Eigen::Map<const VectorXd>(d.qacc(), static_cast<Index>(m.nv()));
   VectorXd rest = change;
   applied_.assign(memory.size() / memory_per_contact, {Vector3d::Zero(), Vector3d::Zero()});
   if (!active_.empty()) {

@@ -47,9 +47,8 @@
 #include "sim/contact/field.h"
 #include "sim/core/pose.h"
 #include "sim/mujoco/linear/stability.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
-struct mjModel_;
-struct mjData_;
 struct mjSpec_;
 
 namespace slipbench {
@@ -81,13 +80,13 @@ void prepare_implicit(mjSpec_* spec, std::span<const SitePair> pairs);
 
 // Returns the requirements of implicit fields that this model does not meet: "needs
 // integrator="discrete"; iterations="20" or more, found 5"; empty if it meets all.
-[[nodiscard]] std::string implicit_refusal(const mjModel_* m, std::span<const ImplicitPad> pads);
+[[nodiscard]] std::string implicit_refusal(ModelView m, std::span<const ImplicitPad> pads);
 
 // Steps a copy of the model (plugins and constraints off, at qpos0, seeded velocities) with pads at
 // their greatest stiffness as rows of the metric, and again under the force that these rows
 // represent. Returns "" if both give the same acceleration, otherwise a sentence with the
 // difference. Call implicit_refusal() first.
-[[nodiscard]] std::string implicit_self_test(const mjModel_* m, std::span<const ImplicitPad> pads);
+[[nodiscard]] std::string implicit_self_test(ModelView m, std::span<const ImplicitPad> pads);
 
 // A field between two bodies, at the start of a step.
 struct ImplicitContact {
@@ -111,11 +110,11 @@ class ImplicitFields {
   // In the PASSIVE callback: adds the fields' force to d->qfrc_passive and their rows to d's
   // metric. `viscous_time` [s]: as in Field::damped_wrench_on_pad(). If MuJoCo has no metric in
   // this step or its arena is full, adds nothing and returns a sentence that says so.
-  [[nodiscard]] std::string apply(const mjModel_* m, mjData_* d, std::span<const ImplicitContact> contacts,
+  [[nodiscard]] std::string apply(ModelView m, DataView d, std::span<const ImplicitContact> contacts,
                                   std::span<const double> memory, double viscous_time);
 
   // After the step has computed its acceleration (a plugin's `advance`): updates the memory.
-  void finish(const mjModel_* m, const mjData_* d, std::span<double> memory);
+  void finish(ModelView m, DataView d, std::span<double> memory);
 
   // The wrench on the pad of contact i about the pad's origin, in world axes, as applied in the
   // step; valid after finish().

@@ -13,6 +13,7 @@
 #include "sim/core/counted.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 #include "sim/scene/entry_reader.h"
 #include "sim/scene/scene_reader.h"
 #include "sim/scene/scene_values.h"
@@ -181,14 +182,14 @@ const ParameterSpec unloaded_spec =
 // The attributes of one instance.
 class Attributes {
  public:
-  Attributes(const mjModel* model, int instance)
-      : model_(model), instance_(instance), name_(model->names + model->name_pluginadr[instance]) {
+  Attributes(ModelView model, int instance)
+      : model_(model), instance_(instance), name_(model.names() + model.name_pluginadr()[instance]) {
     if (name_.empty()) name_ = std::to_string(instance);
   }
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::string text(const char* attribute) const {
-    const char* text = mj_getPluginConfig(model_, instance_, attribute);
+    const char* text = model_.mujoco().mj_getPluginConfig(model_.get(), instance_, attribute);
     return text == nullptr ? "" : text;
   }
   [[nodiscard]] bool has(const char* attribute) const { return !text(attribute).empty(); }
@@ -212,33 +213,34 @@ class Attributes {
 
   // Returns the id of the object called `object_name`, or -1. After MjSpec.attach it may have the
   // prefix or suffix of the instance.
-  [[nodiscard]] int find(mjtObj type, const std::string& object_name) const {
+  [[nodiscard]] int find(int type, const std::string& object_name) const {
     const std::string declared = text("name");
     for (std::size_t at = declared.empty() ? std::string::npos : name_.find(declared); at != std::string::npos;
          at = name_.find(declared, at + 1)) {
       const std::string attached = name_.substr(0, at) + object_name + name_.substr(at + declared.size());
-      if (const int id = mj_name2id(model_, type, attached.c_str()); id >= 0) return id;
+      if (const int id = model_.mujoco().mj_name2id(model_.get(), type, attached.c_str()); id >= 0) return id;
     }
-    if (const int id = mj_name2id(model_, type, object_name.c_str()); id >= 0) return id;
+    if (const int id = model_.mujoco().mj_name2id(model_.get(), type, object_name.c_str()); id >= 0) return id;
     for (std::size_t size = declared.empty() ? name_.size() : 0; size > 0; --size) {
-      if (const int id = mj_name2id(model_, type, (name_.substr(0, size) + object_name).c_str()); id >= 0) return id;
+      if (const int id = model_.mujoco().mj_name2id(model_.get(), type, (name_.substr(0, size) + object_name).c_str()); id >= 0)
+        return id;
     }
     return -1;
   }
   // The same; `noun`: "site". Throws InputError if it does not exist.
-  [[nodiscard]] int object(mjtObj type, const char* noun, const std::string& object_name, int count) const {
+  [[nodiscard]] int object(int type, const char* noun, const std::string& object_name, int count) const {
     if (const int id = find(type, object_name); id >= 0) return id;
     std::vector<std::string> known;
     for (int id = 0; id < count; ++id) {
-      if (const char* other = mj_id2name(model_, type, id)) known.emplace_back(other);
+      if (const char* other = model_.name_of(type, id)) known.emplace_back(other);
     }
     refuse("no " + std::string(noun) + " " + quote(object_name) + " in the model" + allowed_names(object_name, known));
   }
 
-  [[nodiscard]] const mjModel* model() const { return model_; }
+  [[nodiscard]] ModelView model() const { return model_; }
 
  private:
-  const mjModel* model_;
+  ModelView model_;
   int instance_;
   std::string name_;
 };
@@ -328,15 +330,15 @@ const Scene& read_contact(const Attributes& attributes, const Catalogues& known)
   });
 }
 
-bool below(const mjModel* model, int body, int root) {
-  while (body > root) body = model->body_parentid[body];
+bool below(ModelView model, int body, int root) {
+  while (body > root) body = model.body_parentid()[body];
   return body == root;
 }
 
 // When MuJoCo asks for sizes it has not yet determined which bodies are welded.
-bool welded(const mjModel* model, int a, int b) {
+bool welded(ModelView model, int a, int b) {
   const auto top = [model](int body) {
-    while (body > 0 && model->body_jntnum[body] == 0) body = model->body_parentid[body];
+    while (body > 0 && model.body_jntnum()[body] == 0) body = model.body_parentid()[body];
     return body;
   };
   return top(a) == top(b);
@@ -344,28 +346,28 @@ bool welded(const mjModel* model, int a, int b) {
 
 // Returns the geoms that a word of `touch` names.
 std::vector<int> geoms_of(const Attributes& attributes, const std::string& word, int site) {
-  const mjModel* model = attributes.model();
+  ModelView model = attributes.model();
   const std::size_t colon = word.find(':');
   const std::string kind = word.substr(0, colon), rest = colon == std::string::npos ? "" : word.substr(colon + 1);
-  if (attributes.find(mjOBJ_GEOM, word) >= 0 || (kind != "body" && kind != "subtree" && kind != "group")) {
-    return {attributes.object(mjOBJ_GEOM, "geom", word, static_cast<int>(model->ngeom))};
+  if (attributes.find(mj::geom, word) >= 0 || (kind != "body" && kind != "subtree" && kind != "group")) {
+    return {attributes.object(mj::geom, "geom", word, static_cast<int>(model.ngeom()))};
   }
   std::vector<int> all, colliding;
   const auto take = [&](int geom) {
     all.push_back(geom);
-    if (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0) colliding.push_back(geom);
+    if (model.geom_contype()[geom] != 0 || model.geom_conaffinity()[geom] != 0) colliding.push_back(geom);
   };
   if (kind == "group") {
-    for (int geom = 0; geom < static_cast<int>(model->ngeom); ++geom) {
-      if (std::to_string(model->geom_group[geom]) != rest) continue;
-      if (!welded(model, model->geom_bodyid[geom], model->site_bodyid[site])) all.push_back(geom);
+    for (int geom = 0; geom < static_cast<int>(model.ngeom()); ++geom) {
+      if (std::to_string(model.geom_group()[geom]) != rest) continue;
+      if (!welded(model, model.geom_bodyid()[geom], model.site_bodyid()[site])) all.push_back(geom);
     }
     if (all.empty()) attributes.refuse("touch: no geom in group " + quote(rest) + " except geoms that move with the pad");
     return all;
   }
-  const int body = attributes.object(mjOBJ_BODY, "body", rest, static_cast<int>(model->nbody));
-  for (int geom = 0; geom < static_cast<int>(model->ngeom); ++geom) {
-    if (kind == "body" ? model->geom_bodyid[geom] == body : below(model, model->geom_bodyid[geom], body)) take(geom);
+  const int body = attributes.object(mj::body, "body", rest, static_cast<int>(model.nbody()));
+  for (int geom = 0; geom < static_cast<int>(model.ngeom()); ++geom) {
+    if (kind == "body" ? model.geom_bodyid()[geom] == body : below(model, model.geom_bodyid()[geom], body)) take(geom);
   }
   if (all.empty()) attributes.refuse("touch: the " + kind + " " + quote(rest) + " has no geom");
   return colliding.empty() ? all : colliding;
@@ -377,7 +379,7 @@ std::vector<int> touched_geoms(const Attributes& attributes, int site) {
   for (std::string word; words >> word;) {
     for (const int geom : geoms_of(attributes, word, site)) {
       if (std::ranges::find(geoms, geom) != geoms.end()) {
-        const char* name = mj_id2name(attributes.model(), mjOBJ_GEOM, geom);
+        const char* name = attributes.model().name_of(mj::geom, geom);
         attributes.refuse("touch names the geom " + quote(name == nullptr ? std::to_string(geom) : name) + " twice");
       }
       geoms.push_back(geom);
@@ -445,12 +447,13 @@ std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) co
   }
 }
 
-PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue& catalogue) {
+PadConfig read_pad_config(ModelView model, int instance, const PadCatalogue& catalogue) {
   const Attributes attributes(model, instance);
   PadConfig config;
+  config.mujoco = &model.mujoco();
   config.name = attributes.name();
   if (!attributes.has("pad")) attributes.refuse("no attribute pad; expected the name of a site");
-  config.site = attributes.object(mjOBJ_SITE, "site", attributes.text("pad"), static_cast<int>(model->nsite));
+  config.site = attributes.object(mj::site, "site", attributes.text("pad"), static_cast<int>(model.nsite()));
   config.geoms = touched_geoms(attributes, config.site);
   if (attributes.has("sensor") == attributes.has("elements")) {
     attributes.refuse("expected one of the attributes sensor and elements; found: " +
@@ -487,7 +490,7 @@ void PadConfig::report(const std::string& mistake) const {
   if (unchecked) return;
   const std::string text = "plugin '" + name + "': " + mistake;
   if (!warn) throw InputError(text + "; check='warn' makes this error a warning");
-  mju_warning("slipbench: %s", text.c_str());
+  mujoco->mju_warning("slipbench: %s", text.c_str());
 }
 
 }  // namespace slipbench

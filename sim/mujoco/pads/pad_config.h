@@ -2,7 +2,6 @@
 // read and checked.
 #pragma once
 
-#include <mujoco/mujoco.h>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -13,6 +12,7 @@
 #include "sim/contact/field.h"
 #include "sim/core/parameters.h"
 #include "sim/mujoco/pads/register_plugin.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {
@@ -50,7 +50,8 @@ inline constexpr const char* pad_attributes[] = {"pad",     "touch",    "sensor"
                                                  "units",   "elements", "name",   "check",         "unloaded"};
 
 struct PadConfig {
-  std::string name;  // of the instance
+  const MujocoLibrary* mujoco = nullptr;  // of the model
+  std::string name;                       // of the instance
   int site = -1;
   std::vector<int> geoms;
   std::vector<PadLayout> table;  // one layout, if given by `elements`
@@ -92,6 +93,6 @@ class LayoutsInMemory {
 
 // Throws InputError: "plugin 'left' effects=...: unknown effect 'agein'; did you mean 'ageing'?
 // allowed: ...".
-PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue& catalogue);
+PadConfig read_pad_config(ModelView model, int instance, const PadCatalogue& catalogue);
 
 }  // namespace slipbench

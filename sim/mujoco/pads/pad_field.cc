@@ -7,11 +7,12 @@
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/install.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
-std::string name_of_geom(const mjModel* model, int geom) {
-  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+std::string name_of_geom(ModelView model, int geom) {
+  const char* name = model.name_of(mj::geom, geom);
   return name == nullptr ? std::to_string(geom) : name;
 }
 
@@ -20,7 +21,7 @@ PadLayout without_dashpots(PadLayout layout) {
   return layout;
 }
 
-Field make_pad_field(const mjModel* model, const PadConfig& config, const PadLayout& layout, int geom, const Surface& surface) {
+Field make_pad_field(ModelView model, const PadConfig& config, const PadLayout& layout, int geom, const Surface& surface) {
   FieldEffects effects;
   try {
     effects = install_effects(config.effects, layout, surface, config.seed, config.trial);
@@ -41,8 +42,8 @@ Field make_pad_field(const mjModel* model, const PadConfig& config, const PadLay
 }
 
 Surface kind_of_surface(int geom_type) {
-  if (geom_type == mjGEOM_PLANE) return Plane{};
-  if (geom_type == mjGEOM_BOX) return Box{{1.0, 1.0, 1.0}};
+  if (geom_type == mj::plane_geom) return Plane{};
+  if (geom_type == mj::box_geom) return Box{{1.0, 1.0, 1.0}};
   return Sphere{1.0};
 }
 

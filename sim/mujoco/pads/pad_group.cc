@@ -12,6 +12,7 @@
 #include "sim/core/pose.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/linear/stability.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
@@ -32,7 +33,7 @@ std::string names_of(const std::vector<PadInstance*>& pads) {
 
 // After PadInstance::add_force(): adds, for every touched geom, the tangent of the pad's elements
 // that touch in the trial, taken as stuck.
-void add_touching_tangents(const mjModel* model, const mjData* data, const PadInstance& pad, PadTangents& pads) {
+void add_touching_tangents(ModelView model, DataView data, const PadInstance& pad, PadTangents& pads) {
   if (pad.idle()) return;
   const PadKinematics& kinematics = pad.kinematics();
   const Pose pose = kinematics.pad_pose(data);
@@ -50,7 +51,7 @@ void add_touching_tangents(const mjModel* model, const mjData* data, const PadIn
 
 // Adds the pad's tangent with all elements stuck on the touched body on which it vibrates fastest,
 // moved onto that body if it is separated.
-void add_stuck_tangent(const mjModel* model, mjData* data, const PadInstance& pad, PadTangents& pads) {
+void add_stuck_tangent(ModelView model, DataView data, const PadInstance& pad, PadTangents& pads) {
   const PadKinematics& kinematics = pad.kinematics();
   const Pose pose = kinematics.pad_pose(data);
   PadOnBodies on{};
@@ -80,7 +81,7 @@ void add_stuck_tangent(const mjModel* model, mjData* data, const PadInstance& pa
 
 }  // namespace
 
-PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) {
+PadGroup::PadGroup(ModelView model, const std::vector<PadInstance*>& pads) {
   for (PadInstance* pad : pads) (pad->config().implicit ? implicit_ : explicit_).push_back(pad);
   std::size_t contacts = 0;
   for (const PadInstance* pad : explicit_) contacts += pad->config().geoms.size();
@@ -90,7 +91,7 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
       if (pads[k]->config().site != pads[i]->config().site) continue;
       pads[i]->config().report(
           fmt::format("it is on the same site '{}' as plugin '{}', so their forces would add up; use one site for each",
-                      mj_id2name(model, mjOBJ_SITE, pads[i]->config().site), pads[k]->config().name));
+                      model.name_of(mj::site, pads[i]->config().site), pads[k]->config().name));
     }
   }
   if (implicit_.empty()) return;
@@ -109,7 +110,7 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
   memory_.resize(described_.size() * ImplicitFields::memory_per_contact);
 }
 
-void PadGroup::add_force(const mjModel* model, mjData* data) {
+void PadGroup::add_force(ModelView model, DataView data) {
   if (guarded_ && !explicit_.empty()) refuse_long_step(model, data);
   if (implicit_.empty()) return;
   const auto refuse = [this](const std::string& failure) {
@@ -131,7 +132,7 @@ void PadGroup::add_force(const mjModel* model, mjData* data) {
   refuse(failure);
 }
 
-void PadGroup::finish(const mjModel* model, mjData* data) {
+void PadGroup::finish(ModelView model, DataView data) {
   if (implicit_.empty()) return;
   if (!solver_.converged()) ++unconverged_;
   solver_.finish(model, data, memory_);
@@ -143,16 +144,18 @@ void PadGroup::finish(const mjModel* model, mjData* data) {
   }
 }
 
-void PadGroup::add_applied(const mjModel* model, mjData* data, mjtNum* force) const {
+void PadGroup::add_applied(ModelView model, DataView data, double* force) const {
   std::size_t i = 0;
   for (const PadInstance* pad : implicit_) {
     const int site = pad->config().site;
     for (const int geom : pad->config().geoms) {
       const Wrench& wrench = solver_.applied(i++);
       const Eigen::Vector3d back_force = -wrench.force, back_torque = -wrench.torque;
-      const mjtNum* origin = data->site_xpos + 3 * site;
-      mj_applyFT(model, data, wrench.force.data(), wrench.torque.data(), origin, model->site_bodyid[site], force);
-      mj_applyFT(model, data, back_force.data(), back_torque.data(), origin, model->geom_bodyid[geom], force);
+      const double* origin = data.site_xpos() + 3 * site;
+      model.mujoco().mj_applyFT(model.get(), data.get(), wrench.force.data(), wrench.torque.data(), origin,
+                                model.site_bodyid()[site], force);
+      model.mujoco().mj_applyFT(model.get(), data.get(), back_force.data(), back_torque.data(), origin, model.geom_bodyid()[geom],
+                                force);
     }
   }
 }
@@ -166,7 +169,7 @@ void PadGroup::copy_from(const PadGroup& other) {
   unconverged_ = other.unconverged_;
 }
 
-double PadGroup::longest_step(const mjModel* model, mjData* data) const {
+double PadGroup::longest_step(ModelView model, DataView data) const {
   PadTangents pads;
   for (const PadInstance* pad : explicit_) add_stuck_tangent(model, data, *pad, pads);
   return bearable * longest_explicit_step(fastest_vibration(model, data, pads.bodies, pads.tangents));
@@ -175,7 +178,7 @@ double PadGroup::longest_step(const mjModel* model, mjData* data) const {
 // The step is checked when more elements of a pad touch than in the last step. Before the first
 // commit nothing is thrown, since MuJoCo's compiler takes one step with the model's time step; a
 // violation found then is thrown at the next step, with or without contact.
-void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
+void PadGroup::refuse_long_step(ModelView model, DataView data) {
   const bool placed = explicit_.front()->placed(model, data);
   if (!placed) {
     pending_.clear();
@@ -196,10 +199,10 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
     for (const PadInstance* pad : explicit_) add_touching_tangents(model, data, *pad, pads);
     const Vibration vibration = fastest_vibration(model, data, pads.bodies, pads.tangents);
     const double longest = bearable * longest_explicit_step(vibration);
-    if (!(model->opt.timestep <= longest)) {
+    if (!(model.opt_timestep() <= longest)) {
       pending_ = fmt::format(
           "plugins {}: the time step {} is too long for the pads in contact at {}, whose fastest vibration is {:.3g} rad/s; allowed: up to {:.3g} ms now, up to {:.3g} ms with all elements in contact, or any step with solver='implicit'",
-          names_of(explicit_), short_time(model->opt.timestep), short_time(data->time), vibration.omega, 1e3 * longest,
+          names_of(explicit_), short_time(model.opt_timestep()), short_time(data.time()), vibration.omega, 1e3 * longest,
           1e3 * std::min(longest, longest_step(model, data)));
       if (placed) throw InputError(std::exchange(pending_, ""));
     }

@@ -1,13 +1,13 @@
 // All pads of one mjData.
 #pragma once
 
-#include <mujoco/mujoco.h>
 #include <cstddef>
 #include <string>
 #include <vector>
 
 #include "sim/mujoco/pads/implicit.h"
 #include "sim/mujoco/pads/pad_instance.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
@@ -22,22 +22,22 @@ class PadGroup {
  public:
   // `pads`: every pad of the mjData, in MuJoCo's order; they must outlive the group. Throws
   // InputError if implicit pads do not fit the model or each other.
-  PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads);
+  PadGroup(ModelView model, const std::vector<PadInstance*>& pads);
 
   // After every explicit pad has added its force: refuses a too long step (InputError), and adds
   // the force of the implicit pads.
-  void add_force(const mjModel* model, mjData* data);
+  void add_force(ModelView model, DataView data);
   // After the step has computed its acceleration.
-  void finish(const mjModel* model, mjData* data);
+  void finish(ModelView model, DataView data);
   // After finish(): adds the force that the implicit pads applied in the step to `force` [nv]. Must
   // be called before the kinematics are updated.
-  void add_applied(const mjModel* model, mjData* data, mjtNum* force) const;
+  void add_applied(ModelView model, DataView data, double* force) const;
   // Copies the state that mj_copyData omits.
   void copy_from(const PadGroup& other);
 
   // Returns the longest step [s] for the explicit pads with all their elements touching at
   // once; infinite without such pads.
-  [[nodiscard]] double longest_step(const mjModel* model, mjData* data) const;
+  [[nodiscard]] double longest_step(ModelView model, DataView data) const;
 
   // For a host that checks the step itself.
   void allow_long_steps() { guarded_ = false; }
@@ -45,7 +45,7 @@ class PadGroup {
   [[nodiscard]] std::size_t unconverged_steps() const { return unconverged_; }
 
  private:
-  void refuse_long_step(const mjModel* model, mjData* data);
+  void refuse_long_step(ModelView model, DataView data);
 
   std::vector<PadInstance*> explicit_, implicit_;
   bool guarded_ = true;

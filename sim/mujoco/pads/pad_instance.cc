@@ -12,13 +12,13 @@
 #include "sim/contact/several_surfaces.h"
 #include "sim/contact/surface/thickness.h"
 #include "sim/core/error.h"
-#include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/pad_field.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
 
-std::vector<Field> make_fields(const mjModel* model, const PadConfig& config, const Sensor& sensor,
+std::vector<Field> make_fields(ModelView model, const PadConfig& config, const Sensor& sensor,
                                std::span<const TouchedGeom> touched) {
   const PadLayout layout = without_dashpots(sensor.layout());
   std::vector<Field> fields;
@@ -36,10 +36,10 @@ Wrench no_wrench() { return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}; 
 
 }  // namespace
 
-PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, const PadCatalogue& catalogue)
+PadInstance::PadInstance(ModelView model, int instance, PadConfig config, const PadCatalogue& catalogue)
     : config_(std::move(config)),
       instance_(instance),
-      step_(model->opt.timestep),
+      step_(model.opt_timestep()),
       readout_(model, instance, config_, catalogue),
       kinematics_(model, config_, readout_.sensor().layout()),
       fields_(make_fields(model, config_, readout_.sensor(), kinematics_.touched())),
@@ -52,23 +52,23 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   if (!config_.unchecked) {
     if (const std::string contact = possible_contact(model, config_); !contact.empty()) config_.report(contact);
   }
-  if (layout_.total() != static_cast<std::size_t>(model->plugin_statenum[instance_])) {
+  if (layout_.total() != static_cast<std::size_t>(model.plugin_statenum()[instance_])) {
     throw std::logic_error("slipbench.field: a state of another size than the model was compiled for");
   }
 }
 
-PluginState PadInstance::state(const mjModel* model, mjData* data) const {
-  return {data->plugin_state + model->plugin_stateadr[instance_], layout_};
+PluginState PadInstance::state(ModelView model, DataView data) const {
+  return {data.plugin_state() + model.plugin_stateadr()[instance_], layout_};
 }
 
 // A pad that keeps its state moves between any two calls, so comparing would cost more than it
 // saves.
-void PadInstance::locate(const mjModel* model, const mjData* data) {
+void PadInstance::locate(ModelView model, DataView data) {
   if (!kinematics_.locate(model, data, keeps_state_) && holds_trial()) phase_ = PadPhase::outdated;
 }
 
 // True if nothing needs to be computed: the pad has touched nothing, and cannot at its pose.
-bool PadInstance::is_idle(const mjModel* model, const mjData* data, const PluginState& state, double time) {
+bool PadInstance::is_idle(ModelView model, DataView data, const PluginState& state, double time) {
   if (!may_be_idle_ || keeps_state_ || state.separation() < Separation::left || !(time >= state.committed_time())) return false;
   if (kinematics_.is_far(data)) return true;
   locate(model, data);
@@ -142,10 +142,10 @@ void PadInstance::measure(const PluginState& state) {
 }
 
 // Refuses models in which a pad cannot work, and changes of the model that it cannot follow.
-void PadInstance::check_model(const mjModel* model) const {
+void PadInstance::check_model(ModelView model) const {
   readout_.check_step(step_, config_.name);
-  const int no_passive_forces = mjDSBL_SPRING | mjDSBL_DAMPER;
-  if ((model->opt.disableflags & no_passive_forces) == no_passive_forces) {
+  const int no_passive_forces = mj::disable_spring | mj::disable_damper;
+  if ((model.opt_disableflags() & no_passive_forces) == no_passive_forces) {
     throw InputError(fmt::format(
         "plugin '{}': the flags spring and damper are both disabled, so MuJoCo omits all passive forces, including the pad's; enable at least one",
         config_.name));
@@ -155,7 +155,7 @@ void PadInstance::check_model(const mjModel* model) const {
         "plugin '{}': the flag sleep is enabled, but MuJoCo does not know that a pad connects two bodies, so a sleeping body would hang in the air when the other releases it; disable sleep",
         config_.name));
   }
-  if (const double step = model->opt.timestep; step != step_) {
+  if (const double step = model.opt_timestep(); step != step_) {
     throw InputError(
         fmt::format("plugin '{}': the time step has changed from {:.9g} s to {:.9g} s; call mj_makeData after the change",
                     config_.name, step_, step));
@@ -163,34 +163,34 @@ void PadInstance::check_model(const mjModel* model) const {
 }
 
 // Reads the sizes of the touched geoms again, which the caller may change between any two calls.
-void PadInstance::follow_shapes(const mjModel* model) {
+void PadInstance::follow_shapes(ModelView model) {
   if (!kinematics_.update_shapes(model)) return;
   fields_ = make_fields(model, config_, readout_.sensor(), kinematics_.touched());
   phase_ = PadPhase::outdated;
 }
 
 // Reports a mistake in the pose of the site once.
-void PadInstance::check_site(const mjModel* model, const PluginState& state) {
+void PadInstance::check_site(ModelView model, const PluginState& state) {
   if (config_.unchecked || warned_) return;
   const std::string mistake = kinematics_.site_mistake(model, fields_, state.placed());
   warned_ = !mistake.empty();
   if (warned_) config_.report(mistake);
 }
 
-void PadInstance::add_force(const mjModel* model, mjData* data) {
+void PadInstance::add_force(ModelView model, DataView data) {
   if (!keeps_state_) {
     check_model(model);
     follow_shapes(model);
   }
   const PluginState state = this->state(model, data);
-  computed_at_ = data->time;
-  if (is_idle(model, data, state, data->time)) {
+  computed_at_ = data.time();
+  if (is_idle(model, data, state, data.time())) {
     phase_ = PadPhase::idle;
     std::ranges::fill(applied_, no_wrench());
     return;
   }
   locate(model, data);
-  evaluate(state, data->time);
+  evaluate(state, data.time());
   check_site(model, state);
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const Wrench& wrench = applied_[k] = fields_[k].damped_wrench_on_pad(motion(k), config_.damping);
@@ -199,23 +199,23 @@ void PadInstance::add_force(const mjModel* model, mjData* data) {
   }
 }
 
-void PadInstance::describe(const mjModel* model, std::vector<ImplicitPad>& pads) const {
-  mjtNum rotation[9];
-  mju_quat2Mat(rotation, model->site_quat + 4 * config_.site);
-  const Pose pad_in_body = pose_at(model->site_pos + 3 * config_.site, rotation);
+void PadInstance::describe(ModelView model, std::vector<ImplicitPad>& pads) const {
+  double rotation[9];
+  model.mujoco().mju_quat2Mat(rotation, model.site_quat() + 4 * config_.site);
+  const Pose pad_in_body = pose_at(model.site_pos() + 3 * config_.site, rotation);
   for (const TouchedGeom& touched : kinematics_.touched()) {
     pads.push_back({kinematics_.pad_body(model), touched.body, pad_in_body, &readout_.sensor().layout()});
   }
 }
 
-void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector<ImplicitContact>& contacts) {
+void PadInstance::begin_implicit(ModelView model, DataView data, std::vector<ImplicitContact>& contacts) {
   check_model(model);
   follow_shapes(model);
   const PluginState state = this->state(model, data);
-  computed_at_ = data->time;
+  computed_at_ = data.time();
   const int pad_body = kinematics_.pad_body(model);
   const Pose pad = kinematics_.pad_pose(data);
-  if (is_idle(model, data, state, data->time)) {
+  if (is_idle(model, data, state, data.time())) {
     bool clear = kinematics_.stays_far(model, data, state.implicit(), step_);
     if (!clear) {
       locate(model, data);
@@ -229,7 +229,7 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
     }
   }
   locate(model, data);
-  evaluate(state, data->time);
+  evaluate(state, data.time());
   check_site(model, state);
   ended_with_.resize(began_with_.size());
   std::span<double> rest = ended_with_;
@@ -253,12 +253,12 @@ void PadInstance::refuse(const std::string& what) const {
 
 // The force of an element that has passed through a thin or round body would vanish without a
 // message.
-void PadInstance::refuse_lost(const mjModel* model) const {
+void PadInstance::refuse_lost(ModelView model) const {
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const std::optional<Field::Lost>& lost = fields_[k].lost();
     if (!lost) continue;
     const TouchedGeom& touched = kinematics_.touched()[k];
-    const char* const body = mj_id2name(model, mjOBJ_BODY, touched.body);
+    const char* const body = model.name_of(mj::body, touched.body);
     const double thickness = thickness_of(touched.shape);
     refuse(fmt::format(
         "at {:.6g} s element {}, which was {:.3g} mm deep in geom '{}' of body '{}'{}, passed through it; press less or make the body thicker",
@@ -268,7 +268,7 @@ void PadInstance::refuse_lost(const mjModel* model) const {
 }
 
 // Springs go on beyond the height of a unit, a real unit does not.
-void PadInstance::refuse_overcompressed(const mjModel* model) const {
+void PadInstance::refuse_overcompressed(ModelView model) const {
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const std::optional<std::size_t> element = fields_[k].overcompressed();
     if (!element) continue;
@@ -278,19 +278,19 @@ void PadInstance::refuse_overcompressed(const mjModel* model) const {
   }
 }
 
-void PadInstance::write_sensors(const mjModel* model, mjData* data) {
+void PadInstance::write_sensors(ModelView model, DataView data) {
   check_model(model);
   if (!keeps_state_) follow_shapes(model);
   if (!readout_.has_outputs()) return;  // MuJoCo calls this for every instance, read or not
   const PluginState state = this->state(model, data);
   // RK4 commits at the end of a step, so that at the start of the next one nothing has moved: the
   // last readings are still valid.
-  if ((state.placed() && data->time == state.committed_time()) || is_idle(model, data, state, data->time)) {
+  if ((state.placed() && data.time() == state.committed_time()) || is_idle(model, data, state, data.time())) {
     readout_.write_committed(data, state);
     return;
   }
   locate(model, data);
-  evaluate(state, data->time);
+  evaluate(state, data.time());
   measure(state);
   if (!keeps_state_) readout_.write(data, state);
 }
@@ -301,7 +301,7 @@ void PadInstance::keep_state() {
   readout_.stop_sampling();
 }
 
-void PadInstance::commit(const mjModel* model, mjData* data) {
+void PadInstance::commit(ModelView model, DataView data) {
   if (!keeps_state_) check_model(model);
   const PluginState state = this->state(model, data);
   if (is_idle(model, data, state, computed_at_)) {
@@ -342,19 +342,25 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
   std::ranges::copy(state.start(), began_with_.begin());
 }
 
-void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {
+void PadInstance::draw(ModelView model, DataView data, SlipbenchScene* scene) {
   const PluginState state = this->state(model, data);
   locate(model, data);
-  evaluate(state, data->time);
+  evaluate(state, data.time());
 
   const Pose pad = kinematics_.pad_pose(data);
-  const double radius = model->site_size[3 * config_.site];
+  const double radius = model.site_size()[3 * config_.site];
   constexpr double metres_per_newton = 0.01;  // at MuJoCo's default scale of forces
   constexpr double default_force_scale = 0.005;
   constexpr float colours[3][4] = {{0.55F, 0.58F, 0.62F, 1.0F}, {0.17F, 0.48F, 0.75F, 1.0F}, {0.82F, 0.29F, 0.11F, 1.0F}};
-  const double scale = metres_per_newton * model->vis.map.force / default_force_scale;
-  const auto next_geom = [scene]() -> mjvGeom* {
-    return scene->ngeom < scene->maxgeom ? scene->geoms + scene->ngeom++ : nullptr;
+  const double scale = metres_per_newton * model.vis_map_force() / default_force_scale;
+  const MujocoLibrary& mujoco = model.mujoco();
+  // Returns a new geom of decoration, or null if the scene is full.
+  const auto next_geom = [&](int type, const double* size, const double* position, const float* colour) -> mjvGeom_* {
+    if (scene->ngeom >= scene->maxgeom) return nullptr;
+    char* const geom = scene->geoms + static_cast<std::ptrdiff_t>(mujoco.layout.mjvGeom_size) * scene->ngeom++;
+    mujoco.mjv_initGeom(reinterpret_cast<mjvGeom_*>(geom), type, size, position, nullptr, colour);
+    reinterpret_cast<SlipbenchGeom*>(geom)->category = mj::decor;
+    return reinterpret_cast<mjvGeom_*>(geom);
   };
   for (Field& field : fields_) field.view_from_pad();
   for (std::size_t i = 0; i < fields_.front().size(); ++i) {
@@ -371,15 +377,10 @@ void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {
     const Eigen::Vector3d from = pad * tip, to = from + scale * (pad.rotation * force);
     const float* colour = colours[static_cast<std::size_t>(shown)];
     const double size[3] = {radius, radius, radius};
-    if (mjvGeom* ball = next_geom()) {
-      mjv_initGeom(ball, mjGEOM_SPHERE, size, from.data(), nullptr, colour);
-      ball->category = mjCAT_DECOR;
-    }
+    next_geom(mj::sphere_geom, size, from.data(), colour);
     if (shown == ElementState::detached) continue;
-    if (mjvGeom* arrow = next_geom()) {
-      mjv_initGeom(arrow, mjGEOM_ARROW, nullptr, nullptr, nullptr, colour);
-      mjv_connector(arrow, mjGEOM_ARROW, 0.4 * radius, from.data(), to.data());
-      arrow->category = mjCAT_DECOR;
+    if (mjvGeom_* arrow = next_geom(mj::arrow_geom, nullptr, nullptr, colour)) {
+      mujoco.mjv_connector(arrow, mj::arrow_geom, 0.4 * radius, from.data(), to.data());
     }
   }
 }

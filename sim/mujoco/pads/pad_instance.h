@@ -24,8 +24,6 @@
 #include <string>
 #include <vector>
 
-#include <mujoco/mujoco.h>
-
 #include "sim/api/contact_frame.h"
 #include "sim/api/sensor.h"
 #include "sim/contact/field.h"
@@ -35,6 +33,7 @@
 #include "sim/mujoco/pads/pad_kinematics.h"
 #include "sim/mujoco/pads/pad_readout.h"
 #include "sim/mujoco/pads/plugin_state.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
@@ -57,38 +56,36 @@ enum class PadPhase : std::uint8_t {
 class PadInstance {
  public:
   // Throws InputError if a geom cannot be touched or an effect does not fit it.
-  PadInstance(const mjModel* model, int instance, PadConfig config, const PadCatalogue& catalogue);
+  PadInstance(ModelView model, int instance, PadConfig config, const PadCatalogue& catalogue);
 
   // Callbacks of MuJoCo (field_plugin.cc).
   // Adds the force of the pad's elements on its body and on the touched ones to qfrc_passive. Needs
   // positions and velocities.
-  void add_force(const mjModel* model, mjData* data);
+  void add_force(ModelView model, DataView data);
   // Writes the sensordata of every sensor that refers to the instance.
-  void write_sensors(const mjModel* model, mjData* data);
+  void write_sensors(ModelView model, DataView data);
   // Commits the trial of the current kinematics to the state.
-  void commit(const mjModel* model, mjData* data);
+  void commit(ModelView model, DataView data);
   // Copies the state that mj_copyData omits: all that a half-done step needs from its first half.
   void copy_from(const PadInstance& other) { computed_at_ = other.computed_at_; }
   // Draws every element, coloured by its state, with an arrow for the force on it.
-  void draw(const mjModel* model, mjData* data, mjvScene* scene);
+  void draw(ModelView model, DataView data, SlipbenchScene* scene);
 
   // For the group of all pads (pad_group.h):
   // True if a step has been committed since the last reset.
-  [[nodiscard]] bool placed(const mjModel* model, mjData* data) const { return state(model, data).placed(); }
+  [[nodiscard]] bool placed(ModelView model, DataView data) const { return state(model, data).placed(); }
   // After add_force(): true if nothing is in reach, so that no field was evaluated.
   [[nodiscard]] bool idle() const { return phase_ == PadPhase::idle; }
   // After add_force(): number of elements that touch the geom of field `k`.
   [[nodiscard]] std::size_t touching(std::size_t k) const { return idle() ? 0 : fields_[k].touching(); }
   // Describes the pad for implicit.h before any motion: one entry per touched geom.
-  void describe(const mjModel* model, std::vector<ImplicitPad>& pads) const;
+  void describe(ModelView model, std::vector<ImplicitPad>& pads) const;
   // Instead of add_force(): starts the trial at the present pose, one entry per touched geom. The
   // solver owns the fields until forget_trial().
-  void begin_implicit(const mjModel* model, mjData* data, std::vector<ImplicitContact>& contacts);
+  void begin_implicit(ModelView model, DataView data, std::vector<ImplicitContact>& contacts);
   void forget_trial() { phase_ = PadPhase::outdated; }
   // The solver's memory of this pad, in plugin_state.
-  [[nodiscard]] std::span<double> implicit_memory(const mjModel* model, mjData* data) const {
-    return state(model, data).implicit();
-  }
+  [[nodiscard]] std::span<double> implicit_memory(ModelView model, DataView data) const { return state(model, data).implicit(); }
 
   // For scenes of this program (sim/mujoco/bodies):
   // The last committed contact: at the time of the state before the step. Events are those of that
@@ -116,21 +113,21 @@ class PadInstance {
   [[nodiscard]] const Twist& motion(std::size_t k) const { return kinematics_.touched()[k].motion; }
 
  private:
-  [[nodiscard]] PluginState state(const mjModel* model, mjData* data) const;
+  [[nodiscard]] PluginState state(ModelView model, DataView data) const;
   [[nodiscard]] bool holds_trial() const { return phase_ == PadPhase::evaluated || phase_ == PadPhase::measured; }
-  void locate(const mjModel* model, const mjData* data);
-  [[nodiscard]] bool is_idle(const mjModel* model, const mjData* data, const PluginState& state, double time);
+  void locate(ModelView model, DataView data);
+  [[nodiscard]] bool is_idle(ModelView model, DataView data, const PluginState& state, double time);
   void evaluate(const PluginState& state, double time);
   void load(const PluginState& state);
   void save(const PluginState& state);
   void step_fields(double dt);
   void measure(const PluginState& state);
-  void check_model(const mjModel* model) const;
-  void check_site(const mjModel* model, const PluginState& state);
+  void check_model(ModelView model) const;
+  void check_site(ModelView model, const PluginState& state);
   [[noreturn]] void refuse(const std::string& what) const;
-  void refuse_lost(const mjModel* model) const;
-  void refuse_overcompressed(const mjModel* model) const;
-  void follow_shapes(const mjModel* model);
+  void refuse_lost(ModelView model) const;
+  void refuse_overcompressed(ModelView model) const;
+  void follow_shapes(ModelView model);
 
   PadConfig config_;
   int instance_;

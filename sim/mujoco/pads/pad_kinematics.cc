@@ -13,6 +13,7 @@
 #include "sim/mujoco/pads/implicit.h"
 #include "sim/mujoco/pads/pad_field.h"
 #include "sim/mujoco/pads/plugin_state.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
@@ -24,23 +25,23 @@ bool same(const Twist& a, const Twist& b) { return a.linear == b.linear && a.ang
 
 // Returns the velocity in the world of a frame of body `body` at `point`, like mj_objectVelocity.
 // cvel, rotation first, is that of the reference point of the body's tree.
-Twist velocity_of(const mjModel* model, const mjData* data, int body, const mjtNum* point) {
-  const MjVector angular(data->cvel + 6 * body), linear(data->cvel + 6 * body + 3);
-  const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
+Twist velocity_of(ModelView model, DataView data, int body, const double* point) {
+  const MjVector angular(data.cvel() + 6 * body), linear(data.cvel() + 6 * body + 3);
+  const Eigen::Vector3d arm = MjVector(point) - MjVector(data.subtree_com() + 3 * model.body_rootid()[body]);
   return {linear - arm.cross(angular), angular};
 }
 
 // Adds a force and a torque at `point` of a body to qfrc_passive, like mj_applyFT, but only along
 // the body's own degrees of freedom; a body fixed to the world has none.
-void push(const mjModel* model, mjData* data, const Eigen::Vector3d& force, const Eigen::Vector3d& torque, const mjtNum* point,
+void push(ModelView model, DataView data, const Eigen::Vector3d& force, const Eigen::Vector3d& torque, const double* point,
           int body) {
-  const int moving = model->body_weldid[body];
+  const int moving = model.body_weldid()[body];
   if (moving == 0) return;
-  const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
+  const Eigen::Vector3d arm = MjVector(point) - MjVector(data.subtree_com() + 3 * model.body_rootid()[body]);
   Eigen::Matrix<double, 6, 1> wrench;  // rotation first, about cdof's reference point
   wrench << torque + arm.cross(force), force;
-  for (int dof = model->body_dofadr[moving] + model->body_dofnum[moving] - 1; dof >= 0; dof = model->dof_parentid[dof]) {
-    data->qfrc_passive[dof] += Eigen::Map<const Eigen::Matrix<double, 6, 1>>(data->cdof + 6 * dof).dot(wrench);
+  for (int dof = model.body_dofadr()[moving] + model.body_dofnum()[moving] - 1; dof >= 0; dof = model.dof_parentid()[dof]) {
+    data.qfrc_passive()[dof] += Eigen::Map<const Eigen::Matrix<double, 6, 1>>(data.cdof() + 6 * dof).dot(wrench);
   }
 }
 
@@ -50,31 +51,31 @@ const double* gained(std::span<const double> memory, std::size_t k) {
   return memory.data() + ImplicitFields::memory_per_contact * k;
 }
 
-mjtNum* store_pose(const mjtNum* position, const mjtNum* rotation, mjtNum* to) {
+double* store_pose(const double* position, const double* rotation, double* to) {
   return std::copy_n(rotation, 9, std::copy_n(position, 3, to));
 }
 
 }  // namespace
 
-PadKinematics::PadKinematics(const mjModel* model, const PadConfig& config, const PadLayout& layout)
+PadKinematics::PadKinematics(ModelView model, const PadConfig& config, const PadLayout& layout)
     : site_(config.site), watch_(layout) {
   for (const int geom : config.geoms) touched_.push_back(touched_geom(model, geom));
   constexpr std::size_t values_of_a_frame = 21;
   located_.resize(values_of_a_frame * (1 + touched_.size()));
   present_.resize(located_.size());
   for (const TouchedGeom& touched : touched_) {
-    if (model->body_weldid[touched.body] == model->body_weldid[pad_body(model)]) {
+    if (model.body_weldid()[touched.body] == model.body_weldid()[pad_body(model)]) {
       throw InputError(fmt::format("plugin '{}': the touched geom '{}' moves with the pad; name a geom of another body",
                                    config.name, name_of_geom(model, touched.geom)));
     }
   }
 }
 
-TouchedGeom PadKinematics::touched_geom(const mjModel* model, int geom) const {
+TouchedGeom PadKinematics::touched_geom(ModelView model, int geom) const {
   const GeomSurface surface = surface_of_geom(model, geom);
   const double ball = ball_around(surface.shape);
   return {geom,
-          model->geom_bodyid[geom],
+          model.geom_bodyid()[geom],
           shape_values(model, geom),
           surface.in_geom,
           surface.shape,
@@ -82,7 +83,7 @@ TouchedGeom PadKinematics::touched_geom(const mjModel* model, int geom) const {
           std::isfinite(ball) ? ball + watch_.radius() + far_enough : 0.0};
 }
 
-bool PadKinematics::update_shapes(const mjModel* model) {
+bool PadKinematics::update_shapes(ModelView model) {
   bool changed = false;
   for (TouchedGeom& touched : touched_) {
     if (touched.values == shape_values(model, touched.geom)) continue;
@@ -97,35 +98,35 @@ bool PadKinematics::update_shapes(const mjModel* model) {
 
 // True if poses and velocities are those of the last call. Cheaper than recomputing the same
 // results.
-bool PadKinematics::is_unmoved(const mjModel* model, const mjData* data) {
+bool PadKinematics::is_unmoved(ModelView model, DataView data) {
   double* out = present_.data();
-  const auto copy_frame = [&](const mjtNum* position, const mjtNum* rotation, int body) {
+  const auto copy_frame = [&](const double* position, const double* rotation, int body) {
     out = std::copy_n(position, 3, out);
     out = std::copy_n(rotation, 9, out);
-    out = std::copy_n(data->cvel + 6 * body, 6, out);
+    out = std::copy_n(data.cvel() + 6 * body, 6, out);
     // cvel's reference point
-    out = std::copy_n(data->subtree_com + 3 * model->body_rootid[body], 3, out);
+    out = std::copy_n(data.subtree_com() + 3 * model.body_rootid()[body], 3, out);
   };
-  copy_frame(data->site_xpos + 3 * site_, data->site_xmat + 9 * site_, pad_body(model));
+  copy_frame(data.site_xpos() + 3 * site_, data.site_xmat() + 9 * site_, pad_body(model));
   for (const TouchedGeom& touched : touched_) {
-    copy_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, touched.body);
+    copy_frame(data.geom_xpos() + 3 * touched.geom, data.geom_xmat() + 9 * touched.geom, touched.body);
   }
   if (std::memcmp(present_.data(), located_.data(), present_.size() * sizeof(double)) == 0) return true;
   located_.swap(present_);
   return false;
 }
 
-bool PadKinematics::locate(const mjModel* model, const mjData* data, bool always) {
+bool PadKinematics::locate(ModelView model, DataView data, bool always) {
   if (!always && is_unmoved(model, data)) return true;
   clear_.reset();
   bool unmoved = true;
   const Pose pad = pad_pose(data);
-  const Twist pad_motion = velocity_of(model, data, pad_body(model), data->site_xpos + 3 * site_);
+  const Twist pad_motion = velocity_of(model, data, pad_body(model), data.site_xpos() + 3 * site_);
   for (TouchedGeom& touched : touched_) {
-    const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
+    const Pose geom = pose_at(data.geom_xpos() + 3 * touched.geom, data.geom_xmat() + 9 * touched.geom);
     const Pose world_in_surface = (geom * touched.surface_in_geom).inverse();
     const Pose pad_in_surface = world_in_surface * pad;
-    const Twist geom_motion = velocity_of(model, data, touched.body, data->geom_xpos + 3 * touched.geom);
+    const Twist geom_motion = velocity_of(model, data, touched.body, data.geom_xpos() + 3 * touched.geom);
     const Eigen::Vector3d spin = pad_motion.angular - geom_motion.angular;
     const Eigen::Vector3d carried = geom_motion.linear + geom_motion.angular.cross(pad.position - geom.position);
     const Twist motion{world_in_surface.rotation * (pad_motion.linear - carried), world_in_surface.rotation * spin};
@@ -136,11 +137,11 @@ bool PadKinematics::locate(const mjModel* model, const mjData* data, bool always
   return unmoved;
 }
 
-bool PadKinematics::is_far(const mjData* data) const {
-  const MjVector pad(data->site_xpos + 3 * site_);
+bool PadKinematics::is_far(DataView data) const {
+  const MjVector pad(data.site_xpos() + 3 * site_);
   return std::ranges::all_of(touched_, [&](const TouchedGeom& touched) {
     return touched.reach > 0.0 &&
-           (pad - MjVector(data->geom_xpos + 3 * touched.geom)).squaredNorm() > touched.reach * touched.reach;
+           (pad - MjVector(data.geom_xpos() + 3 * touched.geom)).squaredNorm() > touched.reach * touched.reach;
   });
 }
 
@@ -153,14 +154,14 @@ bool PadKinematics::is_clear() {
   return *clear_;
 }
 
-bool PadKinematics::stays_far(const mjModel* model, const mjData* data, std::span<const double> memory, double step) const {
-  const MjVector pad(data->site_xpos + 3 * site_);
+bool PadKinematics::stays_far(ModelView model, DataView data, std::span<const double> memory, double step) const {
+  const MjVector pad(data.site_xpos() + 3 * site_);
   const Eigen::Vector3d motion = velocity_of(model, data, pad_body(model), pad.data()).linear;
   for (std::size_t k = 0; k < touched_.size(); ++k) {
     const Eigen::Vector3d speed = motion - velocity_of(model, data, touched_[k].body, pad.data()).linear;
     const double way = step * (speed.norm() + step * MjVector(gained(memory, k)).norm()), apart = touched_[k].reach + way;
     if (!(touched_[k].reach > 0.0)) return false;
-    if (!((pad - MjVector(data->geom_xpos + 3 * touched_[k].geom)).squaredNorm() > apart * apart)) return false;
+    if (!((pad - MjVector(data.geom_xpos() + 3 * touched_[k].geom)).squaredNorm() > apart * apart)) return false;
   }
   return true;
 }
@@ -176,7 +177,7 @@ bool PadKinematics::stays_clear(std::span<const double> memory, double step) con
   return true;
 }
 
-std::string PadKinematics::site_mistake(const mjModel* model, std::span<const Field> fields, bool placed) {
+std::string PadKinematics::site_mistake(ModelView model, std::span<const Field> fields, bool placed) {
   std::size_t touching = 0;  // on any geom: one may lie beside another
   for (const Field& field : fields) touching += field.touching();
   std::string first;
@@ -184,8 +185,8 @@ std::string PadKinematics::site_mistake(const mjModel* model, std::span<const Fi
     TouchedGeom& touched = touched_[k];
     const auto mistake = [&](const std::string& where, const std::string& what) {
       if (!first.empty()) return;
-      first = fmt::format("tips of the pad at site '{}' are {} the touched geom '{}'{}", mj_id2name(model, mjOBJ_SITE, site_),
-                          where, name_of_geom(model, touched.geom), what);
+      first = fmt::format("tips of the pad at site '{}' are {} the touched geom '{}'{}", model.name_of(mj::site, site_), where,
+                          name_of_geom(model, touched.geom), what);
     };
     if (touched.watch.points_outwards(touched.shape, touched.pad_in_surface, touching)) {
       mistake(
@@ -203,20 +204,20 @@ std::string PadKinematics::site_mistake(const mjModel* model, std::span<const Fi
   return first;
 }
 
-void PadKinematics::apply(const mjModel* model, mjData* data, std::size_t k, const Wrench& wrench) const {
+void PadKinematics::apply(ModelView model, DataView data, std::size_t k, const Wrench& wrench) const {
   const TouchedGeom& touched = touched_[k];
-  const mjtNum* origin = data->site_xpos + 3 * site_;
-  const Eigen::Matrix3d surface = MjMatrix(data->geom_xmat + 9 * touched.geom) * touched.surface_in_geom.rotation;
+  const double* origin = data.site_xpos() + 3 * site_;
+  const Eigen::Matrix3d surface = MjMatrix(data.geom_xmat() + 9 * touched.geom) * touched.surface_in_geom.rotation;
   const Eigen::Vector3d force = surface * wrench.force, torque = surface * wrench.torque;
   const Eigen::Vector3d back_force = -force, back_torque = -torque;
   push(model, data, force, torque, origin, pad_body(model));
   push(model, data, back_force, back_torque, origin, touched.body);
 }
 
-void PadKinematics::store_poses(const mjData* data, std::span<double> poses) const {
-  mjtNum* to = store_pose(data->site_xpos + 3 * site_, data->site_xmat + 9 * site_, poses.data());
+void PadKinematics::store_poses(DataView data, std::span<double> poses) const {
+  double* to = store_pose(data.site_xpos() + 3 * site_, data.site_xmat() + 9 * site_, poses.data());
   for (const TouchedGeom& touched : touched_)
-    to = store_pose(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, to);
+    to = store_pose(data.geom_xpos() + 3 * touched.geom, data.geom_xmat() + 9 * touched.geom, to);
 }
 
 Pose PadKinematics::stored_pad_in_surface(std::span<const double> poses, std::size_t k) const {
@@ -225,13 +226,11 @@ Pose PadKinematics::stored_pad_in_surface(std::span<const double> poses, std::si
   return (pose_at(geom, geom + 3) * touched_[k].surface_in_geom).inverse() * pose_at(pad, pad + 3);
 }
 
-Pose PadKinematics::pad_pose(const mjData* data) const {
-  return pose_at(data->site_xpos + 3 * site_, data->site_xmat + 9 * site_);
-}
+Pose PadKinematics::pad_pose(DataView data) const { return pose_at(data.site_xpos() + 3 * site_, data.site_xmat() + 9 * site_); }
 
-Pose PadKinematics::surface_pose(const mjData* data, std::size_t k) const {
+Pose PadKinematics::surface_pose(DataView data, std::size_t k) const {
   const TouchedGeom& touched = touched_[k];
-  return pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom) * touched.surface_in_geom;
+  return pose_at(data.geom_xpos() + 3 * touched.geom, data.geom_xmat() + 9 * touched.geom) * touched.surface_in_geom;
 }
 
 }  // namespace slipbench

@@ -9,6 +9,7 @@
 #include "sim/core/error.h"
 #include "sim/core/math/decade.h"
 #include "sim/core/quantity.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
@@ -42,7 +43,7 @@ std::string rounded_time(double time) { return format_quantity(rounded_to_digits
 
 }  // namespace
 
-PadReadout::PadReadout(const mjModel* model, int instance, const PadConfig& config, const PadCatalogue& catalogue)
+PadReadout::PadReadout(ModelView model, int instance, const PadConfig& config, const PadCatalogue& catalogue)
     : sensor_(config.make_sensor(catalogue)),
       sensor_memory_(sensor_->memory()),
       feels_every_tick_(sensor_->feels_every_tick()),
@@ -50,8 +51,8 @@ PadReadout::PadReadout(const mjModel* model, int instance, const PadConfig& conf
       labels_(sensor_->layout()),
       writes_truth_(config.truth),
       unloaded_(config.unloaded) {
-  for (int id = 0; id < static_cast<int>(model->nsensor); ++id) {
-    if (model->sensor_plugin[id] == instance) outputs_.push_back(model->sensor_adr[id]);
+  for (int id = 0; id < static_cast<int>(model.nsensor()); ++id) {
+    if (model.sensor_plugin()[id] == instance) outputs_.push_back(model.sensor_adr()[id]);
   }
   if (has_outputs()) watch();
   for (const std::span<double> memory : sensor_memory_) first_memory_.insert(first_memory_.end(), memory.begin(), memory.end());
@@ -115,19 +116,19 @@ void PadReadout::commit_idle(const PluginState& state, double time) const {
   if (watched() && sample_time_ > 0.0 && sample_is_due(time, state.next_sample())) state.next_sample() = sample_after(time);
 }
 
-void PadReadout::write(mjData* data, const PluginState& state) const {
+void PadReadout::write(DataView data, const PluginState& state) const {
   const std::span<const double> held = state.held();
   for (const int address : outputs_) {
-    mjtNum* const out = data->sensordata + address;
+    double* const out = data.sensordata() + address;
     sample_ ? write_values(*sample_, out) : std::copy(held.begin(), held.end(), out);
     if (writes_truth_) write_truth(labels_.frame(), unloaded_, out + held.size());
   }
 }
 
-void PadReadout::write_committed(mjData* data, const PluginState& state) const {
+void PadReadout::write_committed(DataView data, const PluginState& state) const {
   const std::span<const double> held = state.held(), truth_values = state.truth();
   for (const int address : outputs_) {
-    mjtNum* const out = std::copy(held.begin(), held.end(), data->sensordata + address);
+    double* const out = std::copy(held.begin(), held.end(), data.sensordata() + address);
     std::copy(truth_values.begin(), truth_values.end(), out);
   }
 }

@@ -10,7 +10,6 @@
 // sensordata.
 #pragma once
 
-#include <mujoco/mujoco.h>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -25,6 +24,7 @@
 #include "sim/contact/field.h"
 #include "sim/mujoco/pads/pad_config.h"
 #include "sim/mujoco/pads/plugin_state.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
@@ -33,7 +33,7 @@ namespace slipbench {
 class PadReadout {
  public:
   // Has a reader if a sensor of the model refers to plugin instance `instance`.
-  PadReadout(const mjModel* model, int instance, const PadConfig& config, const PadCatalogue& catalogue);
+  PadReadout(ModelView model, int instance, const PadConfig& config, const PadCatalogue& catalogue);
 
   // Adds a reader of truth() and sensor().
   void watch() { reader_ = Reader::sensor; }
@@ -61,8 +61,8 @@ class PadReadout {
   [[nodiscard]] bool sampled() const { return sample_.has_value(); }
 
   // Writes sensordata: the readings of the last measure(), or those of the last commit.
-  void write(mjData* data, const PluginState& state) const;
-  void write_committed(mjData* data, const PluginState& state) const;
+  void write(DataView data, const PluginState& state) const;
+  void write_committed(DataView data, const PluginState& state) const;
 
   [[nodiscard]] const ContactFrame& truth(std::span<Field> fields, FramePart part) { return labels_.fill(fields, part); }
   void disable_slip_angle() { labels_.disable_slip_angle(); }

@@ -4,6 +4,7 @@
 
 #include "sim/mujoco/pads/implicit.h"
 #include "sim/mujoco/pads/pad_field.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
@@ -30,12 +31,12 @@ PluginStateLayout::PluginStateLayout(const PadConfig& config, Sensor& sensor, st
       held(channel_values(sensor)),
       truth(config.truth ? 8 * sensor.layout().units.size() + 3 : 0) {}
 
-std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue) {
+std::size_t pad_state_size(ModelView model, const PadConfig& config, const PadCatalogue& catalogue) {
   const std::unique_ptr<Sensor> sensor = config.make_sensor(catalogue);
   const PadLayout layout = without_dashpots(sensor->layout());
   std::size_t fields = 0;
   for (const int geom : config.geoms) {
-    fields += make_pad_field(model, config, layout, geom, kind_of_surface(model->geom_type[geom])).state_size();
+    fields += make_pad_field(model, config, layout, geom, kind_of_surface(model.geom_type()[geom])).state_size();
   }
   return PluginStateLayout(config, *sensor, fields).total();
 }

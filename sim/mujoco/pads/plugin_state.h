@@ -10,13 +10,13 @@
 //   truth     truth of the last commit (pad_readout.h)
 #pragma once
 
-#include <mujoco/mujoco.h>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "sim/api/sensor.h"
 #include "sim/mujoco/pads/pad_config.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
@@ -53,7 +53,7 @@ struct PluginStateLayout {
 
 // Number of values of an instance in plugin_state, and in sensordata. MuJoCo asks for them before
 // the model has its meshes. pad_state_size() throws InputError if an effect does not fit a geom.
-std::size_t pad_state_size(const mjModel* model, const PadConfig& config, const PadCatalogue& catalogue);
+std::size_t pad_state_size(ModelView model, const PadConfig& config, const PadCatalogue& catalogue);
 std::size_t pad_sensor_size(const PadConfig& config, const PadCatalogue& catalogue);
 
 // Gives access to the state of one instance in one mjData, while that and the layout exist.

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <string>
 
 #include "sim/api/sensor.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
-
-struct mjModel_;
-struct mjData_;
 
 namespace slipbench {
 
@@ -27,9 +26,15 @@ inline constexpr const char* field_plugin_name = "slipbench.field";
 // plugin's library, two copies of the same code, and MuJoCo accepts a name only once.
 inline constexpr const char* bench_plugin_name = "slipbench.bench";
 
-// Call once, before a model that uses the plugin is read. Does not replace a `slipbench.field` that
-// another copy has registered. If the loaded MuJoCo is not the version for which this was compiled,
-// warns by mju_warning and does nothing: MuJoCo's structures differ between versions.
+// Registers the plugin under `name` in a MuJoCo that stays loaded, before a model that uses it is
+// read. Does not replace a plugin of this name that another copy has registered. `carry`: called
+// with each exception before it is reported by mju_error, or null. Returns false if the process
+// already contains as many MuJoCos with pads as are supported, four.
+bool register_plugin(const MujocoLibrary& mujoco, const char* name, PadCatalogue catalogue, void (*carry)(std::exception_ptr));
+
+// The same in the MuJoCo that the program links: `slipbench.field`. Call once. If the loaded MuJoCo
+// is not the version for which the program was compiled, warns by mju_warning and does nothing:
+// MuJoCo's structures differ between versions.
 void register_field_plugin(PadCatalogue catalogue);
 
 // The same, and `slipbench.bench`. For programs that simulate scenes.
@@ -41,11 +46,11 @@ void register_bench_plugin(PadCatalogue catalogue);
 // Returns one line for each pad, values separated by tabs: its instance's number, name, site's
 // number, number of units, 1 with truth; then one for each channel of the sensor: "", name, unit
 // and shape, as in "9 3". Throws InputError if the model's attributes are invalid.
-[[nodiscard]] std::string describe_pads(const mjModel_* model);
+[[nodiscard]] std::string describe_pads(ModelView model);
 
 // Returns the longest step [s] for the explicit pads of the model, with all elements of every pad
 // touching at once: each pad on the body on which it vibrates fastest, at the positions of `data`,
 // which must be made from this model. Infinite without explicit pads.
-[[nodiscard]] double longest_step(const mjModel_* model, mjData_* data);
+[[nodiscard]] double longest_step(ModelView model, DataView data);
 
 }  // namespace slipbench

@@ -9,47 +9,48 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 namespace {
 
 constexpr double inside_by = 1e-5;  // m
 
-std::string named(const mjModel* model, mjtObj type, const char* noun, int id) {
-  const char* name = mj_id2name(model, type, id);
+std::string named(ModelView model, int type, const char* noun, int id) {
+  const char* name = model.name_of(type, id);
   return name != nullptr && *name != '\0' ? fmt::format("{} {}", noun, quote(name))
                                           : fmt::format("{} {} (without a name)", noun, id);
 }
 
-bool excluded(const mjModel* model, int a, int b) {
-  for (int e = 0; e < static_cast<int>(model->nexclude); ++e) {
-    const int signature = model->exclude_signature[e];
+bool excluded(ModelView model, int a, int b) {
+  for (int e = 0; e < static_cast<int>(model.nexclude()); ++e) {
+    const int signature = model.exclude_signature()[e];
     if (signature == (a << 16) + b || signature == (b << 16) + a) return true;
   }
   return false;
 }
 
-bool paired(const mjModel* model, int a, int b) {
-  for (int p = 0; p < static_cast<int>(model->npair); ++p) {
-    if (std::minmax(model->pair_geom1[p], model->pair_geom2[p]) == std::minmax(a, b)) return true;
+bool paired(ModelView model, int a, int b) {
+  for (int p = 0; p < static_cast<int>(model.npair()); ++p) {
+    if (std::minmax(model.pair_geom1()[p], model.pair_geom2()[p]) == std::minmax(a, b)) return true;
   }
   return false;
 }
 
 // True if MuJoCo treats the two as parent and child, which do not collide.
-bool related(const mjModel* model, int body_a, int body_b) {
-  if ((model->opt.disableflags & mjDSBL_FILTERPARENT) != 0) return false;
-  const int a = model->body_weldid[body_a], b = model->body_weldid[body_b];
+bool related(ModelView model, int body_a, int body_b) {
+  if ((model.opt_disableflags() & mj::disable_filterparent) != 0) return false;
+  const int a = model.body_weldid()[body_a], b = model.body_weldid()[body_b];
   if (a == 0 || b == 0) return false;
-  return a == model->body_weldid[model->body_parentid[b]] || b == model->body_weldid[model->body_parentid[a]];
+  return a == model.body_weldid()[model.body_parentid()[b]] || b == model.body_weldid()[model.body_parentid()[a]];
 }
 
-bool may_collide(const mjModel* model, int a, int b) {
+bool may_collide(ModelView model, int a, int b) {
   if (paired(model, a, b)) return true;
-  const int body_a = model->geom_bodyid[a], body_b = model->geom_bodyid[b];
-  if (model->body_weldid[body_a] == model->body_weldid[body_b]) return false;
-  const bool matching =
-      (model->geom_contype[a] & model->geom_conaffinity[b]) != 0 || (model->geom_contype[b] & model->geom_conaffinity[a]) != 0;
+  const int body_a = model.geom_bodyid()[a], body_b = model.geom_bodyid()[b];
+  if (model.body_weldid()[body_a] == model.body_weldid()[body_b]) return false;
+  const bool matching = (model.geom_contype()[a] & model.geom_conaffinity()[b]) != 0 ||
+                        (model.geom_contype()[b] & model.geom_conaffinity()[a]) != 0;
   return matching && !excluded(model, body_a, body_b) && !related(model, body_a, body_b);
 }
 
@@ -60,24 +61,24 @@ double gap_of(const Surface& surface, const Eigen::Vector3d& tip, const Eigen::V
 
 }  // namespace
 
-std::string possible_contact(const mjModel* model, const PadConfig& config) {
-  constexpr int none = mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
-  if ((model->opt.disableflags & none) != 0) return {};
-  const int pad_body = model->site_bodyid[config.site];
+std::string possible_contact(ModelView model, const PadConfig& config) {
+  constexpr int none = mj::disable_contact | mj::disable_constraint;
+  if ((model.opt_disableflags() & none) != 0) return {};
+  const int pad_body = model.site_bodyid()[config.site];
   if (pad_body == 0) return {};  // otherwise all fixed geoms would be the pad's
-  const bool fixed = model->body_weldid[pad_body] == 0;
+  const bool fixed = model.body_weldid()[pad_body] == 0;
   std::string first;
   std::set<std::pair<int, int>> bodies;
-  for (int a = 0; a < static_cast<int>(model->ngeom); ++a) {
-    const int body = model->geom_bodyid[a];
-    if (fixed ? body != pad_body : model->body_weldid[body] != model->body_weldid[pad_body]) continue;
+  for (int a = 0; a < static_cast<int>(model.ngeom()); ++a) {
+    const int body = model.geom_bodyid()[a];
+    if (fixed ? body != pad_body : model.body_weldid()[body] != model.body_weldid()[pad_body]) continue;
     for (const int b : config.geoms) {
       if (!may_collide(model, a, b)) continue;
       if (first.empty()) {
-        first = fmt::format("{}, which moves with the pad, and the touched {}", named(model, mjOBJ_GEOM, "geom", a),
-                            named(model, mjOBJ_GEOM, "geom", b));
+        first = fmt::format("{}, which moves with the pad, and the touched {}", named(model, mj::geom, "geom", a),
+                            named(model, mj::geom, "geom", b));
       }
-      bodies.insert({body, model->geom_bodyid[b]});
+      bodies.insert({body, model.geom_bodyid()[b]});
     }
   }
   if (bodies.empty()) return {};
@@ -86,7 +87,7 @@ std::string possible_contact(const mjModel* model, const PadConfig& config) {
   std::size_t shown = 0;
   for (const auto& [a, b] : bodies) {
     const auto name = [&](int body) {
-      const char* text = mj_id2name(model, mjOBJ_BODY, body);
+      const char* text = model.name_of(mj::body, body);
       return text != nullptr && *text != '\0' ? std::string(text) : fmt::format("(number {}, give it a name)", body);
     };
     // Without the world's contacts a body falls through the floor.

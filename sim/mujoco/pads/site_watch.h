@@ -2,7 +2,6 @@
 // the wrong way.
 #pragma once
 
-#include <mujoco/mujoco.h>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "sim/contact/surface/surface.h"
 #include "sim/core/pose.h"
 #include "sim/mujoco/pads/pad_config.h"
+#include "sim/mujoco/releases/mujoco_library.h"
 
 namespace slipbench {
 
@@ -20,7 +20,7 @@ namespace slipbench {
 // with the pad and a touched geom, with the remedy; empty if MuJoCo can find no such contact. Geoms
 // of the site's body and of bodies welded to it move with the pad; if the site's body is fixed to
 // the world, only its own geoms are meant.
-[[nodiscard]] std::string possible_contact(const mjModel* model, const PadConfig& config);
+[[nodiscard]] std::string possible_contact(ModelView model, const PadConfig& config);
 
 // Checks one pad on one surface until it has touched correctly: an element that is inside and
 // points outwards exerts no force.

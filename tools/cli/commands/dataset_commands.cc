@@ -17,6 +17,7 @@
 #include "sim/core/counted.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
+#include "sim/mujoco/releases/release_table.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/format/describe.h"
 #include "tools/cli/format/describe_key.h"
@@ -31,7 +32,6 @@
 #include "tools/files/project/project_file.h"
 #include "tools/files/reject.h"
 #include "tools/learning_data/label_rules.h"
-#include "tools/plugin/plugin_builds.h"
 #include "tools/registry/program_catalogues.h"
 #include "tools/train/recipe_list.h"
 #include "tools/trial/sweep/run_sweep.h"
@@ -546,9 +546,10 @@ int DoctorCommand::run() {
 
 void PluginPathCommand::declare(Arguments& arguments) {
   arguments.about("plugin-path", "Print the path of the MuJoCo plugin", R"(
-The path is for `mj_loadPluginLibrary`. The library at this path loads the build for the running
-version of MuJoCo; --mujoco prints the path of one build. scenes/mujoco/README.md explains the plugin.)");
-  arguments.text("--mujoco VERSION", mujoco, "Version of MuJoCo, such as 3.3.7");
+The path is for `mj_loadPluginLibrary` of every supported release of MuJoCo. For a release that
+the plugin does not know, --mujoco prints the command that adds it. scenes/mujoco/README.md explains
+the plugin.)");
+  arguments.text("--mujoco VERSION", mujoco, "Check that the plugin supports this release, such as 3.17.0");
 }
 
 int PluginPathCommand::run() {
@@ -560,11 +561,9 @@ int PluginPathCommand::run() {
         "the MuJoCo plugin {} does not exist; `./slipbench plugin-path` builds it if MuJoCo is installed (see `slipbench doctor`)",
         front.string());
   }
-  const std::string build = mujoco.empty() ? front.filename().string() : plugin_build(mujoco);
-  if (build.empty()) {
-    reject("--mujoco {}: the plugin has no build for MuJoCo {}; allowed: {}", mujoco, mujoco, plugin_versions_text);
-  }
-  const fs::path path = fs::canonical(front.parent_path() / build);
+  const fs::path path = fs::canonical(front);
+  const std::string folder = path.parent_path().string();
+  if (!mujoco.empty() && !find_layout(mujoco, folder)) reject("--mujoco {}: {}", mujoco, how_to_add(mujoco, folder, ""));
   if (json) return print_json({{"plugin", path.string()}});
   fmt::print("{}\n", path.string());
   return exit_good;

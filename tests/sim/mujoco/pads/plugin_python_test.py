@@ -1,14 +1,13 @@
-"""plugin_python_test.py LIBRARY ANOTHER_MUJOCO_VERSION [PLUGIN_TRACE].
+"""plugin_python_test.py LIBRARY [PLUGIN_TRACE].
 
 The plugin as Python and, where there is one of this MuJoCo, another C program load it. Runs in
-every release of MuJoCo for which the plugin is built.
+every release of MuJoCo that the plugin knows.
 """
 
 import copy
 import gc
 import os
 import pickle
-import re
 import subprocess
 import sys
 import tempfile
@@ -17,11 +16,15 @@ import unittest
 import mujoco
 import numpy as np
 
-LIBRARY, ANOTHER_VERSION = sys.argv[1:3]
-TRACE = sys.argv[3] if len(sys.argv) > 3 else None
+EXPECTED = os.environ.get("SLIPBENCH_TEST_MUJOCO")
+if EXPECTED not in (None, mujoco.mj_versionString()):
+    sys.exit(f"MuJoCo {EXPECTED} is not installed; install it: tools/setup/setup.sh mujoco-all")
+LIBRARY = sys.argv[1]
+TRACE = sys.argv[2] if len(sys.argv) > 2 else None
+HAS_IMPLICIT = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 14)
 SCENES = os.path.join(os.path.dirname(__file__), "..", "..", "..", "..", "scenes", "mujoco")
 INTEGRATORS = {"Euler": 0, "RK4": 1, "implicitfast": 3}
-if hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE"):
+if HAS_IMPLICIT:
     INTEGRATORS["discrete"] = 4
 STEPS = 5000  # 5 s at 1 ms
 
@@ -302,11 +305,10 @@ class Misuse(unittest.TestCase):
         )
 
     def test_all_that_implicit_lacks_in_one_message(self):
-        old = not hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
         self.refused(
             touching(key("solver", "implicit"), option='noslip_iterations="3" iterations="5"'),
-            f"solver='implicit' needs the integrator discrete, which MuJoCo {mujoco.__version__} does not have"
-            if old
+            f"solver='implicit' needs the integrator discrete, with which pads do not work in MuJoCo {mujoco.__version__}"
+            if not HAS_IMPLICIT
             else 'solver=\'implicit\' needs integrator="discrete"; noslip_iterations="0".*; iterations="20" or more, found 5; a tendon between a site '
             "on body block and a site on body plate",
         )
@@ -316,6 +318,14 @@ class Misuse(unittest.TestCase):
         self.refused(
             touching().replace('timestep="0.001"', 'timestep="0.0123456"'),
             "time step 12.3 ms.* [0-9.]{1,5} m?s.*94.9 rad/s.*10.5 ms.*10.5 ms.*solver='implicit'",
+        )
+
+    def test_sleep(self):
+        if not hasattr(mujoco.mjtEnableBit, "mjENBL_SLEEP"):
+            self.skipTest("releases before 3.4 do not have this flag")
+        self.refused(
+            touching().replace("/>", '><flag sleep="enable"/></option>', 1),
+            "plugin 'left': the flag sleep is enabled",
         )
 
     def test_check_warn_makes_warnings(self):
@@ -409,40 +419,6 @@ class Unloaded(unittest.TestCase):
         mujoco.mj_step(model, data)
         self.assertTrue(np.isnan(data.sensordata[90:99]).all() and np.isnan(data.sensordata[-1]))
         self.assertEqual(np.isnan(data.sensordata).sum(), 10)
-
-
-class Library(unittest.TestCase):
-    def test_asks_the_loader_for_one_version_wherever_it_is(self):
-        dynamic = subprocess.run(
-            ["readelf", "-d", LIBRARY], check=True, capture_output=True, text=True
-        ).stdout
-        needed = re.findall(r"\(NEEDED\).*\[(libmujoco[^]]*)\]", dynamic)
-        self.assertEqual(needed, [f"libmujoco.so.{mujoco.__version__}"])
-        self.assertNotRegex(dynamic, "RPATH|RUNPATH")
-        self.assertNotRegex(
-            dynamic, "yaml|fmt|stdc", "these are inside, whatever the process holds"
-        )
-
-    def test_another_version_is_refused_with_the_one_it_needs(self):
-        script = (
-            f"import mujoco; mujoco.mj_loadPluginLibrary({LIBRARY!r})\n"
-            f"try: mujoco.MjModel.from_xml_string({grip()!r})\n"
-            "except ValueError as error: print(error)"
-        )
-        with (
-            tempfile.TemporaryDirectory() as folder
-        ):  # MuJoCo writes its warnings to a file there as well
-            result = subprocess.run(
-                [sys.executable, "-c", script],
-                cwd=folder,
-                capture_output=True,
-                text=True,
-                env={**os.environ, "LD_PRELOAD": ANOTHER_VERSION},
-            )
-        said = result.stdout + result.stderr
-        self.assertEqual(result.returncode, 0, said)
-        self.assertIn(f"slipbench.field was built for MuJoCo {mujoco.__version__}, but ", said)
-        self.assertIn("slipbench.field", result.stdout)  # the model is refused
 
 
 if __name__ == "__main__":
