@@ -14,13 +14,14 @@ struct ShippedNetwork {
   const char* first_choice = nullptr;
 };
 
-inline constexpr std::array<ShippedNetwork, 13> shipped_networks{
+inline constexpr std::array<ShippedNetwork, 14> shipped_networks{
     {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray", "displacement"},
      {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
      {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin", "signal"},
      {"piezo_grasp", "scenes/learn/piezo_grasp.onnx", "piezo_skin"},
      {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad", "si"},
      {"nib_grasp", "scenes/learn/nib_grasp.onnx", "nib_pad"},
+     {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp"},
      {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp"},
      {"taxels_slip", "scenes/learn/taxels_slip.onnx", "taxels"},
      {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"},
