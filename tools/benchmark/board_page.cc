@@ -223,7 +223,7 @@ constexpr std::array rules{
     "and one without, so a rule that does not feel the pad earns at most 0.",
     "The credit of a recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at "
     "the alarm; in a recording of a real sensor it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. A recording is evaluated from the "
-    "start of its motion; a recording that slips by less than least_slip_distance has no credit and is not counted in the columns after the score.",
+    "start of its motion; a recording that slips by less than least_slip_distance counts as one without slip.",
     "Recordings of a real sensor: score = credit − share of the time without slip in which slip is reported.",
     "Disturbed recordings: the score is the share of the recordings without an alarm. They have no ranks.",
     "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 for the smallest "

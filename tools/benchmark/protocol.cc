@@ -83,8 +83,9 @@ Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   Part part = alarms_of(judgement);
   const bool slips = !std::isnan(judgement.slip_time);
   const bool by_distance = test_set.track != Track::transfer;
-  part.slips = slips;
-  part.credited = slips && judgement.onset_known && !(by_distance && judgement.whole_slip_distance < least_slip_distance);
+  const bool too_small = by_distance && judgement.whole_slip_distance < least_slip_distance;
+  part.slips = slips && !too_small;
+  part.credited = slips && judgement.onset_known && !too_small;
   part.judged = test_set.disturbance.empty() || !slips;
   part.no_alarm = std::isnan(judgement.alarm_time);
   if (part.credited && judgement.detection == Detection::seen) {

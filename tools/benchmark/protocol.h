@@ -62,7 +62,7 @@ std::string protocol_sha256(const Protocol& protocol);
 // One trial's contribution to a score.
 struct Part {
   bool judged = true;             // false: a disturbed recording that slips, which is left out
-  bool slips = true;              // a part of the contact slips
+  bool slips = true;              // the object slips by least_slip_distance or more
   bool no_alarm = true;           // there is no alarm that counts
   double credit = 0.0;            // 0 to 1
   bool credited = true;           // false: the trial has no credit to earn, such as a recording without slip

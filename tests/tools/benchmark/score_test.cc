@@ -132,13 +132,14 @@ TEST(Score, OpenRecordingsLoseTheShareOfFalseAlarms) {
   EXPECT_DOUBLE_EQ(score.value, 0.25);
 }
 
-// A recording that slips too little to earn credit is neither a slip nor a recording without slip.
-TEST(Score, SlipsOfMicrometresCostNothing) {
+// A recording that slips too little to earn credit counts as one without slip: the only one of these
+// has an alarm.
+TEST(Score, SlipsOfMicrometresCountAsNone) {
   eval::Judgement one = judgement(Detection::seen, 0.0, 0, 1);
   one.whole_slip_distance = 0.9 * least_slip_distance;
   one.alarm_time = 0.7;
   const std::vector<Part> parts{recording_part(judgement(Detection::seen, half_delay, 0, 0), open), recording_part(one, open)};
-  EXPECT_DOUBLE_EQ(score_of(parts, open).value, 0.5);
+  EXPECT_DOUBLE_EQ(score_of(parts, open).value, 0.5 - 1.0);
 }
 
 // In recordings of a real sensor, which may slip and hold, the share of the samples without slip in
