@@ -64,6 +64,7 @@ INPUTS = {
     "gel_slip": 189,
     "papillarray_slip": 27,
     "taxels_slip": 48,
+    "skin_slip": 48,
     "biotac_cnn": 132,
     "biotac_gcn": 24,
     "biotac_lstm": 24,
@@ -699,6 +700,35 @@ class Recipes(unittest.TestCase):
         # Three of eight units are 10 less along X, which neither a translation nor a turn fits: 10 sqrt(3/8 5/8) = 4.8.
         self.assertGreater(min(departure, departure_now), 4.5)
         self.assertGreater(slope, 0.3)
+
+    # Readings of 16 units that grow by a fifth, each in proportion: the middle is 1.1 of those before. The
+    # 16 that are added to the load of 24,640 lower the common change of 0.2/1.1 by 0.07 %, which
+    # counts as a moved load of 0.27 times that, 3.2e-5. Then one unit
+    # passes 100 to another, and the shear of a third changes by 60 along X and by 0, 20 or 90 along Y.
+    def test_skin_slip_measures_the_departure_from_a_common_change(self):
+        network = networks.SkinSlip(48, 2, lags=(1,), noise=1.0).eval()
+        normal = 500.0 + 120.0 * np.arange(16)
+        before = np.stack((0.1 * normal, -0.05 * normal, normal), 1)
+
+        def changes(now):
+            frames = torch.tensor(np.stack((before, now)).reshape(1, 2, 48).tolist())
+            return network.measures(frames, torch.zeros(1, 1, 48))[0, 1].expm1().mul(1e-3).tolist()
+
+        common, moved, turned = changes(1.2 * before)
+        self.assertAlmostEqual(common, 0.2 / 1.1, delta=2e-4)
+        self.assertLess(max(moved, turned), 4e-5)
+        now = before.copy()
+        now[3, 2] -= 100.0
+        now[4, 2] += 100.0
+        now[[3, 4], :2] *= now[[3, 4], 2:] / before[[3, 4], 2:]  # the ratios stay
+        now[9, 0] -= 60.0
+        load = normal.sum() + 16
+        for along_y, least in ((0.0, 0.0), (20.0, 20.0 / load), (90.0, 60.0 / load)):
+            now[9, 1] = before[9, 1] + along_y
+            common, moved, turned = changes(now)
+            self.assertLess(common, 1e-6)
+            self.assertAlmostEqual(moved, 100 * 2**0.5 / load, delta=1e-5)
+            self.assertAlmostEqual(turned, least, delta=1e-5)
 
     # A translation and a turn of the plate, with counts at rest that differ between electrodes; then
     # the taxel in the middle stays behind.

@@ -26,6 +26,8 @@ constexpr std::array all{
     RecipeLine{
         "taxels_slip",
         "Departure of the forces of a grid of 4 x 4 taxels from a rigid motion over 10 to 300 ms, through a GRU at 100 Hz"},
+    RecipeLine{"skin_slip",
+               "Departure of a magnetic skin's readings from a common change over 0.1 to 0.6 s, through a GRU at 33 Hz"},
     RecipeLine{"myrmex_net1", "Spectra of 12 x 12 taxels through one convolution and 512 units"},
     RecipeLine{"myrmex_net2", "Spectra of 12 x 12 taxels through two convolutions and 512 units"},
     RecipeLine{"myrmex_net3", "Spectra of 12 x 12 taxels through two convolutions and 1024 units"},

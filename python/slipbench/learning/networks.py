@@ -637,6 +637,84 @@ class RigidSlip(nn.Module):
         return with_latest(self, frames, state)
 
 
+class SkinSlip(nn.Module):
+    """skin_slip: departure of a skin's readings from a common change, through a GRU.
+
+    A grip that tightens or relaxes changes the readings of all units by the same share, and the
+    ratio of shear to normal reading of each unit stays. Slip and rocking move load between the
+    units and change these ratios. All values are relative to the sum of the normal readings, so
+    that the sensitivity of the device has no influence. Not published.
+
+    The smaller of the changes along both axes is read, and the greater one is not: in recordings,
+    a closing gripper shears a skin along one axis as much as slip does.
+
+    | layer | output |
+    |---|---|
+    | readings of the units | units x 3 |
+    | readings before each of `lags` frames, which a state holds | lags x units x 3 |
+    | of each lag: common change, load moved between units, smaller change of the ratios | 3 lags |
+    | batch norm; linear, ReLU | 32 |
+    | GRU | 32 |
+    | linear | 2 |
+
+    Args:
+        lags: frames, in ascending order
+        noise: of a reading, in the unit of the sensor
+    """
+
+    least = 1e-3  # share of the load below which a change is noise
+
+    def __init__(self, inputs: int, classes: int, lags: tuple[int, ...], noise: float) -> None:
+        super().__init__()
+        self.lags, self.noise = lags, noise
+        self.norm = nn.BatchNorm1d(3 * len(lags))
+        self.rest = FrameGru(3 * len(lags), classes, width=32)
+
+    def measures(self, frames: Tensor, before: Tensor) -> Tensor:
+        """ln(1 + change/least) of the changes [N, T, 3 lags], from frames [N, T, inputs].
+
+        `before`: the frames before them [N, greatest lag, inputs]. The changes, as shares of the
+        load: the common one of each lag, then the load moved, then the change of the ratios.
+        """
+        change = changes_of(frames, before, self.lags) / self.noise
+        change = change.reshape(*change.shape[:3], -1, 3)  # [N, T, lags, units, 3]
+        middle = frames.reshape(*frames.shape[:2], 1, -1, 3) / self.noise - 0.5 * change
+        normal, pressed = middle[..., 2], change[..., 2]
+        load = normal.abs().sum(3, keepdim=True) + normal.shape[3]  # a unit is noise, at least
+        common = pressed.sum(3, keepdim=True) / load
+        moved = (pressed - common * normal) / load
+        # The same ratio would change the shear by middle[..., :2]/normal pressed; 3: noise of `normal`.
+        ratio = (pressed * normal / (normal**2 + 9)).unsqueeze(4)
+        turned = (change[..., :2] - middle[..., :2] * ratio) / load.unsqueeze(4)
+        values = torch.cat(
+            (
+                common.abs().squeeze(3),
+                torch.sqrt((moved**2).sum(3) + 1e-12),
+                torch.sqrt((turned**2).sum(3).amin(3) + 1e-12),
+            ),
+            2,
+        )
+        return torch.log(1 + values / self.least)
+
+    def after(self, measures: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """Logits and the state, from measures()."""
+        scaled = self.norm(measures.flatten(0, 1)).reshape(measures.shape)
+        answer: tuple[Tensor, tuple[Tensor, ...]] = self.rest(scaled, state)
+        return answer
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """Returns logits, and the state if the network has one (see the module)."""
+        before = (
+            frames.new_zeros((frames.shape[0], self.lags[-1], frames.shape[2]))
+            if state is None
+            else state[0]
+        )
+        logits, after = self.after(
+            self.measures(frames, before), None if state is None else state[1:]
+        )
+        return logits, (torch.cat((before, frames), 1)[:, -self.lags[-1] :], *after)
+
+
 class NibRigid(nn.Module):
     """nib_rigid: departure of the taxels' shear from a rigid motion, through a GRU.
 
