@@ -27,6 +27,7 @@ inline constexpr std::array<ShippedNetwork, 14> shipped_networks{
      {"taxels_grasp", "scenes/learn/taxels_grasp.onnx", "taxels"},
      {"magnetic_skin_slip", "scenes/learn/magnetic_skin_slip.onnx", "magnetic_skin", "field"},
      {"magnetic_skin_grasp", "scenes/learn/magnetic_skin_grasp.onnx", "magnetic_skin"},
+     {"magnetic_skin_carried", "scenes/learn/magnetic_skin_carried.onnx", "magnetic_skin"},
      {"gel_slip", "scenes/learn/gel_slip.onnx", "gel_markers", "displacement"},
      {"gel_grasp", "scenes/learn/gel_grasp.onnx", "gel_markers"}}};
 
