@@ -263,6 +263,7 @@ TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
                             "learn/disturbed",
                             "learn/taxels",
                             "learn/magnetic_skin",
+                            "learn/carried_magnetic_skin",
                             "learn/gel_markers",
                             "learn/short_papillarray",
                             "learn/short_taxels",
