@@ -14,7 +14,7 @@ struct ShippedNetwork {
   const char* first_choice = nullptr;
 };
 
-inline constexpr std::array<ShippedNetwork, 14> shipped_networks{
+inline constexpr std::array<ShippedNetwork, 15> shipped_networks{
     {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray", "displacement"},
      {"papillarray_grasp", "scenes/learn/papillarray_grasp.onnx", "papillarray"},
      {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin", "signal"},
