@@ -219,9 +219,10 @@ void convert(Skin& skin, const slipbench_contact* contact, float* values) {
 void measure(void* self, const slipbench_contact* contact, float* values) {
   Skin& skin = *static_cast<Skin*>(self);
   if (skin.values[refresh] == 0.0) return convert(skin, contact, values);
-  if (contact->time >= skin.next) {
+  const double now = contact->time + 1e-9;  // s: times are sums of doubles
+  if (now >= skin.next) {
     convert(skin, contact, skin.latest.data());
-    while (skin.next <= contact->time)
+    while (skin.next <= now)
       skin.next += std::max(0.1, 1.0 + skin.values[refresh_jitter] * normal(skin.clock)) / skin.values[refresh];
   }
   std::copy(skin.latest.begin(), skin.latest.end(), values);

@@ -652,7 +652,7 @@ class SkinSlip(nn.Module):
     |---|---|
     | readings of the units | units x 3 |
     | readings before each of `lags` frames, which a state holds | lags x units x 3 |
-    | of each lag: common change, load moved between units, smaller change of the ratios | 3 lags |
+    | of each lag: common change, load moved between units, smaller change of ratios | 3 lags |
     | batch norm; linear, ReLU | 32 |
     | GRU | 32 |
     | linear | 2 |

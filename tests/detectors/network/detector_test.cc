@@ -215,7 +215,7 @@ TEST(ShippedNetworks, ReadAtTheRateOfTheirTable) {
       ++files;
     }
   }
-  EXPECT_EQ(files, 13U);
+  EXPECT_EQ(files, 14U);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(StatesBy, SlidesByTheSpeedOfTheObject) {
   SensorRecord sensor;
   sensor.name = "pad";
   sensor.type = "magnetic_skin";
-  sensor.labels.unit_positions = {0.0, 0.0};
+  sensor.labels.k_normal = {1000.0};  // one unit
   const auto states = [&](double period, const std::vector<float>& path) {
     sensor.time.clear();
     for (std::size_t k = 0; k < path.size(); ++k) sensor.time.push_back(period * static_cast<double>(k));

@@ -164,11 +164,10 @@ TEST(ShippedScenes, BiotacSlipsInSevenWays) {
   }
 }
 
-// A third of the trials never slips, at every site where others do, and what distinguishes devices
-// is drawn.
-TEST(ShippedScenes, LearnBiotacNeverSlipsInAThird) {
+// Half of the trials never slip, at every site where others do, and what distinguishes devices is drawn.
+TEST(ShippedScenes, LearnBiotacNeverSlipsInHalf) {
   const TrialPlan plan(shipped("learn/biotac_sp.yaml"), catalogues(), 0, 1);
-  ASSERT_EQ(plan.size(), 2160u);
+  ASSERT_EQ(plan.size(), 2880u);  // 24 cells of 120
   std::set<std::vector<double>> slip_sites, touch_sites;
   std::size_t touches = 0;
   for (std::size_t i = 0; i < plan.size(); i += 10) {
@@ -177,12 +176,13 @@ TEST(ShippedScenes, LearnBiotacNeverSlipsInAThird) {
     const bool slips = motion.number("speed") > 0.0 || motion.number("rotation") != 0.0;
     (slips ? slip_sites : touch_sites).insert(motion.vector("site"));
     touches += slips ? 0U : 1U;
-    // 1 times the drawn value of .1 to 1.5.
-    EXPECT_GE(scene.friction.static_coefficient, 0.1);
-    EXPECT_LE(scene.friction.static_coefficient, 1.5);
+    // The drawn value of .1 to 1.5, four times as much without slip.
+    const double times = slips ? 1.0 : 4.0;
+    EXPECT_GE(scene.friction.static_coefficient, times * 0.1);
+    EXPECT_LE(scene.friction.static_coefficient, times * 1.5);
     EXPECT_EQ(scene.sensors.at(0).parameters.choice("device"), "redrawn");
   }
-  EXPECT_EQ(touches, plan.size() / 30);
+  EXPECT_EQ(touches, plan.size() / 20);
   EXPECT_EQ(touch_sites, slip_sites);
 }
 

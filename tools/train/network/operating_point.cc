@@ -96,7 +96,8 @@ double FrameCounts::alarms_per_minute(double period) const {
 
 double AlarmCounts::score() const {
   const Holding& first = holding.front();
-  return recording_score(credit / static_cast<double>(slips), share_of(first.series - first.silent, first.series));
+  const double false_share = first.series == 0 ? 0.0 : share_of(first.series - first.silent, first.series);
+  return recording_score(credit / static_cast<double>(slips), false_share);
 }
 
 double AlarmCounts::specificity() const {
@@ -169,8 +170,11 @@ OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double per
   if (counts.slips == 0)
     reject("no score: no validation trial of the first dataset slips by {:g} mm or more; choose by false alarms",
            1e3 * least_slip_distance);
-  if (counts.holding.front().series == 0)
-    reject("no score: a part of the pad slips in each validation trial of the first dataset; add trials that hold");
+  const auto has_hold = [](const SlipSeries& one) {
+    return one.dataset == 0 && std::ranges::find(one.truth, 0) != one.truth.end();
+  };
+  if (std::ranges::none_of(series, has_hold))
+    reject("no score: the validation trials of the first dataset slip all the time; add trials that hold");
   return most_worthy_point(series, period, [&](const AlarmCounts& at) {
     const double held = at.specificity();
     return std::pair{std::isnan(held) ? 0.0 : std::min(held - specificity, 0.0), at.score()};

@@ -51,7 +51,8 @@ struct AlarmCounts : FrameCounts {
   std::vector<Holding> holding = {Holding{}};  // by dataset
 
   // Score of the recordings of dataset 0 (tools/statistics/slip_score.h), in which the series without
-  // slip are those that hold. NaN without slip or without a series that holds.
+  // slip are those that hold. NaN without slip; without a series that holds there is no false alarm to
+  // lose.
   [[nodiscard]] double score() const;
   // The least share of Holding::silent of the datasets with least_holding series or more; NaN
   // without such a dataset.
@@ -79,7 +80,7 @@ OperatingPoint best_point(std::span<const SlipSeries> series, double period, dou
 // Returns the point with the greatest AlarmCounts::score() among those of best_point() whose
 // AlarmCounts::specificity() is at least `specificity`, 0 to 1. If no point reaches it, returns the
 // point with the greatest AlarmCounts::specificity(). Throws InputError if no series of dataset 0
-// slips by least_slip_distance, or if none of them holds.
+// slips by least_slip_distance, or if every frame of it is slip.
 OperatingPoint best_scoring_point(std::span<const SlipSeries> series, double period, double specificity);
 
 }  // namespace slipbench::train

@@ -133,7 +133,10 @@ TEST(OperatingPoint, ScoresTheFirstDatasetAlone) {
 TEST(OperatingPoint, NeedsASlipThatEarnsCreditAndAHold) {
   const std::vector<SlipSeries> series = slip_and_hold();
   EXPECT_THROW(best_scoring_point({&series[1], 1}, period, 0.95), InputError);
-  EXPECT_THROW(best_scoring_point({&series[0], 1}, period, 0.95), InputError) << "no series holds";
+  SlipSeries slips = series[0];
+  slips.truth.assign(slips.truth.size(), 1);
+  EXPECT_THROW(best_scoring_point({&slips, 1}, period, 0.95), InputError) << "no frame holds";
+  EXPECT_EQ(best_scoring_point({series.data(), 1}, period, 0.95).alarm.on, 1U) << "no false alarm to lose";
 }
 
 // Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of
