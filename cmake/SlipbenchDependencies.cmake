@@ -68,6 +68,7 @@ endif()
 
 # The releases of MuJoCo that the plugin supports, oldest first: SLIPBENCH_PLUGIN_RELEASES; those that the default test suite loads:
 # SLIPBENCH_DEFAULT_RELEASES. tools/setup/setup.sh mujoco or mujoco-all installs them for the tests; the build needs none.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/setup/requirements-mujoco.in)
 file(STRINGS ${PROJECT_SOURCE_DIR}/tools/setup/requirements-mujoco.in release_lines REGEX "^mujoco")
 set(SLIPBENCH_PLUGIN_RELEASES "")
 set(SLIPBENCH_DEFAULT_RELEASES "")

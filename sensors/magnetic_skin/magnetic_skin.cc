@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <utility>
 #include <vector>
 
 #include "sensors/plugin_abi.h"
@@ -139,7 +140,7 @@ struct Skin {
   double share;                      // of the surface's displacement, at a magnet's depth
   bool forces;                       // one magnetometer behind each magnet, so that it reads a known magnet
   std::uint64_t random, clock;       // streams of the noise and of the times of new values
-  double next;                       // s, time of the next new values
+  double next, last;                 // s, time of the next new values, and of the last reading
   std::vector<float> latest;         // values of all channels, with `refresh`
 };
 
@@ -220,6 +221,8 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
   Skin& skin = *static_cast<Skin*>(self);
   if (skin.values[refresh] == 0.0) return convert(skin, contact, values);
   const double now = contact->time + 1e-9;  // s: times are sums of doubles
+  // A simulation that was reset begins anew.
+  if (now < std::exchange(skin.last, now)) skin.next = now;
   if (now >= skin.next) {
     convert(skin, contact, skin.latest.data());
     while (skin.next <= now)

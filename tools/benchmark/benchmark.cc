@@ -162,9 +162,11 @@ Answer recorded_answer(const EntrantResults& entry, const TestSet* test_set, con
     const double from = test_set == nullptr ? -never : judged_from(*test_set, *scene);
     const eval::Truth truth = eval::truth_of(scene, record, record.sensors[entry.sensor], rule, from);
     const auto replayed = [&] {
-      if (entry.entrant->kind == Kind::oracle) return as_true(truth);
-      if (entry.entrant->kind == Kind::known_signal)
-        return std::isnan(truth.first_slip) ? no_reports(truth) : signal_known(record, slipless->record(), entry.sensor, truth);
+      if (is_measure(*entry.entrant)) {
+        const eval::Replayed oracle = as_true(truth);
+        if (counts_as_none(judged(test_set, record.trial, truth, oracle))) return no_reports(truth);
+        return entry.entrant->kind == Kind::oracle ? oracle : signal_known(record, slipless->record(), entry.sensor, truth);
+      }
       if (entry.entrant->kind == Kind::control)
         return eval::replay(make_detector(control_of(*entry.entrant, test_set, scene)), record.sensors, entry.sensor);
       return eval::replay(detector_of(entry), record.sensors, entry.sensor, record.seed, record.trial);

@@ -79,13 +79,16 @@ std::string protocol_sha256(const Protocol& protocol) {
   return text_sha256(text);
 }
 
+bool counts_as_none(const eval::Judgement& judgement) {
+  return std::isnan(judgement.slip_time) || judgement.whole_slip_distance < least_slip_distance;
+}
+
 Part recording_part(const eval::Judgement& judgement, const TestSet& test_set) {
   Part part = alarms_of(judgement);
   const bool slips = !std::isnan(judgement.slip_time);
   const bool by_distance = test_set.track != Track::transfer;
-  const bool too_small = by_distance && judgement.whole_slip_distance < least_slip_distance;
-  part.slips = slips && !too_small;
-  part.credited = slips && judgement.onset_known && !too_small;
+  part.slips = by_distance ? !counts_as_none(judgement) : slips;
+  part.credited = part.slips && judgement.onset_known;
   part.judged = test_set.disturbance.empty() || !slips;
   part.no_alarm = std::isnan(judgement.alarm_time);
   if (part.credited && judgement.detection == Detection::seen) {

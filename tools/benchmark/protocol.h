@@ -37,7 +37,7 @@ struct TestSet {
   std::string domain{};                // "inside" or "outside" of the ranges of scenes/learn, "disturbed"; may be empty
   std::string disturbance{};           // "knock": scored by specificity; empty: not a disturbed recording
   // s, in loops: the control `motion known` reports slip for so long from the lift on; the time that
-  // scores best on these grasps. NaN: not a loop.
+  // scored best in the grasps of slip-3. NaN: not a loop.
   double time = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -73,6 +73,9 @@ struct Part {
   double quiet_samples = 0.0;     // samples without true slip
 };
 
+// True for a recording that counts as one without slip: nothing slips, or the object by less than
+// least_slip_distance in all.
+bool counts_as_none(const eval::Judgement& judgement);
 // Returns the part of a recording. The credit of a detected slip is
 // distance_credit(Judgement::slip_distance). It is 0 after an early alarm or without an alarm. A
 // recording that slips by less than least_slip_distance in all is not credited. In a recording of a

@@ -16,7 +16,7 @@ constexpr double distance_credit(double slipped) { return half_slip_distance / (
 // comes before the slip or never. `false_share`: share of the recordings without slip in which slip is
 // reported. This is the index of Youden (Cancer 3(1), 1950) with the credit in place of the
 // sensitivity. If each recording with slip has a twin without slip and with the same motion, a rule
-// that does not feel the pad earns at most 0: it reports slip in both or in none.
+// that does not feel the pad earns at most 0, because it reports slip in both or in none.
 constexpr double recording_score(double credit, double false_share) { return credit - false_share; }
 
 }  // namespace slipbench

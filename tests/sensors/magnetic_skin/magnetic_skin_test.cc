@@ -244,6 +244,15 @@ TEST(MagneticSkin, RepeatsItsValuesUntilTheNextRefresh) {
   EXPECT_GT(differs, 90'000);
 }
 
+// A simulation of MuJoCo that is reset to 0 s gets new values at once, and the next ones 0.1 s later.
+TEST(MagneticSkin, RefreshesAfterAReset) {
+  Skin skin(one({{"noise", 2.2}, {"refresh", 10}, {"refresh_jitter", 0}}));
+  const Rows last = skin.read(1, still, 10.0), reset = skin.read(1, still, 0.0);
+  EXPECT_NE(reset, last);
+  EXPECT_EQ(skin.read(1, still, 0.09), reset);
+  EXPECT_NE(skin.read(1, still, 0.1), reset);
+}
+
 TEST(MagneticSkin, RefusesWhatDoesNotGoTogether) {
   const auto refused = [](const Given& given) { return scene_refusal_of([&] { Skin{given}; }); };
   EXPECT_THAT(refused({{"rows", 1.5}}), mentions({"rows", "columns"}));

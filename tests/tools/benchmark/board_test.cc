@@ -158,7 +158,7 @@ TEST(Board, HasItsMeasures) {
 TEST(Board, SameBytesWhateverTheThreads) {
   const Json one = board("taxels", 2, 1);
   EXPECT_EQ(submission_text(one), submission_text(board("taxels", 2, 2)));
-  // Grasps 0 and 48 of the 96 are the first of the twelve boxes, which have eight trials each, and the
+  // Grasps 0 and 36 of the 72 are the first of the twelve boxes, which have six trials each, and the
   // seventh.
   const Json& by = one.at("sets").back().at("by");
   const auto masses = std::ranges::find_if(by, [](const Json& axis) { return axis.at("by") == "box.mass"; });
@@ -321,6 +321,11 @@ TEST(Submission, NamesTheFirstDifference) {
   Json elsewhere = made;
   elsewhere["machine"]["cpu"] = "b";
   EXPECT_EQ(difference(submission_text(made), made, elsewhere), "") << "the machine is a claim, not a result";
+  Json known = made;
+  known["protocol"]["real"] = "three recordings";
+  Json earlier = known;
+  earlier["protocol"]["real"] = "two recordings";
+  EXPECT_EQ(difference(submission_text(earlier), earlier, known), "") << "text for the page";
   Json other = made;
   other["sets"][0]["rows"][0]["credit"] = 0.25;
   EXPECT_EQ(difference(submission_text(made), made, other), "/sets/0/rows/0/credit: 0.5 in the file, but 0.25 recomputed");

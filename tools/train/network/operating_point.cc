@@ -95,8 +95,8 @@ double FrameCounts::alarms_per_minute(double period) const {
 }
 
 double AlarmCounts::score() const {
-  const Holding& first = holding.front();
-  const double false_share = first.series == 0 ? 0.0 : share_of(first.series - first.silent, first.series);
+  const double false_share =
+      without_slip.series == 0 ? 0.0 : share_of(without_slip.series - without_slip.silent, without_slip.series);
   return recording_score(credit / static_cast<double>(slips), false_share);
 }
 
@@ -124,6 +124,10 @@ AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, cons
       if (said && !std::exchange(ever, true) && t >= onset && credited) counts.credit += distance_credit(one.path[t] - begin);
       if (one.truth[t] == masked) continue;
       counts.add(one.truth[t] == 1, said, begins);
+    }
+    if (scored && !credited && !one.path.empty()) {
+      ++counts.without_slip.series;
+      counts.without_slip.silent += ever ? 0 : 1;
     }
     if (!one.holds) continue;
     if (counts.holding.size() <= one.dataset) counts.holding.resize(one.dataset + 1);

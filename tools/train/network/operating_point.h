@@ -22,7 +22,7 @@ struct SlipSeries {
   bool holds = false;               // no part of the pad slips
 };
 
-// Series of a dataset in which no part of the pad slips.
+// Series in which nothing is to be reported.
 struct Holding {
   std::size_t series = 0;
   std::size_t silent = 0;  // without an alarm
@@ -48,11 +48,11 @@ struct AlarmCounts : FrameCounts {
   // Sum over them of the credit of the path from the first frame of slip to the first alarm, and
   // 0 if the alarm comes before that frame or never, by distance_credit().
   double credit = 0.0;
-  std::vector<Holding> holding = {Holding{}};  // by dataset
+  Holding without_slip = {};          // series of dataset 0 with a known path that slip by less than that
+  std::vector<Holding> holding = {};  // by dataset: series in which no part of the pad slips
 
-  // Score of the recordings of dataset 0 (tools/statistics/slip_score.h), in which the series without
-  // slip are those that hold. NaN without slip; without a series that holds there is no false alarm to
-  // lose.
+  // Score of the recordings of dataset 0 (tools/statistics/slip_score.h), as the benchmark counts slip.
+  // NaN if none of them slips; if all of them slip, the mean credit.
   [[nodiscard]] double score() const;
   // The least share of Holding::silent of the datasets with least_holding series or more; NaN
   // without such a dataset.

@@ -86,6 +86,8 @@ TEST(AlarmCounts, CreditAnAlarmInAMaskedFrame) {
   EXPECT_DOUBLE_EQ(counts_at({&one, 1}, 0.5, {}).credit, 0.5);
   one.path = {0.0, 0.01e-3, 0.04e-3, 0.04e-3};
   EXPECT_EQ(counts_at({&one, 1}, 0.5, {}).slips, 0U);  // a slip of less than least_slip_distance
+  EXPECT_EQ(counts_at({&one, 1}, 0.5, {}).without_slip.series, 1U);
+  EXPECT_EQ(counts_at({&one, 1}, 0.5, {}).without_slip.silent, 0U);
   one.path.clear();
   EXPECT_EQ(counts_at({&one, 1}, 0.5, {}).slips, 0U);  // its path is unknown
 }
