@@ -201,15 +201,15 @@ std::string overview_html(const Json& sets) {
 std::string real_html(const Json& result) {
   std::set<std::string> sensors;
   for (const Json& set : result.at("sets")) sensors.insert(set.at("sensor").get<std::string>());
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> lines;
   for (const auto& [sensor, known] : result.at("protocol").at("real").items()) {
-    if (sensors.contains(sensor)) rows.push_back({sensor, known.get<std::string>()});
+    if (sensors.contains(sensor)) lines.push_back(fmt::format("{}: {}", sensor, known.get<std::string>()));
   }
-  if (rows.empty()) return "";
+  if (lines.empty()) return "";
   return page::section_html("Real recordings",
                             "what is known of the shipped detectors from recordings of real sensors "
                             "(docs/results/real_recordings.md); the scores of this page are of simulations",
-                            page::table_html({{"sensor", "known"}, rows}));
+                            page::list_html(lines));
 }
 
 constexpr const char* opening =

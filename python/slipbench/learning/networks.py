@@ -694,7 +694,7 @@ class SkinSlip(nn.Module):
             ),
             2,
         )
-        return torch.log(1 + values / self.least)
+        return torch.log(values.div(self.least).add(1))
 
     def after(self, measures: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
         """Logits and the state, from measures()."""
@@ -1037,11 +1037,16 @@ class BiotacSlip(nn.Module):
                 torch.matmul(one, by.transpose(2, 3)).squeeze(3) / number  # [N, T, 24]
                 for one, by in ((values, weight), (values**2, weight), (values, moment))
             )
-            variance = torch.relu(square - mean**2)
+            variance: Tensor = torch.relu(square - mean**2)
             change = product / spread * number / self.noise
-            sd = torch.sqrt(variance + 1e-3)
-            rest = torch.sqrt(torch.relu(variance - product**2 / spread) + 1e-3)
-            own += [torch.log(sd + self.noise), torch.log(rest + self.noise), signed_log(change)]
+            sd = torch.sqrt(variance.add(1e-3))
+            unexplained: Tensor = torch.relu(variance - product**2 / spread)
+            rest = torch.sqrt(unexplained.add(1e-3))
+            own += [
+                torch.log(sd.add(self.noise)),
+                torch.log(rest.add(self.noise)),
+                signed_log(change),
+            ]
             whole += [
                 torch.log(sd.mean(2) + self.noise),
                 torch.log(sd.amax(2) + self.noise),

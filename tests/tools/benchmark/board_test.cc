@@ -150,8 +150,8 @@ TEST(Board, HasItsMeasures) {
     }
   }
   EXPECT_EQ(disturbances, (std::set<std::string>{"grip", "hand", "knock", "load", "motor"}));
-  EXPECT_THAT(board_page(result),
-              mentions({"Specificity", "knock", "Score by sensor", "signal known", "detectors of other sensors: "}));
+  EXPECT_THAT(board_page(result), mentions({"Specificity", "knock", "Score by sensor", "signal known",
+                                            "detectors of other sensors: ", "taxels: no public recordings"}));
 }
 
 // The result is byte-identical with one thread and with two.
@@ -168,21 +168,24 @@ TEST(Board, SameBytesWhateverTheThreads) {
   EXPECT_EQ(names, (std::vector<std::string>{"229 g", "305 g"}));
 }
 
-// Detectors with 1, 5 and 20 % of their answers flipped, in addition to the included ones without
-// flips. Under a disturbance the first flip already costs all of the score.
+// Detectors with 1 and 20 % of their answers flipped, in addition to the included ones without
+// flips. Under a disturbance the first flip already costs all of the score. In four grasps only many
+// flips are sure to cost.
 TEST(Board, FlipsLowerTheScore) {
   std::map<std::string, double> before;  // by scene and detector
-  for (const char* flip : {"0.01", "0.05", "0.2"}) {
+  for (const std::string flip : {"0.01", "0.2"}) {
     const Json flipped = board("papillarray", 4, 2, flip);
     for (const Json& set : flipped.at("sets")) {
       if (set.contains("disturbance")) continue;
       for (const char* detector : {"shear_rate", "force_ratio"}) {
         const double unflipped = score(set, detector), now = score(set, fmt::format("{}, given", detector));
         double& last = before.try_emplace(set.at("scene").get<std::string>() + detector, unflipped).first->second;
+        if (set.at("track") == "closed loop" && flip == "0.2") {
+          EXPECT_LT(now, unflipped) << detector;
+        }
         // An open recording has at most one false alarm to lose.
-        EXPECT_LE(now, last) << detector << " with flip " << flip << ", " << set.at("scene");
-        if (set.at("track") == "closed loop") {
-          EXPECT_LT(now, last) << detector << " with flip " << flip;
+        if (set.at("track") != "closed loop") {
+          EXPECT_LE(now, last) << detector << " with flip " << flip << ", " << set.at("scene");
         }
         last = now;
       }

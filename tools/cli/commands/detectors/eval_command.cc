@@ -162,8 +162,7 @@ int EvalCommand::run() {
 void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Compare slip detectors by one protocol", R"(
 Ranks detectors on a board: the included detectors, the given DETECTORs, and negative controls. The
-controls do not read the sensor: they always or never report slip, report it from a fixed time on,
-or know the commanded motion.
+controls do not read the sensor: they always or never report slip, or know the commanded motion.
 
 A protocol consists of fixed recordings and grasps (scenes/benchmark/PROTOCOL) and of a score
 (tools/benchmark/README.md). The seeds of recordings and grasps differ from those of the training
