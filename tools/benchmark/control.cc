@@ -35,7 +35,10 @@ std::unique_ptr<Detector> make_detector(const Control& control) { return std::ma
 
 Control motion_known(const TestSet& test_set, const Scene& scene) {
   const Parameters& motion = scene.motion.parameters;
-  if (scene.grasp) return {.from = lift_times(motion).start, .until = lift_times(motion).start + test_set.time};
+  if (scene.grasp) {
+    const double lift = lift_times(motion).start;
+    return {.from = lift, .until = lift + test_set.time};
+  }
   if (!test_set.mover.empty()) {
     const std::vector<ControlScene::Point>& points =
         std::ranges::find(scene.controls, test_set.mover, &ControlScene::actuator)->points;

@@ -79,7 +79,7 @@ Json parse_submission(const std::string& text, const std::string& name) {
 
 std::string difference(const std::string& text, const Json& submitted, Json recomputed) {
   if (submitted.contains("machine")) recomputed["machine"] = submitted.at("machine");
-  // What is known from real recordings is text for the page, not a result.
+  // The sentences on real recordings are text for the page, not results.
   const Json::json_pointer real("/protocol/real");
   if (submitted.contains(real) && recomputed.contains(real)) recomputed[real] = submitted.at(real);
   adopt_close_numbers(submitted, recomputed);

@@ -92,7 +92,7 @@ void register_in(void* loaded, const std::string& file) {
   }
 }
 
-// Returns the loaded MuJoCo of this version. Throws InputError if there is none.
+// Returns the MuJoCo of this version. Throws InputError if it is not loaded.
 const MujocoLibrary& mujoco_of(const char* version) {
   for (const Registered& one : registered()) {
     if (one.version == version) return *one.mujoco;

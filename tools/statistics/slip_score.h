@@ -14,7 +14,7 @@ constexpr double distance_credit(double slipped) { return half_slip_distance / (
 
 // Returns the score of a set of recordings, -1 to 1. `credit`: mean credit of a slip, 0 if the alarm
 // comes before the slip or never. `false_share`: share of the recordings without slip in which slip is
-// reported. This is the index of Youden (Cancer 3(1), 1950) with the credit in place of the
+// reported. This is the index of Youden [youden1950] with the credit in place of the
 // sensitivity. If each recording with slip has a twin without slip and with the same motion, a rule
 // that does not feel the pad earns at most 0, because it reports slip in both or in none.
 constexpr double recording_score(double credit, double false_share) { return credit - false_share; }
